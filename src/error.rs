@@ -1,0 +1,141 @@
+//! The one error type, sorted by who is to blame; every message says what is wrong and, where it can, what to do.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Shorthand used by every fallible function of the crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Where in an input file the trouble is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// Offset from the start of the file, in bytes.
+    Byte(u64),
+    /// Line and column of a text file, both counted from 1.
+    Text { line: usize, column: usize },
+}
+
+/// What went wrong, by who can mend it.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file's content is damaged or contradicts its own format.
+    Input { path: PathBuf, place: Place, message: String, hint: Option<String> },
+    /// A value given by the caller (a flag or an argument) is out of range.
+    Parameter { name: String, message: String, hint: Option<String> },
+    /// The file may be sound, but uses something that this program does not implement.
+    Unsupported { path: PathBuf, place: Place, message: String, hint: Option<String> },
+    /// Honouring the request would need more memory or time than allowed.
+    Limit { path: PathBuf, message: String, hint: Option<String> },
+    /// The operating system refused.
+    Io { path: PathBuf, source: std::io::Error },
+}
+
+impl Error {
+    /// A damaged input file.
+    pub fn input(path: &Path, message: impl Into<String>) -> Self {
+        Error::Input { path: path.into(), place: Place::File, message: message.into(), hint: None }
+    }
+
+    /// A parameter out of its range; `name` as the user typed it, for example `--points`.
+    pub fn parameter(name: impl Into<String>, message: impl Into<String>) -> Self {
+        Error::Parameter { name: name.into(), message: message.into(), hint: None }
+    }
+
+    /// A feature that this program does not implement.
+    pub fn unsupported(path: &Path, message: impl Into<String>) -> Self {
+        Error::Unsupported { path: path.into(), place: Place::File, message: message.into(), hint: None }
+    }
+
+    /// A request larger than the limits of the program.
+    pub fn limit(path: &Path, message: impl Into<String>) -> Self {
+        Error::Limit { path: path.into(), message: message.into(), hint: None }
+    }
+
+    /// An error of the operating system, with the file that it concerns.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Error::Io { path: path.into(), source }
+    }
+
+    /// Says where in the file the trouble is (kept only by the kinds that have a place).
+    #[must_use]
+    pub fn at(mut self, at: Place) -> Self {
+        if let Error::Input { place, .. } | Error::Unsupported { place, .. } = &mut self {
+            *place = at;
+        }
+        self
+    }
+
+    /// Says what the user can do about it.
+    #[must_use]
+    pub fn with_hint(mut self, text: impl Into<String>) -> Self {
+        match &mut self {
+            Error::Input { hint, .. }
+            | Error::Parameter { hint, .. }
+            | Error::Unsupported { hint, .. }
+            | Error::Limit { hint, .. } => *hint = Some(text.into()),
+            Error::Io { .. } => {}
+        }
+        self
+    }
+
+    /// What the user can do about it, if the program knows.
+    #[must_use]
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            Error::Input { hint, .. }
+            | Error::Parameter { hint, .. }
+            | Error::Unsupported { hint, .. }
+            | Error::Limit { hint, .. } => hint.as_deref(),
+            Error::Io { .. } => None,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::File => Ok(()),
+            Place::Byte(offset) => write!(f, ", byte {offset}"),
+            Place::Text { line, column } => write!(f, ":{line}:{column}"),
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Input { path, place, message, .. } | Error::Unsupported { path, place, message, .. } => {
+                write!(f, "{}{place}: {message}", path.display())
+            }
+            Error::Parameter { name, message, .. } => write!(f, "{name}: {message}"),
+            Error::Limit { path, message, .. } => write!(f, "{}: {message}", path.display()),
+            Error::Io { path, source } => write!(f, "{}: {source}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Error::Io { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_the_file_and_the_place() {
+        let e = Error::input(Path::new("a.pbrt"), "unknown directive \"Foo\"").at(Place::Text { line: 3, column: 7 });
+        assert_eq!(e.to_string(), "a.pbrt:3:7: unknown directive \"Foo\"");
+        let e = Error::input(Path::new("a.pfm"), "file ends early").at(Place::Byte(12)).with_hint("download it again");
+        assert_eq!(e.to_string(), "a.pfm, byte 12: file ends early");
+        assert_eq!(e.hint(), Some("download it again"));
+    }
+}

@@ -1,0 +1,89 @@
+//! The image buffer: linear-light RGB, 32-bit float, row 0 at the top.
+
+/// Linear RGB radiance.
+pub type Rgb = glam::Vec3;
+
+/// A rectangle of linear RGB pixels. Row 0 is the top row, whatever a file format stores first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+}
+
+impl Image {
+    /// A black image. Both sides must be at least 1.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        Self::from_pixels(width, height, vec![Rgb::ZERO; width * height])
+    }
+
+    /// Wraps `pixels`, row by row from the top.
+    ///
+    /// # Panics
+    /// When a side is 0 or `pixels.len() != width * height`: a bug of the caller, never of an input file.
+    #[must_use]
+    pub fn from_pixels(width: usize, height: usize, pixels: Vec<Rgb>) -> Self {
+        assert!(width > 0 && height > 0 && pixels.len() == width * height, "{width}x{height}, {} pixels", pixels.len());
+        Self { width, height, pixels }
+    }
+
+    /// Evaluates `f(x, y)` at every pixel.
+    #[must_use]
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> Rgb) -> Self {
+        let mut pixels = Vec::with_capacity(width * height);
+        for y in 0..height {
+            pixels.extend((0..width).map(|x| f(x, y)));
+        }
+        Self::from_pixels(width, height, pixels)
+    }
+
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    #[must_use]
+    pub fn pixels(&self) -> &[Rgb] {
+        &self.pixels
+    }
+
+    /// All pixels, to change.
+    pub fn pixels_mut(&mut self) -> &mut [Rgb] {
+        &mut self.pixels
+    }
+
+    /// The pixels of row `y`.
+    #[must_use]
+    pub fn row(&self, y: usize) -> &[Rgb] {
+        &self.pixels[y * self.width..(y + 1) * self.width]
+    }
+
+    #[must_use]
+    pub fn get(&self, x: usize, y: usize) -> Rgb {
+        self.row(y)[x]
+    }
+
+    pub fn set(&mut self, x: usize, y: usize, value: Rgb) {
+        assert!(x < self.width, "column {x} of {}", self.width);
+        self.pixels[y * self.width + x] = value;
+    }
+
+    /// The image upside-down.
+    #[must_use]
+    pub fn flipped_vertically(&self) -> Self {
+        Self::from_fn(self.width, self.height, |x, y| self.get(x, self.height - 1 - y))
+    }
+
+    /// The image with every pixel passed through `f`.
+    #[must_use]
+    pub fn map(&self, f: impl Fn(Rgb) -> Rgb) -> Self {
+        Self { pixels: self.pixels.iter().map(|&p| f(p)).collect(), ..*self }
+    }
+}

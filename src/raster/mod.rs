@@ -1,0 +1,5 @@
+//! Float images: the buffer, the file formats, tone mapping.
+
+mod image;
+
+pub use self::image::{Image, Rgb};
