@@ -16,6 +16,8 @@
 
 pub mod error;
 pub mod files;
+pub mod optics;
 pub mod raster;
+pub mod sampling;
 
 pub use error::{Error, Result};

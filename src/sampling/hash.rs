@@ -1,0 +1,29 @@
+//! Bit mixers behind the counter-based streams.
+
+/// SplitMix64's output function: a bijection of 64-bit words in which every input bit reaches every output bit.
+///
+/// Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014 (variant 13 of Stafford).
+#[inline]
+#[must_use]
+pub fn mix64(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// 2⁶⁴ divided by the golden ratio: steps of a counter that [`mix64`] turns into a generator.
+pub const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A key from several words, in which their order matters.
+#[inline]
+#[must_use]
+pub fn key(words: [u64; 3]) -> u64 {
+    words.iter().fold(0, |k, &w| mix64(k.wrapping_add(GOLDEN) ^ w))
+}
+
+/// The 53 top bits of `x` as a number in \[0, 1).
+#[inline]
+#[must_use]
+pub fn unit_f64(x: u64) -> f64 {
+    (x >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
