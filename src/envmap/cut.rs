@@ -1,0 +1,377 @@
+//! Median cut: a map divided into regions of equal energy, each standing for one light.
+//!
+//! Source: Debevec, "A Median Cut Algorithm for Light Probe Sampling", 2005; the variance rule after Viriyothai &
+//! Debevec, "Variance Minimization Light Probe Sampling", 2009. Regions are split one at a time, always the one with
+//! the most energy (or variance) left, so any number can be asked for, and one that cannot be split (a single texel
+//! with the sun in it) does not stop the others.
+
+use super::latlong::EnvMap;
+use super::sat::SummedArea;
+use crate::error::{Error, Result};
+use glam::DVec3;
+use std::collections::BinaryHeap;
+use std::f64::consts::PI;
+
+/// How the place of a cut is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Split {
+    /// Across the longer side, where the energy halves.
+    #[default]
+    Energy,
+    /// Where the larger variance of the two halves is smallest, either way across. The variance of a region is
+    /// M₀ − |M₁|²/M₀ with M₀ = Σ E and M₁ = Σ E ω over its texels, in closed form from summed-area tables; being
+    /// taken on the sphere it knows of no seam and no pole.
+    Variance,
+}
+
+/// How the longer side of a region is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SideRule {
+    /// On the sphere: the width counts sin θ of the region's middle row.
+    #[default]
+    Sphere,
+    /// In texels, as the first report does.
+    Texels,
+}
+
+/// The texel rectangle \[x0, x1) × \[y0, y1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rect {
+    pub x0: usize,
+    pub y0: usize,
+    pub x1: usize,
+    pub y1: usize,
+}
+
+/// A region and the light that stands for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    pub rect: Rect,
+    /// Energy centroid, continuous texel coordinates.
+    pub centroid: (f64, f64),
+    /// The column and the row at which the region's energy halves, continuous texel coordinates (the first report's
+    /// "median pixel").
+    pub median: (f64, f64),
+    /// ∫ L dω over the region.
+    pub flux: DVec3,
+    /// ∫ (R+G+B)/3 dω over the region.
+    pub energy: f64,
+}
+
+/// A region waiting to be split: the heap gives the largest priority first, then the larger, then the earlier one.
+struct Candidate {
+    priority: f64,
+    solid_angle: f64,
+    rect: Rect,
+}
+
+impl Candidate {
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        self.priority
+            .total_cmp(&other.priority)
+            .then(self.solid_angle.total_cmp(&other.solid_angle))
+            .then((other.rect.y0, other.rect.x0).cmp(&(self.rect.y0, self.rect.x0)))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.order(other).is_eq()
+    }
+}
+impl Eq for Candidate {}
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.order(other)
+    }
+}
+
+/// The summed-area tables of a map, from which any number of cuts can be made.
+pub struct MedianCut<'a> {
+    map: &'a EnvMap,
+    energy: SummedArea,
+    /// First moments Σ E ω, one table per axis; only the variance rule needs them.
+    moments: Option<[SummedArea; 3]>,
+    sides: SideRule,
+}
+
+impl<'a> MedianCut<'a> {
+    #[must_use]
+    pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
+        let g = map.geometry();
+        let table = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| SummedArea::new(g.width(), g.height(), value);
+        let energy_of = |x: usize, y: usize| map.intensity(x, y) * g.solid_angle(y);
+        let moments = (split == Split::Variance)
+            .then(|| [0, 1, 2].map(|axis| table(&|x, y| energy_of(x, y) * g.direction_in_texel(x, y, 0.5, 0.5)[axis])));
+        Self { map, energy: table(&energy_of), moments, sides }
+    }
+
+    /// Divides the map into exactly `n` regions, in reading order of their corners.
+    pub fn regions(&self, n: usize) -> Result<Vec<Region>> {
+        let (width, height) = (self.map.geometry().width(), self.map.geometry().height());
+        if n == 0 || n > width * height {
+            return Err(Error::parameter("-n", format!("{n} regions out of {width}x{height} texels"))
+                .with_hint("ask for at least 1 and at most one region per texel"));
+        }
+        let mut done = Vec::new();
+        let mut heap = BinaryHeap::from([self.candidate(Rect { x0: 0, y0: 0, x1: width, y1: height })]);
+        while done.len() + heap.len() < n {
+            let Some(Candidate { rect, .. }) = heap.pop() else { break };
+            match self.cut(rect) {
+                Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),
+                None => done.push(rect),
+            }
+        }
+        done.extend(heap.into_iter().map(|c| c.rect));
+        done.sort_by_key(|r| (r.y0, r.x0));
+        Ok(done.into_iter().map(|rect| self.region(rect)).collect())
+    }
+
+    fn candidate(&self, rect: Rect) -> Candidate {
+        let g = self.map.geometry();
+        let column: f64 = (rect.y0..rect.y1).map(|y| g.solid_angle(y)).sum();
+        let priority = if self.moments.is_some() { self.variance(rect) } else { self.energy.sum(rect) };
+        Candidate { priority, solid_angle: column * (rect.x1 - rect.x0) as f64, rect }
+    }
+
+    /// The two halves of a region; `None` for a single texel.
+    fn cut(&self, rect: Rect) -> Option<[Rect; 2]> {
+        if self.moments.is_some() { self.cut_by_variance(rect) } else { self.cut_by_energy(rect) }
+    }
+
+    fn cut_by_energy(&self, rect: Rect) -> Option<[Rect; 2]> {
+        let across = self.longer_side(rect);
+        let axis = if across.candidates(rect).is_empty() { across.other() } else { across };
+        let places = axis.candidates(rect);
+        let (first, last) = (places.start, places.end.checked_sub(1)?);
+        if places.is_empty() {
+            return None;
+        }
+        let total = self.energy.sum(rect);
+        if total <= 0.0 {
+            return Some(axis.split(rect, (first + last).div_ceil(2)));
+        }
+        // The first cut with at least half of the energy before it, or the one before that if it is closer to half.
+        let before = |at: usize| self.energy.sum(axis.split(rect, at)[0]);
+        let (mut low, mut high) = (first, last);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if before(middle) * 2.0 >= total { high = middle } else { low = middle + 1 }
+        }
+        let imbalance = |at: usize| (before(at) * 2.0 - total).abs();
+        let at = if low > first && imbalance(low - 1) <= imbalance(low) { low - 1 } else { low };
+        Some(axis.split(rect, at))
+    }
+
+    fn cut_by_variance(&self, rect: Rect) -> Option<[Rect; 2]> {
+        let worse = |halves: &[Rect; 2]| self.variance(halves[0]).max(self.variance(halves[1]));
+        let best = [Axis::X, Axis::Y]
+            .into_iter()
+            .flat_map(|axis| axis.candidates(rect).map(move |at| axis.split(rect, at)))
+            .min_by(|a, b| worse(a).total_cmp(&worse(b)))?;
+        // Without light every cut is as good as any other: take the middle.
+        if self.energy.sum(rect) <= 0.0 { self.cut_by_energy(rect) } else { Some(best) }
+    }
+
+    /// M₀ − |M₁|²/M₀, at least 0.
+    fn variance(&self, rect: Rect) -> f64 {
+        let Some(moments) = &self.moments else { return 0.0 };
+        let m0 = self.energy.sum(rect);
+        if m0 <= 0.0 {
+            return 0.0;
+        }
+        let m1 = DVec3::from_array([0, 1, 2].map(|axis: usize| moments[axis].sum(rect)));
+        (m0 - m1.length_squared() / m0).max(0.0)
+    }
+
+    fn longer_side(&self, rect: Rect) -> Axis {
+        let g = self.map.geometry();
+        let (w, h) = ((rect.x1 - rect.x0) as f64, (rect.y1 - rect.y0) as f64);
+        let wide = match self.sides {
+            SideRule::Texels => w >= h,
+            SideRule::Sphere => {
+                let theta = 0.5 * PI * (rect.y0 + rect.y1) as f64 / g.height() as f64;
+                w * 2.0 * PI / g.width() as f64 * theta.sin() >= h * PI / g.height() as f64
+            }
+        };
+        if wide { Axis::X } else { Axis::Y }
+    }
+
+    /// Sums a region's texels directly, so that the regions' fluxes add up to the map's.
+    fn region(&self, rect: Rect) -> Region {
+        let g = self.map.geometry();
+        let mut flux = DVec3::ZERO;
+        let (mut energy, mut moment_x, mut moment_y) = (0.0, 0.0, 0.0);
+        let mut columns = vec![0.0; rect.x1 - rect.x0];
+        let mut rows = vec![0.0; rect.y1 - rect.y0];
+        for y in rect.y0..rect.y1 {
+            let solid_angle = g.solid_angle(y);
+            let mut row = DVec3::ZERO;
+            for x in rect.x0..rect.x1 {
+                row += self.map.texel(x, y).as_dvec3();
+                let e = self.map.intensity(x, y) * solid_angle;
+                moment_x += e * (x as f64 + 0.5);
+                moment_y += e * (y as f64 + 0.5);
+                columns[x - rect.x0] += e;
+                rows[y - rect.y0] += e;
+                energy += e;
+            }
+            flux += row * solid_angle;
+        }
+        let middle = (0.5 * (rect.x0 + rect.x1) as f64, 0.5 * (rect.y0 + rect.y1) as f64);
+        let (centroid, median) = if energy > 0.0 {
+            (
+                (moment_x / energy, moment_y / energy),
+                (rect.x0 as f64 + halving(&columns, energy), rect.y0 as f64 + halving(&rows, energy)),
+            )
+        } else {
+            (middle, middle)
+        };
+        Region { rect, centroid, median, flux, energy }
+    }
+}
+
+/// The place at which the running sum of `energies` reaches half of `total`, interpolated inside its cell.
+fn halving(energies: &[f64], total: f64) -> f64 {
+    let mut before = 0.0;
+    for (i, &e) in energies.iter().enumerate() {
+        if before + e >= 0.5 * total && e > 0.0 {
+            return i as f64 + (0.5 * total - before) / e;
+        }
+        before += e;
+    }
+    energies.len() as f64 * 0.5
+}
+
+/// The direction along which a region is divided.
+#[derive(Debug, Clone, Copy)]
+enum Axis {
+    X,
+    Y,
+}
+
+impl Axis {
+    fn other(self) -> Self {
+        match self {
+            Axis::X => Axis::Y,
+            Axis::Y => Axis::X,
+        }
+    }
+
+    /// The inner texel borders at which a region can be cut.
+    fn candidates(self, r: Rect) -> std::ops::Range<usize> {
+        match self {
+            Axis::X => r.x0 + 1..r.x1,
+            Axis::Y => r.y0 + 1..r.y1,
+        }
+    }
+
+    fn split(self, r: Rect, at: usize) -> [Rect; 2] {
+        match self {
+            Axis::X => [Rect { x1: at, ..r }, Rect { x0: at, ..r }],
+            Axis::Y => [Rect { y1: at, ..r }, Rect { y0: at, ..r }],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::info::Info;
+    use crate::raster::{Image, Rgb};
+
+    fn maps() -> Vec<EnvMap> {
+        let busy = |x: usize, y: usize| Rgb::new(((x * 31 + y * 17) % 11) as f32, (x % 3) as f32, 0.1);
+        let sun = |x: usize, y: usize| if (x, y) == (40, 9) { Rgb::splat(1e6) } else { Rgb::splat(0.2) };
+        vec![
+            EnvMap::new(Image::from_fn(64, 32, busy)),
+            EnvMap::new(Image::from_fn(64, 32, sun)),
+            EnvMap::new(Image::from_fn(64, 32, |_, _| Rgb::ONE)),
+            EnvMap::new(Image::new(64, 32)),
+            EnvMap::new(Image::from_fn(64, 32, |x, y| if (x, y) == (1, 1) { Rgb::ONE } else { Rgb::ZERO })),
+            EnvMap::new(Image::from_fn(3, 2, busy)),
+        ]
+    }
+
+    #[test]
+    fn regions_tile_the_map_and_keep_its_flux() {
+        for map in maps() {
+            let flux = DVec3::from_array(Info::of(&map).flux_rgb);
+            let (w, h) = (map.geometry().width(), map.geometry().height());
+            for split in [Split::Energy, Split::Variance] {
+                for sides in [SideRule::Sphere, SideRule::Texels] {
+                    let cut = MedianCut::new(&map, split, sides);
+                    for n in [1, 2, 3, 5, 6, 64, 777].into_iter().filter(|n| *n <= w * h) {
+                        let regions = cut.regions(n).unwrap();
+                        assert_eq!(regions.len(), n, "any number can be asked for");
+                        let mut covered = vec![0; w * h];
+                        for r in &regions {
+                            for y in r.rect.y0..r.rect.y1 {
+                                for x in r.rect.x0..r.rect.x1 {
+                                    covered[y * w + x] += 1;
+                                }
+                            }
+                            for (cx, cy) in [r.centroid, r.median] {
+                                assert!(cx >= r.rect.x0 as f64 && cx <= r.rect.x1 as f64);
+                                assert!(cy >= r.rect.y0 as f64 && cy <= r.rect.y1 as f64);
+                            }
+                        }
+                        assert!(covered.iter().all(|&c| c == 1));
+                        let sum: DVec3 = regions.iter().map(|r| r.flux).sum();
+                        assert!((sum - flux).length() <= 1e-12 * flux.length());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn halves_hold_half_of_the_energy() {
+        let map = &maps()[0];
+        let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(2).unwrap();
+        let [a, b] = [regions[0].energy, regions[1].energy];
+        assert!((a - b).abs() / (a + b) < 0.02, "{a} {b}");
+    }
+
+    #[test]
+    fn a_constant_map_is_cut_in_the_middle() {
+        let map = &maps()[2];
+        let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(4).unwrap();
+        let corners: Vec<_> = regions.iter().map(|r| (r.rect.x0, r.rect.y0)).collect();
+        // The sphere rule cuts the 2:1 map across, then each square half across its middle row's longer side.
+        assert!(corners.contains(&(0, 0)) && corners.contains(&(32, 0)), "{corners:?}");
+        let energy: f64 = regions.iter().map(|r| r.energy).sum();
+        for r in &regions {
+            assert!((r.energy / energy - 0.25).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_variance_rule_does_not_slice_a_lamp_in_two() {
+        // A large lamp beside a small one: equal energies are to be had only by cutting through the large one.
+        let lamp = |x: usize, y: usize| {
+            let large = (20..24).contains(&x) && (7..9).contains(&y);
+            let small = (40..41).contains(&x) && (7..9).contains(&y);
+            if large || small { 1.0 } else { 0.0 }
+        };
+        let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(lamp(x, y))));
+        let pieces = |split| {
+            let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(2).unwrap();
+            regions.iter().filter(|r| r.rect.x0 < 24 && r.rect.x1 > 20).count()
+        };
+        assert_eq!(pieces(Split::Energy), 2);
+        assert_eq!(pieces(Split::Variance), 1);
+    }
+
+    #[test]
+    fn impossible_numbers_are_refused() {
+        let map = &maps()[5];
+        let cut = MedianCut::new(map, Split::Energy, SideRule::Sphere);
+        assert!(cut.regions(0).is_err() && cut.regions(7).is_err() && cut.regions(6).is_ok());
+    }
+}

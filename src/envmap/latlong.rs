@@ -1,0 +1,294 @@
+//! The lat-long map and its geometry: the one place that knows which texel looks where.
+//!
+//! Row 0 is the zenith (+y) and texel centres lie at +½. With v = y/H and u = x/W:
+//!
+//! * θ = π v, measured from +y;
+//! * φ = 2π u with direction (sin θ cos φ, cos θ, sin θ sin φ): u = 0 looks along +x, ¼ along +z, ½ along −x, ¾ along −z.
+//!
+//! This is how the first report's scene sees its map once row 0 is the ceiling. A texel is the region between its
+//! edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact: (cos θ₀ − cos θ₁) Δφ.
+
+use crate::raster::{Image, Rgb};
+use crate::sampling::warp::{sin_cos_turns, turns};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// The geometry of a map of a given size.
+#[derive(Debug, Clone)]
+pub struct LatLong {
+    width: usize,
+    rows: Vec<Row>,
+}
+
+/// One row of texels, written from its nearer pole so that nothing cancels at either: cos θ = pole · (1 − w),
+/// where w goes from `start` to `start + extent` as θ grows.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    start: f64,
+    extent: f64,
+    pole: f64,
+    /// Solid angle of one texel.
+    solid_angle: f64,
+}
+
+impl LatLong {
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        let row = |y: usize| {
+            let (t0, t1) = (PI * y as f64 / height as f64, PI * (y + 1) as f64 / height as f64);
+            // cos t0 − cos t1 without the subtraction.
+            let extent = 2.0 * libm::sin(0.5 * (t0 + t1)) * libm::sin(0.5 * (t1 - t0));
+            let solid_angle = extent * 2.0 * PI / width as f64;
+            let north = 2 * y < height;
+            let half = if north { libm::sin(0.5 * t0) } else { libm::cos(0.5 * t0) };
+            let (pole, extent) = if north { (1.0, extent) } else { (-1.0, -extent) };
+            Row { start: 2.0 * half * half, extent, pole, solid_angle }
+        };
+        Self { width, rows: (0..height).map(row).collect() }
+    }
+
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Solid angle of a texel in row `y`, in steradian.
+    #[inline]
+    #[must_use]
+    pub fn solid_angle(&self, y: usize) -> f64 {
+        self.rows[y].solid_angle
+    }
+
+    /// The direction at `fx`, `fy` in (0, 1) inside texel (x, y); `fy` is uniform in solid angle, that is in cos θ.
+    #[inline]
+    #[must_use]
+    pub fn direction_in_texel(&self, x: usize, y: usize, fx: f64, fy: f64) -> DVec3 {
+        let row = &self.rows[y];
+        let w = row.start + fy * row.extent;
+        let sin_theta = (w * (2.0 - w)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = sin_cos_turns((x as f64 + fx) / self.width as f64);
+        DVec3::new(sin_theta * cos_phi, row.pole * (1.0 - w), sin_theta * sin_phi)
+    }
+
+    /// The inverse of [`LatLong::direction_in_texel`]: (x, y, fx, fy).
+    #[must_use]
+    pub fn texel_position(&self, direction: DVec3) -> (usize, usize, f64, f64) {
+        let (px, _) = self.position(direction);
+        let (x, y) = self.texel(direction);
+        let row = &self.rows[y];
+        let sin2 = direction.x * direction.x + direction.z * direction.z;
+        // 1 − |cos θ| = sin² θ / (1 + |cos θ|); on the far side of the equator it is 2 less that.
+        let near = sin2 / (1.0 + direction.y.abs());
+        let w = if direction.y * row.pole >= 0.0 { near } else { 2.0 - near };
+        (x, y, (px - x as f64).clamp(0.0, 1.0), ((w - row.start) / row.extent).clamp(0.0, 1.0))
+    }
+
+    /// The direction that the continuous map position (x, y), in texels from the top left corner, looks at.
+    #[must_use]
+    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+        let (sin_theta, cos_theta) = (PI * y / self.height() as f64).sin_cos();
+        let (sin_phi, cos_phi) = (2.0 * PI * x / self.width as f64).sin_cos();
+        DVec3::new(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi)
+    }
+
+    /// The continuous map position of a direction (any length but 0): x in \[0, W), y in \[0, H\].
+    #[inline]
+    #[must_use]
+    pub fn position(&self, d: DVec3) -> (f64, f64) {
+        let theta = d.x.hypot(d.z).atan2(d.y);
+        (turns(d.z, d.x) * self.width as f64, theta / PI * self.height() as f64)
+    }
+
+    /// The texel that a direction falls into.
+    #[inline]
+    #[must_use]
+    pub fn texel(&self, direction: DVec3) -> (usize, usize) {
+        let (x, y) = self.position(direction);
+        ((x as usize).min(self.width - 1), (y as usize).min(self.height() - 1))
+    }
+}
+
+/// A lat-long map of radiance, clean for use: finite and not negative.
+#[derive(Debug, Clone)]
+pub struct EnvMap {
+    image: Image,
+    geometry: LatLong,
+    found: Found,
+}
+
+/// What a map's file held before it was cleaned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Smallest and largest finite value of any channel.
+    pub min: f32,
+    pub max: f32,
+    /// Texels with a channel that is NaN or infinite; such values count as 0.
+    pub nonfinite: usize,
+    /// Texels with a negative channel; such values count as 0.
+    pub negative: usize,
+}
+
+impl EnvMap {
+    /// Takes an image (row 0 the zenith) and sets its non-finite and negative values to 0, counting them.
+    #[must_use]
+    pub fn new(mut image: Image) -> Self {
+        let mut found = Found { min: f32::INFINITY, max: f32::NEG_INFINITY, nonfinite: 0, negative: 0 };
+        for p in image.pixels_mut() {
+            found.nonfinite += usize::from(!p.is_finite());
+            found.negative += usize::from(p.to_array().iter().any(|c| c.is_finite() && *c < 0.0));
+            *p = Rgb::from_array(p.to_array().map(|c| {
+                if !c.is_finite() {
+                    return 0.0;
+                }
+                found.min = found.min.min(c);
+                found.max = found.max.max(c);
+                c.max(0.0)
+            }));
+        }
+        if found.min > found.max {
+            (found.min, found.max) = (f32::NAN, f32::NAN);
+        }
+        let geometry = LatLong::new(image.width(), image.height());
+        Self { image, geometry, found }
+    }
+
+    #[must_use]
+    pub fn geometry(&self) -> &LatLong {
+        &self.geometry
+    }
+
+    /// The cleaned texels.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// What was found in the file and what had to be cleaned.
+    #[must_use]
+    pub fn found(&self) -> Found {
+        self.found
+    }
+
+    /// Radiance of texel (x, y).
+    #[inline]
+    #[must_use]
+    pub fn texel(&self, x: usize, y: usize) -> Rgb {
+        self.image.get(x, y)
+    }
+
+    /// Radiance from a direction: that of its texel, without interpolation, which is what the samplers assume.
+    #[inline]
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        let (x, y) = self.geometry.texel(direction);
+        self.texel(x, y)
+    }
+
+    /// The scalar that importance follows, (R + G + B) / 3.
+    #[inline]
+    #[must_use]
+    pub fn intensity(&self, x: usize, y: usize) -> f64 {
+        intensity(self.texel(x, y))
+    }
+}
+
+/// (R + G + B) / 3 in f64.
+#[inline]
+#[must_use]
+pub fn intensity(rgb: Rgb) -> f64 {
+    let [r, g, b] = rgb.as_dvec3().to_array();
+    (r + g + b) / 3.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_where_the_convention_says() {
+        let g = LatLong::new(8, 4);
+        for (d, x, y) in [
+            (DVec3::X, 0.0, 2.0),
+            (DVec3::Z, 2.0, 2.0),
+            (DVec3::NEG_X, 4.0, 2.0),
+            (DVec3::NEG_Z, 6.0, 2.0),
+            (DVec3::Y, 0.0, 0.0),
+            (DVec3::NEG_Y, 0.0, 4.0),
+        ] {
+            assert_eq!(g.position(d), (x, y));
+        }
+        assert_eq!(g.texel(DVec3::NEG_Y), (0, 3), "the nadir belongs to the last row");
+    }
+
+    #[test]
+    fn one_hot_maps_shine_from_one_direction_only() {
+        for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (16, 8)] {
+            for hot in 0..w * h {
+                let (hx, hy) = (hot % w, hot / w);
+                let map =
+                    EnvMap::new(Image::from_fn(w, h, |x, y| if (x, y) == (hx, hy) { Rgb::ONE } else { Rgb::ZERO }));
+                for y in 0..h {
+                    for x in 0..w {
+                        let d = map.geometry().direction_in_texel(x, y, 0.5, 0.5);
+                        assert_eq!(map.radiance(d) == Rgb::ONE, (x, y) == (hx, hy), "{w}x{h} hot {hot} texel {x},{y}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn solid_angles_add_up_to_the_sphere() {
+        for (w, h) in [(1, 1), (2, 1), (3, 2), (1024, 512), (7, 1001)] {
+            let g = LatLong::new(w, h);
+            let sum: f64 = (0..h).map(|y| g.solid_angle(y) * w as f64).sum();
+            assert!((sum - 4.0 * PI).abs() < 1e-12, "{w}x{h}: {sum}");
+        }
+    }
+
+    #[test]
+    fn directions_round_trip_to_the_borders_and_the_poles() {
+        for (w, h) in [(1, 1), (2, 1), (3, 2), (1024, 512), (8192, 4096)] {
+            let g = LatLong::new(w, h);
+            for y in [0, 1.min(h - 1), h / 2, h - 1] {
+                for x in [0, w / 3, w - 1] {
+                    for f in [1e-9, 0.25, 0.5, 1.0 - 1e-9] {
+                        for fx in [1e-9, 0.5, 1.0 - 1e-9] {
+                            let d = g.direction_in_texel(x, y, fx, f);
+                            assert!((d.length() - 1.0).abs() < 1e-15);
+                            let (bx, by, bfx, bfy) = g.texel_position(d);
+                            assert_eq!((bx, by), (x, y), "{w}x{h} texel {x},{y} at {fx},{f}");
+                            assert!(
+                                (bfx - fx).abs() < 1e-8 && (bfy - f).abs() < 1e-8,
+                                "{fx} {f} came back {bfx} {bfy}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_seam_is_continuous() {
+        let g = LatLong::new(1024, 512);
+        let (left, right) = (g.direction(0.001, 200.0), g.direction(1023.999, 200.0));
+        assert!(left.distance(right) < 2e-5);
+        assert_eq!((g.texel(left).0, g.texel(right).0), (0, 1023));
+    }
+
+    #[test]
+    fn bad_values_are_counted_and_set_to_zero() {
+        let pixels = vec![Rgb::new(1.0, f32::NAN, 2.0), Rgb::new(-1.0, 3.0, 0.0), Rgb::splat(f32::INFINITY), Rgb::ONE];
+        let map = EnvMap::new(Image::from_pixels(2, 2, pixels));
+        assert_eq!(map.found(), Found { min: -1.0, max: 3.0, nonfinite: 2, negative: 1 });
+        assert_eq!(map.texel(0, 0), Rgb::new(1.0, 0.0, 2.0));
+        assert_eq!(map.texel(1, 0), Rgb::new(0.0, 3.0, 0.0));
+        assert_eq!(map.texel(0, 1), Rgb::ZERO);
+    }
+}

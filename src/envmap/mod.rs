@@ -1,0 +1,11 @@
+//! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance.
+
+pub mod cut;
+pub mod info;
+pub mod irradiance;
+pub mod latlong;
+pub mod report_model;
+pub mod sampler;
+mod sat;
+
+pub use latlong::{EnvMap, LatLong};

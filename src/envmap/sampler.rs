@@ -1,0 +1,274 @@
+//! Importance sampling of a map: directions drawn in proportion to radiance, with the density per solid angle.
+
+use super::latlong::EnvMap;
+use crate::raster::Rgb;
+use crate::sampling::table::{AliasTable, Table2};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A direction drawn from a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnvSample {
+    /// Unit direction towards the light.
+    pub wi: DVec3,
+    /// Density per solid angle: the value that the sampler's `pdf(wi)` returns, to the last bit.
+    pub pdf: f64,
+    /// The map's radiance from there.
+    pub radiance: Rgb,
+    /// The texel that was drawn.
+    pub texel: (usize, usize),
+}
+
+/// Draws directions towards a map's light.
+pub trait DirectionSampler: Send + Sync {
+    /// The direction for `u` in \[0, 1)²; `None` when the map is black.
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample>;
+
+    /// Density of [`DirectionSampler::sample`] per solid angle.
+    fn pdf(&self, wi: DVec3) -> f64;
+}
+
+/// A sampler whose density is positive wherever the map shines, so that it may be used alone.
+pub trait Complete: DirectionSampler {}
+
+/// The report's scheme done exactly: the row by the marginal table, the column by the row's own, a uniform position
+/// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.
+#[derive(Debug, Clone)]
+pub struct CdfSampler {
+    map: Arc<EnvMap>,
+    table: Table2,
+}
+
+impl CdfSampler {
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>) -> Self {
+        let m = &map;
+        let table = Table2::new(m.geometry().width(), m.geometry().height(), |x, y| {
+            m.intensity(x, y) * m.geometry().solid_angle(y)
+        });
+        Self { map, table }
+    }
+
+    /// Probability that texel (x, y) is drawn.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, x: usize, y: usize) -> f64 {
+        self.table.probability(x, y)
+    }
+
+    #[inline]
+    fn texel_pdf(&self, x: usize, y: usize) -> f64 {
+        self.table.probability(x, y) / self.map.geometry().solid_angle(y)
+    }
+
+    /// The `u` that [`DirectionSampler::sample`] maps to `wi`.
+    #[must_use]
+    pub fn invert(&self, wi: DVec3) -> [f64; 2] {
+        use crate::sampling::table::{Draw, Draw2};
+        let (x, y, fx, fy) = self.map.geometry().texel_position(wi);
+        self.table.invert(Draw2 { x: Draw { cell: x, offset: fx }, y: Draw { cell: y, offset: fy } })
+    }
+}
+
+impl DirectionSampler for CdfSampler {
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        let draw = self.table.draw(u)?;
+        let texel @ (x, y) = (draw.x.cell, draw.y.cell);
+        let wi = self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset);
+        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y), texel })
+    }
+
+    #[inline]
+    fn pdf(&self, wi: DVec3) -> f64 {
+        let (x, y) = self.map.geometry().texel(wi);
+        self.texel_pdf(x, y)
+    }
+}
+
+impl Complete for CdfSampler {}
+
+/// The same density through one alias table over all texels: constant time, but not monotone.
+#[derive(Debug, Clone)]
+pub struct AliasSampler {
+    map: Arc<EnvMap>,
+    table: AliasTable,
+}
+
+impl AliasSampler {
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>) -> Self {
+        let g = map.geometry();
+        let weights: Vec<f64> = (0..g.height())
+            .flat_map(|y| (0..g.width()).map(move |x| (x, y)))
+            .map(|(x, y)| map.intensity(x, y) * g.solid_angle(y))
+            .collect();
+        let table = AliasTable::new(&weights);
+        Self { map, table }
+    }
+
+    #[inline]
+    fn texel_pdf(&self, x: usize, y: usize) -> f64 {
+        let g = self.map.geometry();
+        self.table.probability(y * g.width() + x) / g.solid_angle(y)
+    }
+}
+
+impl DirectionSampler for AliasSampler {
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        let draw = self.table.draw(u[0])?;
+        let g = self.map.geometry();
+        let (x, y) = (draw.cell % g.width(), draw.cell / g.width());
+        let wi = g.direction_in_texel(x, y, draw.offset, u[1].clamp(1e-9, 1.0 - 1e-9));
+        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y), texel: (x, y) })
+    }
+
+    #[inline]
+    fn pdf(&self, wi: DVec3) -> f64 {
+        let (x, y) = self.map.geometry().texel(wi);
+        self.texel_pdf(x, y)
+    }
+}
+
+impl Complete for AliasSampler {}
+
+/// MIS compensation: the density with its solid-angle mean taken away, which leaves to BSDF sampling what BSDF
+/// sampling does well. It is 0 where the map is dimmer than its mean, so it is *not* [`Complete`].
+///
+/// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
+#[derive(Debug, Clone)]
+pub struct CompensatedSampler(CdfSampler);
+
+impl CompensatedSampler {
+    /// A map without contrast, whose compensated density would vanish, keeps its plain one.
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>) -> Self {
+        let g = map.geometry();
+        let (width, height) = (g.width(), g.height());
+        let row_sum = |y: usize| (0..width).map(|x| map.intensity(x, y)).sum::<f64>() * g.solid_angle(y);
+        let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
+        // Rounding leaves crumbs of a constant map above its mean; they are no contrast.
+        let floor = mean * (1.0 + 1e-6);
+        let table = Table2::new(width, height, |x, y| {
+            let above = map.intensity(x, y) - mean;
+            if map.intensity(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
+        });
+        if table.total() > 0.0 { Self(CdfSampler { map, table }) } else { Self(CdfSampler::new(map)) }
+    }
+}
+
+impl DirectionSampler for CompensatedSampler {
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        self.0.sample(u)
+    }
+
+    #[inline]
+    fn pdf(&self, wi: DVec3) -> f64 {
+        self.0.pdf(wi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::Image;
+
+    /// A map with dark texels, strong contrast and every size of trouble.
+    fn maps() -> Vec<Arc<EnvMap>> {
+        let value = |x: usize, y: usize| match (x * 7 + y * 13) % 5 {
+            0 => Rgb::ZERO,
+            4 if x == 1 => Rgb::splat(1e5),
+            k => Rgb::new(k as f32, 0.5, 0.1),
+        };
+        [(1, 1), (2, 1), (3, 2), (10, 10), (64, 32)]
+            .map(|(w, h)| Arc::new(EnvMap::new(Image::from_fn(w, h, |x, y| value(x + usize::from(w == 1), y)))))
+            .into()
+    }
+
+    fn grid(n: u32) -> impl Iterator<Item = [f64; 2]> {
+        (0..n * n).map(move |i| [(f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n)])
+    }
+
+    #[test]
+    fn samples_carry_the_pdf_of_their_direction_to_the_last_bit() {
+        for map in maps() {
+            let samplers: [Box<dyn DirectionSampler>; 3] = [
+                Box::new(CdfSampler::new(map.clone())),
+                Box::new(AliasSampler::new(map.clone())),
+                Box::new(CompensatedSampler::new(map.clone())),
+            ];
+            for sampler in &samplers {
+                for u in grid(60).chain([[0.0, 0.0], [1.0f64.next_down(); 2]]) {
+                    let s = sampler.sample(u).unwrap();
+                    assert_eq!(s.pdf.to_bits(), sampler.pdf(s.wi).to_bits());
+                    assert!(s.pdf > 0.0 && s.pdf.is_finite());
+                    assert_eq!(s.radiance, map.radiance(s.wi));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn densities_integrate_to_one() {
+        for map in maps() {
+            let samplers: [Box<dyn DirectionSampler>; 3] = [
+                Box::new(CdfSampler::new(map.clone())),
+                Box::new(AliasSampler::new(map.clone())),
+                Box::new(CompensatedSampler::new(map.clone())),
+            ];
+            let g = map.geometry();
+            for (i, sampler) in samplers.iter().enumerate() {
+                let mut mass = 0.0;
+                for y in 0..g.height() {
+                    for x in 0..g.width() {
+                        mass += sampler.pdf(g.direction_in_texel(x, y, 0.5, 0.5)) * g.solid_angle(y);
+                    }
+                }
+                assert!((mass - 1.0).abs() < 1e-12, "sampler {i}: {mass}");
+            }
+        }
+    }
+
+    #[test]
+    fn sampling_can_be_inverted() {
+        for map in maps() {
+            let sampler = CdfSampler::new(map);
+            for u in grid(40) {
+                let back = sampler.invert(sampler.sample(u).unwrap().wi);
+                assert!((back[0] - u[0]).abs() < 1e-8 && (back[1] - u[1]).abs() < 1e-8, "{u:?} came back {back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_black_map_emits_nothing() {
+        let map = Arc::new(EnvMap::new(Image::new(4, 2)));
+        assert_eq!(CdfSampler::new(map.clone()).sample([0.5, 0.5]), None);
+        assert_eq!(AliasSampler::new(map.clone()).sample([0.5, 0.5]), None);
+        let compensated = CompensatedSampler::new(map);
+        assert_eq!(compensated.sample([0.5, 0.5]), None);
+        assert_eq!(compensated.pdf(DVec3::X), 0.0);
+    }
+
+    #[test]
+    fn a_constant_map_is_sampled_all_over() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(32, 16, |_, _| Rgb::ONE)));
+        for sampler in [&CdfSampler::new(map.clone()) as &dyn DirectionSampler, &CompensatedSampler::new(map.clone())] {
+            for u in grid(20) {
+                let s = sampler.sample(u).unwrap();
+                assert!((s.pdf * 4.0 * std::f64::consts::PI - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn compensation_leaves_the_dim_part_to_the_bsdf() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(8, 4, |x, _| Rgb::splat(if x == 3 { 10.0 } else { 1.0 }))));
+        let (plain, compensated) = (CdfSampler::new(map.clone()), CompensatedSampler::new(map.clone()));
+        let dim = map.geometry().direction_in_texel(0, 1, 0.5, 0.5);
+        assert!(plain.pdf(dim) > 0.0);
+        assert_eq!(compensated.pdf(dim), 0.0);
+    }
+}
