@@ -9,6 +9,7 @@
 //! edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact: (cos θ₀ − cos θ₁) Δφ.
 
 use crate::raster::{Image, Rgb};
+use crate::sampling::table::{BATCH, Draw2};
 use crate::sampling::warp::{sin_cos_turns, turns};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -47,11 +48,13 @@ impl LatLong {
         Self { width, rows: (0..height).map(row).collect() }
     }
 
+    #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
         self.rows.len()
@@ -69,10 +72,24 @@ impl LatLong {
     #[must_use]
     pub fn direction_in_texel(&self, x: usize, y: usize, fx: f64, fy: f64) -> DVec3 {
         let row = &self.rows[y];
-        let w = row.start + fy * row.extent;
-        let sin_theta = (w * (2.0 - w)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns((x as f64 + fx) / self.width as f64);
-        DVec3::new(sin_theta * cos_phi, row.pole * (1.0 - w), sin_theta * sin_phi)
+        direction((x as f64 + fx) / self.width as f64, row.start + fy * row.extent, row.pole)
+    }
+
+    /// [`LatLong::direction_in_texel`] for up to [`BATCH`] draws, to the same bits.
+    ///
+    /// The inputs are gathered first, so that the arithmetic runs over plain arrays and vectorizes.
+    #[inline]
+    pub fn directions_in_texels(&self, draws: &[Draw2], out: &mut [DVec3; BATCH]) {
+        let (mut turns, mut w, mut pole) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
+        for (i, draw) in draws.iter().enumerate().take(BATCH) {
+            let row = &self.rows[draw.y.cell];
+            turns[i] = (draw.x.cell as f64 + draw.x.offset) / self.width as f64;
+            w[i] = row.start + draw.y.offset * row.extent;
+            pole[i] = row.pole;
+        }
+        for i in 0..BATCH {
+            out[i] = direction(turns[i], w[i], pole[i]);
+        }
     }
 
     /// The inverse of [`LatLong::direction_in_texel`]: (x, y, fx, fy).
@@ -111,6 +128,14 @@ impl LatLong {
         let (x, y) = self.position(direction);
         ((x as usize).min(self.width - 1), (y as usize).min(self.height() - 1))
     }
+}
+
+/// The direction at φ = 2π `turns` and cos θ = `pole` (1 − `w`).
+#[inline]
+fn direction(turns: f64, w: f64, pole: f64) -> DVec3 {
+    let sin_theta = (w * (2.0 - w)).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = sin_cos_turns(turns);
+    DVec3::new(sin_theta * cos_phi, pole * (1.0 - w), sin_theta * sin_phi)
 }
 
 /// A lat-long map of radiance, clean for use: finite and not negative.
@@ -157,6 +182,7 @@ impl EnvMap {
         Self { image, geometry, found }
     }
 
+    #[inline]
     #[must_use]
     pub fn geometry(&self) -> &LatLong {
         &self.geometry

@@ -2,7 +2,7 @@
 
 use super::latlong::EnvMap;
 use crate::raster::Rgb;
-use crate::sampling::table::{AliasTable, Table2};
+use crate::sampling::table::{AliasTable, BATCH, Draw2, Table2};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -23,6 +23,11 @@ pub struct EnvSample {
 pub trait DirectionSampler: Send + Sync {
     /// The direction for `u` in \[0, 1)²; `None` when the map is black.
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample>;
+
+    /// Appends the samples for all of `u`; nothing when the map is black.
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
+        out.extend(u.iter().filter_map(|&u| self.sample(u)));
+    }
 
     /// Density of [`DirectionSampler::sample`] per solid angle.
     fn pdf(&self, wi: DVec3) -> f64;
@@ -61,12 +66,17 @@ impl CdfSampler {
         self.table.probability(x, y) / self.map.geometry().solid_angle(y)
     }
 
+    #[inline]
+    fn finish(&self, draw: &Draw2, wi: DVec3, radiance: Rgb) -> EnvSample {
+        let texel @ (_, y) = (draw.x.cell, draw.y.cell);
+        EnvSample { wi, pdf: draw.probability() / self.map.geometry().solid_angle(y), radiance, texel }
+    }
+
     /// The `u` that [`DirectionSampler::sample`] maps to `wi`.
     #[must_use]
     pub fn invert(&self, wi: DVec3) -> [f64; 2] {
-        use crate::sampling::table::{Draw, Draw2};
         let (x, y, fx, fy) = self.map.geometry().texel_position(wi);
-        self.table.invert(Draw2 { x: Draw { cell: x, offset: fx }, y: Draw { cell: y, offset: fy } })
+        self.table.invert((x, y), (fx, fy))
     }
 }
 
@@ -74,9 +84,24 @@ impl DirectionSampler for CdfSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
         let draw = self.table.draw(u)?;
-        let texel @ (x, y) = (draw.x.cell, draw.y.cell);
+        let (x, y) = (draw.x.cell, draw.y.cell);
         let wi = self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset);
-        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y), texel })
+        Some(self.finish(&draw, wi, self.map.texel(x, y)))
+    }
+
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
+        let mut draws = [Draw2::default(); BATCH];
+        let mut directions = [DVec3::ZERO; BATCH];
+        let mut radiance = [Rgb::ZERO; BATCH];
+        for u in u.chunks(BATCH) {
+            let n = self.table.draw_batch(u, &mut draws);
+            for (radiance, draw) in radiance.iter_mut().zip(&draws[..n]) {
+                *radiance = self.map.texel(draw.x.cell, draw.y.cell);
+            }
+            self.map.geometry().directions_in_texels(&draws[..n], &mut directions);
+            let parts = draws[..n].iter().zip(&directions).zip(&radiance);
+            out.extend(parts.map(|((draw, &wi), &radiance)| self.finish(draw, wi, radiance)));
+        }
     }
 
     #[inline]
@@ -162,6 +187,10 @@ impl DirectionSampler for CompensatedSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
         self.0.sample(u)
+    }
+
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
+        self.0.sample_many(u, out);
     }
 
     #[inline]

@@ -38,11 +38,13 @@ impl Image {
         Self::from_pixels(width, height, pixels)
     }
 
+    #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
@@ -60,11 +62,13 @@ impl Image {
     }
 
     /// The pixels of row `y`.
+    #[inline]
     #[must_use]
     pub fn row(&self, y: usize) -> &[Rgb] {
         &self.pixels[y * self.width..(y + 1) * self.width]
     }
 
+    #[inline]
     #[must_use]
     pub fn get(&self, x: usize, y: usize) -> Rgb {
         self.row(y)[x]

@@ -9,24 +9,29 @@
 const BORDER: f64 = 1e-9;
 
 /// A cell and the position inside it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Draw {
     pub cell: usize,
     /// Position inside the cell, in (0, 1).
     pub offset: f64,
+    /// Probability of the cell.
+    pub probability: f64,
 }
 
 /// A view of one cumulative table of n cells.
 #[derive(Debug, Clone, Copy)]
 struct Cdf<'a> {
-    /// n + 1 values from 0 to 1.
+    /// n + 1 values from 0 to 1, then [`PROBES`] more that no `u` reaches.
     cdf: &'a [f64],
-    /// For bucket b of 2ᵏ ≥ n: the first cell that ends beyond b / 2ᵏ; one more entry closes the last bucket.
+    /// For bucket b of 2ᵏ ≥ 2n: the first cell that ends beyond b / 2ᵏ; one more entry closes the last bucket.
     guide: &'a [u32],
 }
 
-/// Buckets longer than this are bisected, shorter ones walked.
-const WALK: usize = 8;
+/// Cell ends that are compared with `u` without a branch; buckets with more (at most one in eight) are bisected.
+const PROBES: usize = 8;
+
+/// How many draws [`Table2::draw_batch`] takes at once.
+pub const BATCH: usize = 64;
 
 impl Cdf<'_> {
     #[inline]
@@ -34,34 +39,48 @@ impl Cdf<'_> {
         self.cdf[cell + 1] - self.cdf[cell]
     }
 
+    /// The cells that the guide leaves in question for `u`: the first and the last of them.
     #[inline]
-    fn find(self, u: f64) -> usize {
+    fn bracket(self, u: f64) -> (u32, u32) {
         // The number of buckets is a power of two, so u · buckets is exact and cannot round into the next bucket.
         let bucket = (u * (self.guide.len() - 1) as f64) as usize;
-        let (mut cell, last) = (self.guide[bucket] as usize, self.guide[bucket + 1] as usize);
-        if last - cell > WALK {
-            return cell + self.cdf[cell + 1..=last].partition_point(|&end| end <= u);
-        }
-        while self.cdf[cell + 1] <= u {
-            cell += 1;
-        }
-        cell
+        (self.guide[bucket], self.guide[bucket + 1])
+    }
+
+    /// The draw for `u` in one of the cells of a bracket. Which cell it is cannot be predicted, so the common way has
+    /// no branch that depends on it: the processor overlaps the table look-ups of successive draws.
+    #[inline]
+    fn draw_within(self, (first, last): (u32, u32), u: f64) -> Draw {
+        let (first, last) = (first as usize, last as usize);
+        let ends = &self.cdf[first + 1..];
+        let passed = if last - first > PROBES {
+            ends[..last - first].partition_point(|&end| end <= u)
+        } else {
+            ends[..PROBES].iter().map(|&end| usize::from(end <= u)).sum()
+        };
+        let cell = first + passed;
+        let (start, probability) = (self.cdf[cell], self.probability(cell));
+        Draw { cell, offset: ((u - start) / probability).clamp(BORDER, 1.0 - BORDER), probability }
     }
 
     #[inline]
     fn draw(self, u: f64) -> Draw {
-        let cell = self.find(u);
-        let offset = (u - self.cdf[cell]) / self.probability(cell);
-        Draw { cell, offset: offset.clamp(BORDER, 1.0 - BORDER) }
+        self.draw_within(self.bracket(u), u)
     }
 
-    fn invert(self, draw: Draw) -> f64 {
-        self.cdf[draw.cell] + draw.offset * self.probability(draw.cell)
+    fn invert(self, cell: usize, offset: f64) -> f64 {
+        self.cdf[cell] + offset * self.probability(cell)
     }
 }
 
+#[inline]
+fn cdf_len(cells: usize) -> usize {
+    cells + 1 + PROBES
+}
+
+#[inline]
 fn guide_len(cells: usize) -> usize {
-    cells.next_power_of_two() + 1
+    (cells.next_power_of_two() / 2).max(1) + 1
 }
 
 /// Fills a cumulative table and its guide from weights ≥ 0 and returns their sum; if that is 0 the table is all zeros.
@@ -70,6 +89,8 @@ fn guide_len(cells: usize) -> usize {
 fn fill(weights: &[f64], cdf: &mut [f64], guide: &mut [u32]) -> f64 {
     let n = weights.len();
     let total: f64 = weights.iter().sum();
+    let (cdf, beyond) = cdf.split_at_mut(n + 1);
+    beyond.fill(f64::INFINITY);
     if total <= 0.0 {
         cdf.fill(0.0);
         guide.fill(0);
@@ -119,17 +140,19 @@ impl Table1 {
     #[must_use]
     pub fn new(weights: &[f64]) -> Self {
         debug_assert!(weights.iter().all(|w| w.is_finite() && *w >= 0.0));
-        let mut cdf = vec![0.0; weights.len() + 1];
+        let mut cdf = vec![0.0; cdf_len(weights.len())];
         let mut guide = vec![0; guide_len(weights.len())];
         let total = fill(weights, &mut cdf, &mut guide);
         Self { cdf, guide, total }
     }
 
+    #[inline]
     fn view(&self) -> Cdf<'_> {
         Cdf { cdf: &self.cdf, guide: &self.guide }
     }
 
     /// Sum of the weights; when it is 0 nothing can be drawn.
+    #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {
         self.total
@@ -149,18 +172,27 @@ impl Table1 {
         self.view().probability(cell)
     }
 
-    /// The `u` that [`Table1::draw`] maps to this draw.
+    /// The `u` that [`Table1::draw`] maps to this place.
     #[must_use]
-    pub fn invert(&self, draw: Draw) -> f64 {
-        self.view().invert(draw)
+    pub fn invert(&self, cell: usize, offset: f64) -> f64 {
+        self.view().invert(cell, offset)
     }
 }
 
 /// A cell of a grid and the position inside it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Draw2 {
     pub x: Draw,
     pub y: Draw,
+}
+
+impl Draw2 {
+    /// Probability of the cell: the very product that [`Table2::probability`] returns.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self) -> f64 {
+        self.y.probability * self.x.probability
+    }
 }
 
 /// A distribution over the cells of a grid: the row by the marginal table, then the column by the row's own table.
@@ -168,7 +200,7 @@ pub struct Draw2 {
 pub struct Table2 {
     width: usize,
     rows: Table1,
-    /// Tables of all rows, one after the other, with stride `width + 1`.
+    /// Tables of all rows, one after the other, with stride `cdf_len(width)`.
     cdf: Vec<f64>,
     /// Their guides, with stride `guide_len(width)`.
     guide: Vec<u32>,
@@ -179,7 +211,7 @@ impl Table2 {
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> Self {
         use rayon::prelude::*;
-        let (stride, guide_stride) = (width + 1, guide_len(width));
+        let (stride, guide_stride) = (cdf_len(width), guide_len(width));
         let mut cdf = vec![0.0; stride * height];
         let mut guide = vec![0; guide_stride * height];
         let sums: Vec<f64> = cdf
@@ -200,6 +232,7 @@ impl Table2 {
     }
 
     /// Sum of the weights; when it is 0 nothing can be drawn.
+    #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {
         self.rows.total()
@@ -207,7 +240,7 @@ impl Table2 {
 
     #[inline]
     fn row(&self, y: usize) -> Cdf<'_> {
-        let (stride, guide_stride) = (self.width + 1, guide_len(self.width));
+        let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
         Cdf {
             cdf: &self.cdf[y * stride..(y + 1) * stride],
             guide: &self.guide[y * guide_stride..(y + 1) * guide_stride],
@@ -222,6 +255,27 @@ impl Table2 {
         Some(Draw2 { x: self.row(y.cell).draw(u[1]), y })
     }
 
+    /// [`Table2::draw`] for up to [`BATCH`] pairs at once: step by step for all of them, so that the processor waits
+    /// for their table look-ups together. Returns how many were drawn: none from weights that are all 0.
+    #[inline]
+    pub fn draw_batch(&self, u: &[[f64; 2]], out: &mut [Draw2; BATCH]) -> usize {
+        if self.total() <= 0.0 {
+            return 0;
+        }
+        let n = u.len().min(BATCH);
+        let mut bracket = [(0u32, 0u32); BATCH];
+        for (draw, u) in out.iter_mut().zip(&u[..n]) {
+            draw.y = self.rows.view().draw(u[0]);
+        }
+        for ((bracket, draw), u) in bracket.iter_mut().zip(&*out).zip(&u[..n]) {
+            *bracket = self.row(draw.y.cell).bracket(u[1]);
+        }
+        for ((bracket, draw), u) in bracket.iter().zip(&mut *out).zip(&u[..n]) {
+            draw.x = self.row(draw.y.cell).draw_within(*bracket, u[1]);
+        }
+        n
+    }
+
     /// Probability of a cell (not per area).
     #[inline]
     #[must_use]
@@ -229,10 +283,10 @@ impl Table2 {
         self.rows.probability(y) * self.row(y).probability(x)
     }
 
-    /// The `u` that [`Table2::draw`] maps to this draw.
+    /// The `u` that [`Table2::draw`] maps to this place in cell (x, y).
     #[must_use]
-    pub fn invert(&self, draw: Draw2) -> [f64; 2] {
-        [self.rows.invert(draw.y), self.row(draw.y.cell).invert(draw.x)]
+    pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
+        [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
     }
 }
 
@@ -298,6 +352,7 @@ impl AliasTable {
     }
 
     /// Sum of the weights; when it is 0 nothing can be drawn.
+    #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {
         self.total
@@ -316,7 +371,8 @@ impl AliasTable {
         let keep = f64::from(entry.keep);
         let (cell, offset) =
             if rest < keep { (bucket, rest / keep) } else { (entry.other as usize, (rest - keep) / (1.0 - keep)) };
-        Some(Draw { cell, offset: offset.clamp(BORDER, 1.0 - BORDER) })
+        let probability = self.probability(cell);
+        Some(Draw { cell, offset: offset.clamp(BORDER, 1.0 - BORDER), probability })
     }
 
     /// Probability of a cell, as the table realizes it.
@@ -369,7 +425,7 @@ mod tests {
                 let u = (f64::from(i) + 0.5) / 2000.0;
                 let draw = table.draw(u).unwrap();
                 assert!(table.probability(draw.cell) > 0.0);
-                assert!((table.invert(draw) - u).abs() < 2e-9 * table.probability(draw.cell) + 1e-15);
+                assert!((table.invert(draw.cell, draw.offset) - u).abs() < 2e-9 * draw.probability + 1e-15);
             }
             // The ends of the interval never leave the table.
             for u in [0.0, f64::MIN_POSITIVE, 1.0f64.next_down()] {
@@ -384,7 +440,7 @@ mod tests {
             let table = Table1::new(&w);
             for i in 0..5000u32 {
                 let u = f64::from(i) / 5000.0;
-                let expected = table.cdf[1..].partition_point(|&end| end <= u);
+                let expected = table.cdf[1..=w.len()].partition_point(|&end| end <= u);
                 assert_eq!(table.draw(u).unwrap().cell, expected, "{u}");
             }
         }
@@ -413,7 +469,7 @@ mod tests {
             let u = [(f64::from(i % 20) + 0.3) / 20.0, (f64::from(i / 20) + 0.7) / 20.0];
             let draw = table.draw(u).unwrap();
             assert!(w(draw.x.cell, draw.y.cell) > 0.0);
-            let back = table.invert(draw);
+            let back = table.invert((draw.x.cell, draw.y.cell), (draw.x.offset, draw.y.offset));
             assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9);
         }
     }
