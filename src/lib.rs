@@ -14,11 +14,13 @@
 //! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
 //! | 0 | [`error`], [`files`] | what every room needs |
 
+pub mod bsdf;
 pub mod envmap;
 pub mod error;
 pub mod files;
 pub mod optics;
 pub mod raster;
 pub mod sampling;
+pub mod scene;
 
 pub use error::{Error, Result};

@@ -1,0 +1,3 @@
+//! Materials: `eval`, `sample` and `pdf` under one contract.
+
+pub mod diffuse;

@@ -1,0 +1,83 @@
+//! Cameras: a film position in, a ray out.
+
+use glam::{DVec3, Vec3};
+
+/// A half-line. The direction has unit length.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    pub origin: Vec3,
+    pub direction: Vec3,
+}
+
+/// How film positions become rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Parallel rays; the film shows ±`half_width` × ±`half_height` world units.
+    Orthographic { half_width: f64, half_height: f64 },
+    /// Rays through one point; the values are the tangents of half the fields of view.
+    Perspective { tan_half_width: f64, tan_half_height: f64 },
+}
+
+/// A camera in the world. `right`, `up` and `forward` are orthonormal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    pub position: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
+    pub forward: DVec3,
+    pub projection: Projection,
+}
+
+impl Camera {
+    /// A camera at `position` that looks at `target`, `up` pointing upwards in the image; `None` when these three
+    /// do not span a frame.
+    #[must_use]
+    pub fn look_at(position: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {
+        let forward = (target - position).try_normalize()?;
+        let right = forward.cross(up).try_normalize()?;
+        Some(Self { position, right, up: right.cross(forward), forward, projection })
+    }
+
+    /// The ray through film position (x, y): (0, 0) is the top left corner of the image, (1, 1) the bottom right.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let (sx, sy) = (2.0 * x - 1.0, 1.0 - 2.0 * y);
+        let (origin, direction) = match self.projection {
+            Projection::Orthographic { half_width, half_height } => {
+                (self.position + self.right * (sx * half_width) + self.up * (sy * half_height), self.forward)
+            }
+            Projection::Perspective { tan_half_width, tan_half_height } => {
+                let d = self.forward + self.right * (sx * tan_half_width) + self.up * (sy * tan_half_height);
+                (self.position, d.normalize())
+            }
+        };
+        Ray { origin: origin.as_vec3(), direction: direction.as_vec3() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_image_is_not_mirrored() {
+        let orthographic = Projection::Orthographic { half_width: 1.0, half_height: 1.0 };
+        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, orthographic).unwrap();
+        let (left, top) = (camera.ray(0.0, 0.5), camera.ray(0.5, 0.0));
+        assert_eq!(left.origin, Vec3::new(-1.0, 0.0, 1.0), "+x is right");
+        assert_eq!(top.origin, Vec3::new(0.0, 1.0, 1.0), "+y is up");
+        assert_eq!(left.direction, Vec3::NEG_Z);
+        let perspective = Projection::Perspective { tan_half_width: 1.0, tan_half_height: 0.5 };
+        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, perspective).unwrap();
+        let corner = camera.ray(1.0, 0.0).direction;
+        assert!((corner - Vec3::new(1.0, 0.5, -1.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn impossible_frames_are_refused() {
+        let p = Projection::Orthographic { half_width: 1.0, half_height: 1.0 };
+        assert!(Camera::look_at(DVec3::Y, DVec3::ZERO, DVec3::Y, p).is_none());
+        assert!(Camera::look_at(DVec3::Y, DVec3::Y, DVec3::X, p).is_none());
+    }
+}
