@@ -20,6 +20,7 @@ pub mod error;
 pub mod files;
 pub mod optics;
 pub mod raster;
+pub mod render;
 pub mod sampling;
 pub mod scene;
 
