@@ -1,5 +1,23 @@
-//! Float images: the buffer, the file formats, tone mapping.
+//! Float images: the buffer, the file formats, tone mapping, comparison.
+//!
+//! [`read`] takes OpenEXR, Radiance HDR and PFM files (and clipped 8- or 16-bit pictures if asked to), told apart by
+//! their content; [`write`](write()) picks the format by the extension. Values are linear RGB and are returned as they
+//! stand in the file: negative and non-finite ones included.
 
+mod compare;
+mod exr;
 mod image;
+mod ldr;
+mod pfm;
+mod read;
+mod resize;
+mod rgbe;
+mod tone;
+mod write;
 
+pub use self::compare::{Comparison, compare};
+pub use self::exr::{Layer, Precision, write_exr};
 pub use self::image::{Image, Rgb};
+pub use self::read::{ReadOptions, read};
+pub use self::tone::{ToneMap, auto_exposure, to_rgb8};
+pub use self::write::{Metadata, WriteOptions, write, write_with};

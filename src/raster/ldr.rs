@@ -1,0 +1,126 @@
+//! Clipped pictures: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
+
+use super::read::{blank, check_size};
+use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
+use super::{Image, Rgb};
+use crate::error::{Error, Result};
+use image::{DynamicImage, ImageDecoder, ImageEncoder, ImageError, ImageFormat, ImageReader};
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+/// A clipped format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    Png,
+    Jpeg,
+    Pnm,
+}
+
+impl Format {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Format::Png => "PNG",
+            Format::Jpeg => "JPEG",
+            Format::Pnm => "PPM/PGM",
+        }
+    }
+
+    /// More pixels than this no byte of such a file can stand for: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
+    /// of two bits for a block of 64; a bitmap.
+    fn pixels_per_byte(self) -> u64 {
+        match self {
+            Format::Png => 8 * 1032,
+            Format::Jpeg => 512,
+            Format::Pnm => 8,
+        }
+    }
+}
+
+/// Tells a clipped format by its first bytes.
+pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some(Format::Png),
+        [0xff, 0xd8, 0xff, ..] => Some(Format::Jpeg),
+        [b'P', b'1'..=b'6', space, ..] if space.is_ascii_whitespace() || *space == b'#' => Some(Format::Pnm),
+        _ => None,
+    }
+}
+
+/// Reads a clipped picture; values are taken to be sRGB-encoded and come out linear, in [0, 1].
+pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image> {
+    let damaged = |e: ImageError| match e {
+        ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
+        ImageError::Limits(e) => Error::limit(path, e.to_string()),
+        e => Error::input(path, e.to_string()),
+    };
+    let kind = match format {
+        Format::Png => ImageFormat::Png,
+        Format::Jpeg => ImageFormat::Jpeg,
+        Format::Pnm => ImageFormat::Pnm,
+    };
+    let decoder = ImageReader::with_format(Cursor::new(bytes), kind).into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte())?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let mut image = blank(path, width as usize, height as usize)?;
+    for (to, from) in image.pixels_mut().iter_mut().zip(picture.pixels()) {
+        *to = Rgb::from_array(from.0.map(linear_from_srgb));
+    }
+    Ok(image)
+}
+
+/// Writes an 8-bit PNG.
+pub(super) fn encode_png(image: &Image, tone: &ToneMap, out: &mut dyn Write) -> io::Result<()> {
+    let (width, height) = (image.width() as u32, image.height() as u32);
+    image::codecs::png::PngEncoder::new(out)
+        .write_image(&to_rgb8(image, tone), width, height, image::ExtendedColorType::Rgb8)
+        .map_err(|e| match e {
+            ImageError::IoError(e) => e,
+            e => io::Error::other(e),
+        })
+}
+
+/// Writes an 8-bit binary PPM (P6).
+pub(super) fn encode_ppm(image: &Image, tone: &ToneMap, out: &mut dyn Write) -> io::Result<()> {
+    write!(out, "P6\n{} {}\n255\n", image.width(), image.height())?;
+    out.write_all(&to_rgb8(image, tone))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<Image> {
+        decode(Path::new("a"), bytes, recognise(bytes).expect("a known format"))
+    }
+
+    #[test]
+    fn eight_bit_files_go_there_and_back() {
+        let image = Image::from_fn(16, 16, |x, y| {
+            let code = (16 * y + x) as f32 / 255.0;
+            Rgb::new(linear_from_srgb(code), linear_from_srgb(1.0 - code), 0.0)
+        });
+        let (mut png, mut ppm) = (Vec::new(), Vec::new());
+        encode_png(&image, &ToneMap::default(), &mut png).unwrap();
+        encode_ppm(&image, &ToneMap::default(), &mut ppm).unwrap();
+        assert_eq!(parse(&png).unwrap(), image);
+        assert_eq!(parse(&ppm).unwrap(), image);
+    }
+
+    #[test]
+    fn grey_ascii_and_sixteen_bit_maps_are_read() {
+        let grey = parse(b"P2\n# made by hand\n2 1\n4\n0 4\n").unwrap();
+        assert_eq!(grey.pixels(), [Rgb::ZERO, Rgb::ONE]);
+        let deep = parse(b"P5 1 1 65535 \x80\x00").unwrap();
+        assert!((deep.get(0, 0).x - linear_from_srgb(32768.0 / 65535.0)).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_size_that_the_file_cannot_hold_is_refused() {
+        let error = parse(b"P6\n60000 4000\n255\n\0\0\0").unwrap_err();
+        assert!(error.to_string().contains("cannot hold"), "{error}");
+        assert!(parse(b"P6\n2 2\n255\n\0\0\0").is_err());
+        assert!(parse(b"\x89PNG\r\n\x1a\n").is_err());
+        assert!(parse(b"\xff\xd8\xff\xe0").is_err());
+    }
+}

@@ -1,0 +1,168 @@
+//! Reading an image file: the format is told by its first bytes, never by its name.
+
+use super::{Image, Rgb, exr, ldr, pfm, rgbe};
+use crate::error::{Error, Result};
+use crate::files::read_bounded;
+use std::path::Path;
+
+/// Larger files are refused unread: 2 GiB holds a 16384x8192 map of 32-bit floats.
+const MAX_FILE_BYTES: u64 = 1 << 31;
+/// Larger images are refused whatever the file says: 2^28 pixels are 3 GiB in memory.
+const MAX_PIXELS: u64 = 1 << 28;
+/// No side may be longer than this.
+const MAX_SIDE: u64 = 1 << 16;
+
+/// What [`read`] accepts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Accept PNG, JPEG and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so
+    /// that a lamp or the sun in them is as bright as a white wall, and every measurement made with them is wrong.
+    pub allow_ldr: bool,
+}
+
+/// Reads an image file into linear RGB, row 0 at the top.
+///
+/// | format | accepted | how the values are taken |
+/// |---|---|---|
+/// | OpenEXR | half, float and unsigned channels; scan lines, tiles, mip maps (the full resolution); no, RLE, ZIP, PIZ, PXR24, B44, DWA compression | RGB, or one channel as grey, of the first suitable layer; alpha ignored; the display window, black where no data is |
+/// | Radiance HDR | new and old run lengths, flat; all eight orientations | mantissa/256 · 2^(exponent-128), divided by `EXPOSURE` and `COLORCORR` |
+/// | PFM | `PF`, `Pf`, both byte orders | multiplied by the absolute value of the header's scale |
+/// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
+///
+/// Negative and non-finite values are returned as they stand in the file. An OpenEXR map may be stored upside-down;
+/// that cannot be told from the file, see `--flip` of the environment maps.
+///
+/// # Errors
+/// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented
+/// or for a clipped format that was not asked for, [`Error::Limit`] when a side exceeds 65536, the image 2^28 pixels
+/// or the file 2 GiB, and [`Error::Io`]. Memory is taken only in proportion to what the file can really hold.
+pub fn read(path: &Path, options: ReadOptions) -> Result<Image> {
+    if path.is_dir() {
+        return Err(Error::input(path, "this is a directory, not an image file"));
+    }
+    let bytes = read_bounded(path, MAX_FILE_BYTES)?;
+    decode(path, &bytes, options)
+}
+
+/// [`read`] for bytes that are at hand; `path` is only named in errors.
+fn decode(path: &Path, bytes: &[u8], options: ReadOptions) -> Result<Image> {
+    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        exr::decode(path, bytes)
+    } else if bytes.starts_with(b"#?") {
+        rgbe::decode(path, bytes)
+    } else if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
+        pfm::decode(path, bytes)
+    } else if let Some(format) = ldr::recognise(bytes) {
+        if options.allow_ldr {
+            return ldr::decode(path, bytes, format);
+        }
+        Err(Error::unsupported(
+            path,
+            format!("a {} file holds no radiance: its values are clipped at 1", format.name()),
+        )
+        .with_hint("use an OpenEXR, Radiance HDR or PFM file; --ldr takes this one all the same"))
+    } else {
+        Err(no_image(path, bytes))
+    }
+}
+
+/// Says what a file that is no image seems to be.
+fn no_image(path: &Path, bytes: &[u8]) -> Error {
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(512)]);
+    let text = start.trim_start_matches('\u{feff}').trim_start();
+    let lower = text.to_ascii_lowercase();
+    if bytes.is_empty() {
+        Error::input(path, "the file is empty")
+    } else if text.starts_with("version https://git-lfs") {
+        Error::input(path, "this is a Git LFS pointer, not the image itself")
+            .with_hint("run `git lfs pull` in the repository that it came from")
+    } else if lower.starts_with("<!doctype html") || lower.starts_with("<html") {
+        Error::input(path, "this is a web page, not an image").with_hint("the download went wrong; fetch it again")
+    } else {
+        let is_text = !start.contains(|c: char| c == '\u{fffd}' || (c.is_control() && !c.is_whitespace()));
+        let what = if is_text { "this is a text file, not an image" } else { "not an image format known here" };
+        Error::input(path, what).with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG and PPM/PGM with --ldr")
+    }
+}
+
+/// Refuses a size that exceeds the limits, or that `bytes` bytes at `pixels_per_byte` cannot describe.
+pub(super) fn check_size(path: &Path, width: u64, height: u64, bytes: usize, pixels_per_byte: u64) -> Result<()> {
+    if width == 0 || height == 0 {
+        return Err(Error::input(path, format!("an image of {width}x{height} pixels")));
+    }
+    if width > MAX_SIDE || height > MAX_SIDE || width * height > MAX_PIXELS {
+        return Err(Error::limit(path, format!("{width}x{height} pixels are more than is read"))
+            .with_hint("at most 65536 a side and 2^28 in all; shrink the image, or the file is damaged"));
+    }
+    if width * height > (bytes as u64).saturating_mul(pixels_per_byte) {
+        return Err(Error::input(path, format!("{bytes} bytes cannot hold the {width}x{height} pixels announced"))
+            .with_hint("the file is damaged or cut off; fetch it again"));
+    }
+    Ok(())
+}
+
+/// A black image whose size has passed [`check_size`]; running out of memory is an error here, not an abort.
+pub(super) fn blank(path: &Path, width: usize, height: usize) -> Result<Image> {
+    let mut pixels: Vec<Rgb> = Vec::new();
+    pixels
+        .try_reserve_exact(width * height)
+        .map_err(|_| Error::limit(path, format!("not enough memory for {width}x{height} pixels")))?;
+    pixels.resize(width * height, Rgb::ZERO);
+    Ok(Image::from_pixels(width, height, pixels))
+}
+
+/// A file that ends before its data does.
+pub(super) fn cut_off(path: &Path, needed: u64, present: usize) -> Error {
+    Error::input(path, format!("the file ends early: {present} of at least {needed} bytes are there"))
+        .with_hint("the file is cut off; fetch it again")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(bytes: &[u8]) -> Error {
+        decode(Path::new("x.exr"), bytes, ReadOptions::default()).unwrap_err()
+    }
+
+    #[test]
+    fn what_is_no_image_is_named() {
+        for (bytes, expected) in [
+            (&b""[..], "empty"),
+            (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n", "Git LFS pointer"),
+            (b"\n <!DOCTYPE HTML><title>404</title>", "web page"),
+            (b"hello, world\n", "text file"),
+            (b"\x00\x01\x02\x03", "not an image format"),
+        ] {
+            let message = refusal(bytes).to_string();
+            assert!(message.contains(expected) && message.starts_with("x.exr"), "{message}");
+        }
+    }
+
+    #[test]
+    fn clipped_formats_need_the_flag() {
+        for bytes in [&b"\x89PNG\r\n\x1a\n"[..], b"\xff\xd8\xff\xe0", b"P6\n1 1\n255\n\0\0\0"] {
+            let error = refusal(bytes);
+            assert!(error.to_string().contains("clipped at 1"), "{error}");
+            assert!(error.hint().unwrap().contains("--ldr"));
+        }
+    }
+
+    #[test]
+    fn a_directory_and_a_missing_file_are_errors() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(read(dir.path(), ReadOptions::default()).unwrap_err().to_string().contains("directory"));
+        let missing = read(&dir.path().join("none.exr"), ReadOptions::default()).unwrap_err();
+        assert!(matches!(missing, Error::Io { .. }));
+    }
+
+    #[test]
+    fn sizes_are_bounded() {
+        let path = Path::new("x");
+        assert!(check_size(path, 4, 4, 16, 1).is_ok());
+        assert!(matches!(check_size(path, 4, 4, 15, 1), Err(Error::Input { .. })));
+        assert!(matches!(check_size(path, 0, 4, 15, 1), Err(Error::Input { .. })));
+        assert!(matches!(check_size(path, 65536, 65536, usize::MAX, 1), Err(Error::Limit { .. })));
+        assert!(matches!(check_size(path, u64::MAX, u64::MAX, 1, 1), Err(Error::Limit { .. })));
+    }
+}
