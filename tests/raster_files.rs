@@ -22,7 +22,7 @@ fn bits(image: &Image) -> Vec<[u32; 3]> {
 fn test_image(width: usize, height: usize) -> Image {
     Image::from_fn(width, height, |x, y| {
         let v = ((x * 7 + y * 13) % 101) as f32 / 9.0;
-        Rgb::new(v, -0.5 * v + 1e-3, (v * 3.0).exp2() / 100.0)
+        Rgb::new(v, -0.5 * v + 1e-3, (v * 1.5).exp2() / 100.0)
     })
 }
 
@@ -311,6 +311,30 @@ fn a_header_that_promises_more_than_the_file_holds_is_refused() {
     changed[display + 8..display + 16].copy_from_slice(&[15_999_i32, 15_999].map(i32::to_le_bytes).concat());
     std::fs::write(&path, &changed).unwrap();
     assert!(load(&path).unwrap_err().to_string().contains("display window"));
+}
+
+/// The counters at the start of a DWA block say how much memory its streams take: they must not be trusted.
+#[test]
+fn false_sizes_in_a_dwa_block_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let encoding =
+        Encoding { compression: Compression::DWAB(None), blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    foreign_exr(&path, &test_image(40, 40), encoding, (0, 0), window(0, 0, 40, 40));
+    let bytes = std::fs::read(&path).unwrap();
+    let mut cursor = std::io::Cursor::new(&bytes);
+    exr::meta::MetaData::read_from_buffered(&mut cursor, false).unwrap();
+    // After the table with its one entry come the row, the length, and the counters, of which the first is a version.
+    let counters = cursor.position() as usize + 8 + 8;
+    for counter in 1..=9 {
+        for value in [u64::MAX, i64::MAX as u64, 1 << 45, 1 << 31] {
+            let mut changed = bytes.clone();
+            changed[counters + 8 * counter..][..8].copy_from_slice(&value.to_le_bytes());
+            std::fs::write(&path, &changed).unwrap();
+            let error = load(&path).expect_err(&format!("counter {counter} = {value}"));
+            assert!(error.to_string().contains("contradicts the header"), "{error}");
+        }
+    }
 }
 
 /// Every damaged file gives an error or a picture: no panic, no abort.

@@ -16,8 +16,8 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let header = Header::parse(path, bytes)?;
     let (outer, inner) = (header.outer.length, header.inner.length);
     let (width, height) = if header.outer.vertical { (inner, outer) } else { (outer, inner) };
-    // The old run lengths are the densest: 65536 pixels in 12 bytes, if they are all alike.
-    check_size(path, width as u64, height as u64, bytes.len() - header.end, 1 << 13)?;
+    // The old run lengths are the densest: 16384 pixels that are all alike take 12 bytes.
+    check_size(path, width as u64, height as u64, bytes.len() - header.end, 1 << 11)?;
 
     let mut image = blank(path, width, height)?;
     let mut input = Input { path, bytes, at: header.end };

@@ -135,9 +135,13 @@ fn foreign(path: &Path, error: &exr::error::Error) -> Error {
         exr::error::Error::NotSupported(what) => Error::unsupported(path, format!("OpenEXR: {what}"))
             .with_hint("save the image with ZIP, PIZ or DWAA compression, not deep"),
         exr::error::Error::Invalid(what) if what.contains("compression attribute") => {
-            Error::unsupported(path, "OpenEXR: no compression method that is known here")
-                .with_hint("save the image with ZIP, PIZ or DWAA compression")
+            Error::unsupported(path, "OpenEXR: the header names no compression method that is known here")
+                .with_hint("save the image with ZIP, PIZ or DWAA compression, or fetch it again if it is damaged")
         }
+        exr::error::Error::Invalid(what) if what == "reference to missing bytes" => {
+            damaged(path, "the header runs beyond the end of the file")
+        }
+        exr::error::Error::Invalid(what) => damaged(path, what),
         other => damaged(path, &other.to_string()),
     }
 }
