@@ -313,6 +313,47 @@ fn a_header_that_promises_more_than_the_file_holds_is_refused() {
     assert!(load(&path).unwrap_err().to_string().contains("display window"));
 }
 
+#[test]
+fn a_false_table_of_blocks_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    write(&path, &test_image(20, 40), &Metadata::default()).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut cursor = std::io::Cursor::new(&bytes);
+    exr::meta::MetaData::read_from_buffered(&mut cursor, false).unwrap();
+    let table = cursor.position() as usize;
+    let first = u64::from_le_bytes(bytes[table..table + 8].try_into().unwrap());
+    for (entry, expected) in [
+        (0, "never written"),
+        (first, "not where the table says"),
+        (u64::MAX, "beyond the end"),
+        (bytes.len() as u64 - 2, "beyond the end"),
+    ] {
+        let mut changed = bytes.clone();
+        changed[table + 8..table + 16].copy_from_slice(&entry.to_le_bytes());
+        std::fs::write(&path, &changed).unwrap();
+        let error = load(&path).unwrap_err().to_string();
+        assert!(error.contains("block 2 of 3") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_compression_of_the_future_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    write(&path, &Image::new(20, 20), &Metadata::default()).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let name = b"compression\0compression\0\x01\0\0\0";
+    let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+    for (method, expected) in [(13, "method 13"), (10, "ht j2k 256")] {
+        bytes[at] = method;
+        std::fs::write(&path, &bytes).unwrap();
+        let error = load(&path).unwrap_err();
+        assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains(expected), "{error}");
+        assert!(error.hint().unwrap().contains("ZIP"));
+    }
+}
+
 /// The counters at the start of a DWA block say how much memory its streams take: they must not be trusted.
 #[test]
 fn false_sizes_in_a_dwa_block_are_refused() {
