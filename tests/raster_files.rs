@@ -22,7 +22,7 @@ fn bits(image: &Image) -> Vec<[u32; 3]> {
 fn test_image(width: usize, height: usize) -> Image {
     Image::from_fn(width, height, |x, y| {
         let v = ((x * 7 + y * 13) % 101) as f32 / 9.0;
-        Rgb::new(v, -0.5 * v + 1e-3, (v * 3.0).exp2() / 100.0)
+        Rgb::new(v, -0.5 * v + 1e-3, (v * 1.5).exp2() / 100.0)
     })
 }
 
@@ -311,6 +311,71 @@ fn a_header_that_promises_more_than_the_file_holds_is_refused() {
     changed[display + 8..display + 16].copy_from_slice(&[15_999_i32, 15_999].map(i32::to_le_bytes).concat());
     std::fs::write(&path, &changed).unwrap();
     assert!(load(&path).unwrap_err().to_string().contains("display window"));
+}
+
+#[test]
+fn a_false_table_of_blocks_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    write(&path, &test_image(20, 40), &Metadata::default()).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut cursor = std::io::Cursor::new(&bytes);
+    exr::meta::MetaData::read_from_buffered(&mut cursor, false).unwrap();
+    let table = cursor.position() as usize;
+    let first = u64::from_le_bytes(bytes[table..table + 8].try_into().unwrap());
+    for (entry, expected) in [
+        (0, "never written"),
+        (first, "not where the table says"),
+        (u64::MAX, "beyond the end"),
+        (bytes.len() as u64 - 2, "beyond the end"),
+    ] {
+        let mut changed = bytes.clone();
+        changed[table + 8..table + 16].copy_from_slice(&entry.to_le_bytes());
+        std::fs::write(&path, &changed).unwrap();
+        let error = load(&path).unwrap_err().to_string();
+        assert!(error.contains("block 2 of 3") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_compression_of_the_future_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    write(&path, &Image::new(20, 20), &Metadata::default()).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let name = b"compression\0compression\0\x01\0\0\0";
+    let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+    for (method, expected) in [(13, "method 13"), (10, "ht j2k 256")] {
+        bytes[at] = method;
+        std::fs::write(&path, &bytes).unwrap();
+        let error = load(&path).unwrap_err();
+        assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains(expected), "{error}");
+        assert!(error.hint().unwrap().contains("ZIP"));
+    }
+}
+
+/// The counters at the start of a DWA block say how much memory its streams take: they must not be trusted.
+#[test]
+fn false_sizes_in_a_dwa_block_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let encoding =
+        Encoding { compression: Compression::DWAB(None), blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    foreign_exr(&path, &test_image(40, 40), encoding, (0, 0), window(0, 0, 40, 40));
+    let bytes = std::fs::read(&path).unwrap();
+    let mut cursor = std::io::Cursor::new(&bytes);
+    exr::meta::MetaData::read_from_buffered(&mut cursor, false).unwrap();
+    // After the table with its one entry come the row, the length, and the counters, of which the first is a version.
+    let counters = cursor.position() as usize + 8 + 8;
+    for counter in 1..=9 {
+        for value in [u64::MAX, i64::MAX as u64, 1 << 45, 1 << 31] {
+            let mut changed = bytes.clone();
+            changed[counters + 8 * counter..][..8].copy_from_slice(&value.to_le_bytes());
+            std::fs::write(&path, &changed).unwrap();
+            let error = load(&path).expect_err(&format!("counter {counter} = {value}"));
+            assert!(error.to_string().contains("contradicts the header"), "{error}");
+        }
+    }
 }
 
 /// Every damaged file gives an error or a picture: no panic, no abort.

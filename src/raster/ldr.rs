@@ -97,8 +97,8 @@ mod tests {
     #[test]
     fn eight_bit_files_go_there_and_back() {
         let image = Image::from_fn(16, 16, |x, y| {
-            let code = (16 * y + x) as f32 / 255.0;
-            Rgb::new(linear_from_srgb(code), linear_from_srgb(1.0 - code), 0.0)
+            let value = |code: usize| linear_from_srgb(code as f32 / 255.0);
+            Rgb::new(value(16 * y + x), value(255 - 16 * y - x), 0.0)
         });
         let (mut png, mut ppm) = (Vec::new(), Vec::new());
         encode_png(&image, &ToneMap::default(), &mut png).unwrap();

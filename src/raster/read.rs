@@ -29,8 +29,8 @@ pub struct ReadOptions {
 /// | PFM | `PF`, `Pf`, both byte orders | multiplied by the absolute value of the header's scale |
 /// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
 ///
-/// Negative and non-finite values are returned as they stand in the file. An OpenEXR map may be stored upside-down;
-/// that cannot be told from the file, see `--flip` of the environment maps.
+/// Negative and non-finite values are returned as they stand in the file. Some OpenEXR maps are stored upside-down;
+/// nothing in the file says so, and they come out as they are.
 ///
 /// # Errors
 /// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented

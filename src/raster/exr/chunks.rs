@@ -151,6 +151,8 @@ fn dwa_can_hold(header: &Header, block: &Block<'_>) -> bool {
         && rle_unpacked <= 2 * expected
         && ac <= 63 * squares
         && dc <= squares
+        // Every square has at least the mark that ends it.
+        && dc <= ac
         && deflated(raw, raw_packed)
         && deflated(rle_unpacked, rle_packed)
         && rle <= 64 * rle_unpacked

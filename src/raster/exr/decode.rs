@@ -24,7 +24,10 @@ const PIXELS_AT_ONCE: usize = 1 << 20;
 pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let mut cursor = Cursor::new(bytes);
     // Not pedantic: damaged attributes that the picture does not need are passed over.
-    let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|e| foreign(path, &e))?;
+    let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|e| {
+        let method = compression_method(bytes).filter(|m| *m > KNOWN_METHODS);
+        method.map_or_else(|| foreign(path, &e), |m| unknown_method(path, m))
+    })?;
     let choice = choose(path, &meta.headers)?;
     let header = &meta.headers[choice.part];
     let (data, window) = (header.data_window(), header.shared_attributes.display_window);
@@ -62,7 +65,7 @@ fn check_window(path: &Path, data: IntegerBounds, window: IntegerBounds, bytes: 
         return Err(Error::input(path, "all pixels lie outside the display window")
             .with_hint("the header is damaged, or the image was cropped to nothing"));
     }
-    // A small crop in a large frame is common, but not one of a millionth of its area.
+    // A small crop in a large frame is common, but not one of less than a thousandth of its area.
     let (pixels, shown) = (data.size.0 * data.size.1, window.size.0 * window.size.1);
     if shown > (1 << 22) && shown / 1024 > pixels {
         return Err(Error::input(path, format!("{pixels} pixels in a display window of {shown}"))
@@ -134,12 +137,27 @@ fn foreign(path: &Path, error: &exr::error::Error) -> Error {
     match error {
         exr::error::Error::NotSupported(what) => Error::unsupported(path, format!("OpenEXR: {what}"))
             .with_hint("save the image with ZIP, PIZ or DWAA compression, not deep"),
-        exr::error::Error::Invalid(what) if what.contains("compression attribute") => {
-            Error::unsupported(path, "OpenEXR: no compression method that is known here")
-                .with_hint("save the image with ZIP, PIZ or DWAA compression")
+        exr::error::Error::Invalid(what) if what == "reference to missing bytes" => {
+            damaged(path, "the header runs beyond the end of the file")
         }
+        exr::error::Error::Invalid(what) => damaged(path, what),
         other => damaged(path, &other.to_string()),
     }
+}
+
+/// The highest number of a compression method that the `exr` crate has a name for.
+const KNOWN_METHODS: u8 = 11;
+
+/// The number of the compression method, looked for without parsing the header (which comes first in the file).
+fn compression_method(bytes: &[u8]) -> Option<u8> {
+    let name = b"compression\0compression\0\x01\0\0\0";
+    let at = bytes[..bytes.len().min(1 << 16)].windows(name.len()).position(|w| w == name)?;
+    bytes.get(at + name.len()).copied()
+}
+
+fn unknown_method(path: &Path, method: u8) -> Error {
+    Error::unsupported(path, format!("OpenEXR: compression method {method} is not known here"))
+        .with_hint("save the image with ZIP, PIZ or DWAA compression")
 }
 
 fn damaged(path: &Path, what: &str) -> Error {

@@ -1,23 +1,20 @@
-//! Radiance HDR pictures: three 8-bit mantissas that share an exponent, in run lengths.
+//! Reading a Radiance picture: the text header, then scan lines in one of three packings.
 
-use super::read::{blank, check_size, cut_off};
-use super::{Image, Metadata, Rgb};
+use super::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
-use std::io::{self, Write};
+use crate::raster::read::{blank, check_size, cut_off};
+use crate::raster::{Image, Rgb};
 use std::path::Path;
-
-/// Widths that the newer run lengths can have; others are stored flat.
-const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
 /// Reads a Radiance picture. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
 /// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: what the scene had, not what the
 /// file was adjusted to. `GAMMA`, `PRIMARIES`, `PIXASPECT` and other lines have no effect.
-pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
+pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let header = Header::parse(path, bytes)?;
     let (outer, inner) = (header.outer.length, header.inner.length);
     let (width, height) = if header.outer.vertical { (inner, outer) } else { (outer, inner) };
-    // The old run lengths are the densest: 65536 pixels in 12 bytes, if they are all alike.
-    check_size(path, width as u64, height as u64, bytes.len() - header.end, 1 << 13)?;
+    // The old run lengths are the densest: 16384 pixels that are all alike take 12 bytes.
+    check_size(path, width as u64, height as u64, bytes.len() - header.end, 1 << 11)?;
 
     let mut image = blank(path, width, height)?;
     let mut input = Input { path, bytes, at: header.end };
@@ -32,88 +29,6 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
         }
     }
     Ok(image)
-}
-
-/// Writes a Radiance picture, rounding each mantissa to nearest: the error of a channel is at most 1/256 of the
-/// largest channel of its pixel (and mostly half of that). Negative values and NaN become 0; values above the format's
-/// range, 255/256 · 2^127, and +∞ become the largest that it has; all three below 2^-128 become 0. The metadata become
-/// comment lines.
-pub(super) fn encode(image: &Image, metadata: &Metadata, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "#?RADIANCE\n# {}", super::write::SOFTWARE)?;
-    for (name, value) in metadata.entries() {
-        writeln!(out, "# {}", format!("{name}: {value}").replace(['\n', '\r'], " "))?;
-    }
-    write!(out, "FORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height(), image.width())?;
-    let mut bytes = Vec::new();
-    for y in 0..image.height() {
-        bytes.clear();
-        let line: Vec<[u8; 4]> = image.row(y).iter().map(|&p| shared_exponent(p)).collect();
-        if RUN_WIDTHS.contains(&line.len()) {
-            bytes.extend([2, 2, (line.len() >> 8) as u8, line.len() as u8]);
-            for channel in 0..4 {
-                run_lengths(&line.iter().map(|p| p[channel]).collect::<Vec<_>>(), &mut bytes);
-            }
-        } else {
-            bytes.extend(line.as_flattened());
-        }
-        out.write_all(&bytes)?;
-    }
-    Ok(())
-}
-
-fn linear([r, g, b, e]: [u8; 4]) -> Rgb {
-    if e == 0 {
-        return Rgb::ZERO;
-    }
-    // In f64, since the smallest values are subnormal in f32 and the factor alone would vanish.
-    let unit = f64::from(i32::from(e) - 136).exp2();
-    Rgb::from_array([r, g, b].map(|m| (f64::from(m) * unit) as f32))
-}
-
-fn shared_exponent(p: Rgb) -> [u8; 4] {
-    let [r, g, b] = p.to_array().map(|v| if v > 0.0 { f64::from(v) } else { 0.0 });
-    let largest = r.max(g).max(b);
-    if largest < 2.0_f64.powi(-128) {
-        return [0; 4];
-    }
-    // The exponent that brings the largest channel to [128, 256); one more if it then rounds to 256. In f64 log2 is
-    // exact enough that only powers of two matter, and those it gives exactly.
-    let mut exponent = (largest.log2().floor() as i32).min(126) + 1;
-    if (largest * f64::from(8 - exponent).exp2()).round() > 255.0 && exponent < 127 {
-        exponent += 1;
-    }
-    let unit = f64::from(8 - exponent).exp2();
-    // The cast saturates: beyond the range of the format the value becomes its largest.
-    let [r, g, b] = [r, g, b].map(|v| (v * unit).round() as u8);
-    [r, g, b, (exponent + 128) as u8]
-}
-
-/// Appends `bytes` as runs (128 + length, value) of at least 4 and literals (length, values) of at most 128.
-fn run_lengths(bytes: &[u8], out: &mut Vec<u8>) {
-    let mut rest = bytes;
-    let mut literal = 0;
-    let run_at = |at: usize, rest: &[u8]| rest[at..].iter().take(127).take_while(|&&b| b == rest[at]).count();
-    while literal < rest.len() {
-        let run = run_at(literal, rest);
-        if run < 4 && literal + run <= 128 {
-            literal += run;
-            continue;
-        }
-        if literal > 0 {
-            out.push(literal as u8);
-            out.extend(&rest[..literal]);
-        }
-        rest = &rest[literal..];
-        literal = 0;
-        if run >= 4 {
-            out.extend([128 + run as u8, rest[0]]);
-            rest = &rest[run..];
-        }
-    }
-    if literal > 0 {
-        out.push(literal as u8);
-        out.extend(rest);
-    }
 }
 
 /// One axis of the picture, in file order.
@@ -278,12 +193,6 @@ mod tests {
         [b"#?RADIANCE\n", header.as_bytes(), data].concat()
     }
 
-    fn round_trip(image: &Image) -> Image {
-        let mut bytes = Vec::new();
-        encode(image, &Metadata::default().with("note", "two\nlines"), &mut bytes).unwrap();
-        parse(&bytes).unwrap()
-    }
-
     #[test]
     fn flat_pixels_and_header_lines() {
         let data = [128, 64, 0, 129, 255, 1, 0, 136];
@@ -344,49 +253,6 @@ mod tests {
         ] {
             let error = parse(&file(header, data)).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
-        }
-    }
-
-    #[test]
-    fn mantissas_are_rounded() {
-        // Widths on both sides of the run length limits, with runs, literals and values of every size.
-        for width in [1, 7, 8, 200, 40_000] {
-            let image = Image::from_fn(width, 2, |x, y| {
-                let v = (1.0 + (x * x % 997) as f32 / 100.0) * ((x / 50 % 60) as f32 - 30.0).exp2();
-                Rgb::new(v, v * 0.37, if y == 0 { 0.0 } else { 0.011 * v })
-            });
-            for (a, b) in image.pixels().iter().zip(round_trip(&image).pixels()) {
-                let bound = a.max_element() / 256.0;
-                assert!((*a - *b).abs().max_element() <= bound * 1.000_001, "{a} {b}");
-            }
-        }
-    }
-
-    #[test]
-    fn rounding_is_unbiased() {
-        let image = Image::from_fn(1000, 10, |x, y| {
-            let i = (1000 * y + x) as f32;
-            Rgb::new(1.0 + i / 10_000.0, 0.2 + i / 70_000.0, 0.1)
-        });
-        let c = crate::raster::compare(&round_trip(&image), &image).unwrap();
-        assert!((c.mean_a / c.mean_b - 1.0).abs() < 1e-3, "{} {}", c.mean_a, c.mean_b);
-    }
-
-    #[test]
-    fn the_ends_of_the_range() {
-        let largest = (255.0 / 256.0 * 127.0_f64.exp2()) as f32;
-        for (value, expected) in [
-            (1.0, 1.0),
-            (255.6, 256.0),
-            (-1.0, 0.0),
-            (f32::NAN, 0.0),
-            (f32::INFINITY, largest),
-            (f32::MAX, largest),
-            (1e-45, 0.0),
-            (2.0_f32.powi(-128), 2.0_f32.powi(-128)),
-        ] {
-            let image = Image::new(1, 1).map(|_| Rgb::splat(value));
-            assert_eq!(round_trip(&image).get(0, 0), Rgb::splat(expected), "{value}");
         }
     }
 }
