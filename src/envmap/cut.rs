@@ -5,7 +5,7 @@
 //! the most energy (or variance) left, so any number can be asked for, and one that cannot be split (a single texel
 //! with the sun in it) does not stop the others.
 
-use super::latlong::EnvMap;
+use super::latlong::{Block, EnvMap};
 use super::sat::SummedArea;
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -34,19 +34,10 @@ pub enum SideRule {
     Texels,
 }
 
-/// The texel rectangle \[x0, x1) × \[y0, y1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rect {
-    pub x0: usize,
-    pub y0: usize,
-    pub x1: usize,
-    pub y1: usize,
-}
-
 /// A region and the light that stands for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    pub rect: Rect,
+    pub rect: Block,
     /// Energy centroid, continuous texel coordinates.
     pub centroid: (f64, f64),
     /// The column and the row at which the region's energy halves, continuous texel coordinates (the first report's
@@ -62,7 +53,7 @@ pub struct Region {
 struct Candidate {
     priority: f64,
     solid_angle: f64,
-    rect: Rect,
+    rect: Block,
 }
 
 impl Candidate {
@@ -119,7 +110,7 @@ impl<'a> MedianCut<'a> {
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
         let mut done = Vec::new();
-        let mut heap = BinaryHeap::from([self.candidate(Rect { x0: 0, y0: 0, x1: width, y1: height })]);
+        let mut heap = BinaryHeap::from([self.candidate(Block { x0: 0, y0: 0, x1: width, y1: height })]);
         while done.len() + heap.len() < n {
             let Some(Candidate { rect, .. }) = heap.pop() else { break };
             match self.cut(rect) {
@@ -132,7 +123,7 @@ impl<'a> MedianCut<'a> {
         Ok(done.into_iter().map(|rect| self.region(rect)).collect())
     }
 
-    fn candidate(&self, rect: Rect) -> Candidate {
+    fn candidate(&self, rect: Block) -> Candidate {
         let g = self.map.geometry();
         let column: f64 = (rect.y0..rect.y1).map(|y| g.solid_angle(y)).sum();
         let priority = if self.moments.is_some() { self.variance(rect) } else { self.energy.sum(rect) };
@@ -140,11 +131,11 @@ impl<'a> MedianCut<'a> {
     }
 
     /// The two halves of a region; `None` for a single texel.
-    fn cut(&self, rect: Rect) -> Option<[Rect; 2]> {
+    fn cut(&self, rect: Block) -> Option<[Block; 2]> {
         if self.moments.is_some() { self.cut_by_variance(rect) } else { self.cut_by_energy(rect) }
     }
 
-    fn cut_by_energy(&self, rect: Rect) -> Option<[Rect; 2]> {
+    fn cut_by_energy(&self, rect: Block) -> Option<[Block; 2]> {
         let across = self.longer_side(rect);
         let axis = if across.candidates(rect).is_empty() { across.other() } else { across };
         let places = axis.candidates(rect);
@@ -168,8 +159,8 @@ impl<'a> MedianCut<'a> {
         Some(axis.split(rect, at))
     }
 
-    fn cut_by_variance(&self, rect: Rect) -> Option<[Rect; 2]> {
-        let worse = |halves: &[Rect; 2]| self.variance(halves[0]).max(self.variance(halves[1]));
+    fn cut_by_variance(&self, rect: Block) -> Option<[Block; 2]> {
+        let worse = |halves: &[Block; 2]| self.variance(halves[0]).max(self.variance(halves[1]));
         let best = [Axis::X, Axis::Y]
             .into_iter()
             .flat_map(|axis| axis.candidates(rect).map(move |at| axis.split(rect, at)))
@@ -179,7 +170,7 @@ impl<'a> MedianCut<'a> {
     }
 
     /// M₀ − |M₁|²/M₀, at least 0.
-    fn variance(&self, rect: Rect) -> f64 {
+    fn variance(&self, rect: Block) -> f64 {
         let Some(moments) = &self.moments else { return 0.0 };
         let m0 = self.energy.sum(rect);
         if m0 <= 0.0 {
@@ -189,7 +180,7 @@ impl<'a> MedianCut<'a> {
         (m0 - m1.length_squared() / m0).max(0.0)
     }
 
-    fn longer_side(&self, rect: Rect) -> Axis {
+    fn longer_side(&self, rect: Block) -> Axis {
         let g = self.map.geometry();
         let (w, h) = ((rect.x1 - rect.x0) as f64, (rect.y1 - rect.y0) as f64);
         let wide = match self.sides {
@@ -203,7 +194,7 @@ impl<'a> MedianCut<'a> {
     }
 
     /// Sums a region's texels directly, so that the regions' fluxes add up to the map's.
-    fn region(&self, rect: Rect) -> Region {
+    fn region(&self, rect: Block) -> Region {
         let g = self.map.geometry();
         let mut flux = DVec3::ZERO;
         let (mut energy, mut moment_x, mut moment_y) = (0.0, 0.0, 0.0);
@@ -264,17 +255,17 @@ impl Axis {
     }
 
     /// The inner texel borders at which a region can be cut.
-    fn candidates(self, r: Rect) -> std::ops::Range<usize> {
+    fn candidates(self, r: Block) -> std::ops::Range<usize> {
         match self {
             Axis::X => r.x0 + 1..r.x1,
             Axis::Y => r.y0 + 1..r.y1,
         }
     }
 
-    fn split(self, r: Rect, at: usize) -> [Rect; 2] {
+    fn split(self, r: Block, at: usize) -> [Block; 2] {
         match self {
-            Axis::X => [Rect { x1: at, ..r }, Rect { x0: at, ..r }],
-            Axis::Y => [Rect { y1: at, ..r }, Rect { y0: at, ..r }],
+            Axis::X => [Block { x1: at, ..r }, Block { x0: at, ..r }],
+            Axis::Y => [Block { y1: at, ..r }, Block { y0: at, ..r }],
         }
     }
 }

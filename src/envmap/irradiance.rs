@@ -4,7 +4,7 @@
 //! closed form; one wholly below contributes nothing. Only blocks on the horizon are opened, down to texels. What is
 //! left unopened there is bounded by flux × angular radius / 2, and the bounds add up.
 
-use super::latlong::EnvMap;
+use super::latlong::{Block, EnvMap};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -44,7 +44,7 @@ impl IrradianceTree {
     pub fn new(map: &EnvMap) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());
         let mut tree = Self { nodes: Vec::new(), tolerance: 1e-8, total: DVec3::ZERO };
-        let whole = [0, 0, width, height];
+        let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
         tree.nodes.push(Node::empty());
         tree.nodes[0] = tree.build(map, whole);
         tree.total = tree.nodes[0].flux;
@@ -86,8 +86,9 @@ impl IrradianceTree {
         Irradiance { value, error }
     }
 
-    /// The node of texels \[x0, x1) × \[y0, y1), its descendants appended.
-    fn build(&mut self, map: &EnvMap, [x0, y0, x1, y1]: [usize; 4]) -> Node {
+    /// The node of a block of texels, its descendants appended.
+    fn build(&mut self, map: &EnvMap, block: Block) -> Node {
+        let Block { x0, y0, x1, y1 } = block;
         if x1 - x0 == 1 && y1 - y0 == 1 {
             return Node::texel(map, x0, y0);
         }
@@ -98,7 +99,7 @@ impl IrradianceTree {
         let mut children = Vec::with_capacity(4);
         for y in ys.windows(2) {
             for x in xs.windows(2) {
-                children.push([x[0], y[0], x[1], y[1]]);
+                children.push(Block { x0: x[0], y0: y[0], x1: x[1], y1: y[1] });
             }
         }
         let first = self.nodes.len();
@@ -106,7 +107,7 @@ impl IrradianceTree {
         for (i, &child) in children.iter().enumerate() {
             self.nodes[first + i] = self.build(map, child);
         }
-        Node::parent(&self.nodes[first..], children.len(), first, cone(map, [x0, y0, x1, y1]))
+        Node::parent(&self.nodes[first..], children.len(), first, map.geometry().cone(block))
     }
 }
 
@@ -132,13 +133,13 @@ impl Node {
 
     fn texel(map: &EnvMap, x: usize, y: usize) -> Self {
         let radiance = map.texel(x, y).as_dvec3();
-        let moment = texel_moment(map, x, y);
+        let moment = map.geometry().moment(x, y);
         Self {
             moments: [moment * radiance.x, moment * radiance.y, moment * radiance.z],
             flux: radiance * map.geometry().solid_angle(y),
             ..Self::empty()
         }
-        .with_cone(cone(map, [x, y, x + 1, y + 1]))
+        .with_cone(map.geometry().cone(Block { x0: x, y0: y, x1: x + 1, y1: y + 1 }))
     }
 
     fn parent(children: &[Node], count: usize, first: usize, cone: (DVec3, f64)) -> Self {
@@ -151,34 +152,6 @@ impl Node {
         }
         node
     }
-}
-
-/// ∫ ω dω over a texel, in closed form:
-/// ∫ sin²θ dθ · ∫ (cos φ, sin φ) dφ across, ∫ sin θ cos θ dθ · Δφ along the axis.
-fn texel_moment(map: &EnvMap, x: usize, y: usize) -> DVec3 {
-    let g = map.geometry();
-    let (t0, t1) = (PI * y as f64 / g.height() as f64, PI * (y + 1) as f64 / g.height() as f64);
-    let (p0, p1) = (2.0 * PI * x as f64 / g.width() as f64, 2.0 * PI * (x + 1) as f64 / g.width() as f64);
-    let (middle, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
-    // (θ/2 − sin 2θ/4) between the edges, the difference of sines written as a product.
-    let across = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
-    // sin²θ/2 between the edges, likewise.
-    let along = 0.5 * (2.0 * middle).sin() * (2.0 * half).sin();
-    let (pm, ph) = (0.5 * (p0 + p1), 0.5 * (p1 - p0));
-    DVec3::new(across * 2.0 * pm.cos() * ph.sin(), along * (p1 - p0), across * 2.0 * pm.sin() * ph.sin())
-}
-
-/// A cone around a block: its middle direction and the largest angle to it.
-///
-/// With θₘ, φₘ the middle, cos d = cos θ cos θₘ + sin θ sin θₘ cos(φ − φₘ) falls with |φ − φₘ| up to 180°, and as a
-/// function of θ it is concave wherever it is positive. So within 90° of the middle the corners are the farthest.
-fn cone(map: &EnvMap, [x0, y0, x1, y1]: [usize; 4]) -> (DVec3, f64) {
-    let g = map.geometry();
-    let axis = g.direction(0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64);
-    let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
-    let reach =
-        corners.into_iter().map(|(x, y)| axis.angle_between(g.direction(x as f64, y as f64))).fold(0.0, f64::max);
-    if 2 * (x1 - x0) > g.width() || reach > 0.49 * PI { (axis, PI) } else { (axis, reach * (1.0 + 1e-9) + 1e-12) }
 }
 
 #[cfg(test)]

@@ -105,6 +105,35 @@ impl LatLong {
         (x, y, (px - x as f64).clamp(0.0, 1.0), ((w - row.start) / row.extent).clamp(0.0, 1.0))
     }
 
+    /// ∫ ω dω over texel (x, y), in closed form:
+    /// ∫ sin²θ dθ · ∫ (cos φ, sin φ) dφ across, ∫ sin θ cos θ dθ · Δφ along the axis.
+    #[must_use]
+    pub fn moment(&self, x: usize, y: usize) -> DVec3 {
+        let half_theta = 0.5 * PI / self.height() as f64;
+        let half_phi = PI / self.width as f64;
+        let (middle, phi) = (half_theta * (2 * y + 1) as f64, half_phi * (2 * x + 1) as f64);
+        // Differences of sines between the edges are written as products.
+        let across = half_theta - 0.5 * (2.0 * middle).cos() * (2.0 * half_theta).sin();
+        let along = 0.5 * (2.0 * middle).sin() * (2.0 * half_theta).sin();
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let chord = 2.0 * half_phi.sin();
+        DVec3::new(across * chord * cos_phi, along * 2.0 * half_phi, across * chord * sin_phi)
+    }
+
+    /// A cone around a block: its middle direction and the largest angle to it, π if that exceeds a right angle.
+    ///
+    /// With θₘ, φₘ the middle, cos d = cos θ cos θₘ + sin θ sin θₘ cos(φ − φₘ) falls with |φ − φₘ| up to 180°, and as
+    /// a function of θ it is concave wherever it is positive. So within 90° of the middle the corners are farthest.
+    #[must_use]
+    pub fn cone(&self, Block { x0, y0, x1, y1 }: Block) -> (DVec3, f64) {
+        let axis = self.direction(0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64);
+        let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
+        let angle = |(x, y): (usize, usize)| axis.angle_between(self.direction(x as f64, y as f64));
+        let reach = corners.into_iter().map(angle).fold(0.0, f64::max);
+        let narrow = 2 * (x1 - x0) <= self.width && reach < 0.49 * PI;
+        (axis, if narrow { reach * (1.0 + 1e-9) + 1e-12 } else { PI })
+    }
+
     /// The direction that the continuous map position (x, y), in texels from the top left corner, looks at.
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
@@ -128,6 +157,15 @@ impl LatLong {
         let (x, y) = self.position(direction);
         ((x as usize).min(self.width - 1), (y as usize).min(self.height() - 1))
     }
+}
+
+/// A block of texels, \[x0, x1) × \[y0, y1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Block {
+    pub x0: usize,
+    pub y0: usize,
+    pub x1: usize,
+    pub y1: usize,
 }
 
 /// The direction at φ = 2π `turns` and cos θ = `pole` (1 − `w`).

@@ -1,5 +1,6 @@
 //! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance.
 
+pub mod cosine;
 pub mod cut;
 pub mod info;
 pub mod irradiance;
@@ -8,4 +9,4 @@ pub mod report_model;
 pub mod sampler;
 mod sat;
 
-pub use latlong::{EnvMap, LatLong};
+pub use latlong::{Block, EnvMap, LatLong};

@@ -33,6 +33,27 @@ pub trait DirectionSampler: Send + Sync {
     fn pdf(&self, wi: DVec3) -> f64;
 }
 
+/// Draws directions towards the light that falls on a surface, whose normal it may take into account.
+pub trait SurfaceSampler: Send + Sync {
+    /// The direction for `u` in \[0, 1)² and a unit normal in the map's frame; `None` when nothing was drawn.
+    fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample>;
+
+    /// Density of [`SurfaceSampler::sample_for`] per solid angle.
+    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64;
+}
+
+impl<T: DirectionSampler> SurfaceSampler for T {
+    #[inline]
+    fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
+        self.sample(u)
+    }
+
+    #[inline]
+    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
+        self.pdf(wi)
+    }
+}
+
 /// A sampler whose density is positive wherever the map shines, so that it may be used alone.
 pub trait Complete: DirectionSampler {}
 

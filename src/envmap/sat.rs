@@ -1,6 +1,6 @@
 //! Summed-area tables: the sum over any texel rectangle from four look-ups.
 
-use super::cut::Rect;
+use super::latlong::Block;
 
 /// Prefix sums in f64. In f32 an 8×8 block beyond one texel of 10⁶ would be off by up to 2 %.
 pub struct SummedArea {
@@ -27,7 +27,7 @@ impl SummedArea {
     /// Sum over a rectangle. The error is that of f64 relative to the sum of everything above and left of it.
     #[inline]
     #[must_use]
-    pub fn sum(&self, r: Rect) -> f64 {
+    pub fn sum(&self, r: Block) -> f64 {
         let at = |x: usize, y: usize| self.sums[y * self.stride + x];
         (at(r.x1, r.y1) - at(r.x0, r.y1)) - (at(r.x1, r.y0) - at(r.x0, r.y0))
     }
@@ -42,9 +42,9 @@ mod tests {
         let value = |x: usize, y: usize| (x * x + 3 * y) as f64;
         let table = SummedArea::new(7, 5, value);
         for r in [
-            Rect { x0: 0, y0: 0, x1: 7, y1: 5 },
-            Rect { x0: 2, y0: 1, x1: 5, y1: 4 },
-            Rect { x0: 3, y0: 3, x1: 4, y1: 4 },
+            Block { x0: 0, y0: 0, x1: 7, y1: 5 },
+            Block { x0: 2, y0: 1, x1: 5, y1: 4 },
+            Block { x0: 3, y0: 3, x1: 4, y1: 4 },
         ] {
             let direct: f64 = (r.y0..r.y1).flat_map(|y| (r.x0..r.x1).map(move |x| value(x, y))).sum();
             assert_eq!(table.sum(r), direct);

@@ -5,9 +5,8 @@
 //! material also carries the path on. `OCCLUSION` says whether rays that leave a surface can meet another one at all;
 //! where they cannot, neither shadow rays nor further bounces exist in the compiled loop.
 
-use super::Sampling;
 use crate::bsdf::diffuse;
-use crate::envmap::sampler::DirectionSampler;
+use crate::envmap::sampler::SurfaceSampler;
 use crate::raster::Rgb;
 use crate::sampling::stream::Stream;
 use crate::sampling::warp;
@@ -17,10 +16,38 @@ use glam::{DVec3, Vec3};
 /// A scene made ready for rendering.
 pub struct Integrator<'a> {
     pub scene: &'a Scene,
-    /// Draws directions towards the environment, where that is needed.
-    pub sampler: Option<&'a dyn DirectionSampler>,
+    /// Draws directions towards the environment by its light, if that strategy is in use.
+    pub light: Option<&'a dyn SurfaceSampler>,
+    /// Draws directions without regard to the light, if such a strategy is in use.
+    pub scatter: Option<Scatter>,
     pub request: &'a Request,
-    pub sampling: Sampling,
+}
+
+/// A strategy that chooses directions by the surface alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scatter {
+    /// By the material's density.
+    Bsdf,
+    /// Uniformly over the hemisphere.
+    Hemisphere,
+}
+
+impl Scatter {
+    #[inline]
+    fn sample(self, u: [f64; 2]) -> DVec3 {
+        match self {
+            Scatter::Bsdf => diffuse::sample(u),
+            Scatter::Hemisphere => warp::uniform_hemisphere(u),
+        }
+    }
+
+    #[inline]
+    fn pdf(self, cos: f64) -> f64 {
+        match self {
+            Scatter::Bsdf => diffuse::pdf(cos),
+            Scatter::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
+        }
+    }
 }
 
 /// Pairs of random numbers that each hit of a path draws from, after the one for the film position.
@@ -103,36 +130,38 @@ impl Integrator<'_> {
     ) -> Rgb {
         let n = self.request.light_samples;
         let visible = |wi: DVec3| !OCCLUSION || !self.scene.occluded(&surface.hit.ray_towards(wi.as_vec3()));
+        let map_normal = environment.to_map(surface.normal);
         let mut sum = Rgb::ZERO;
-        if let (Sampling::Light | Sampling::Mis, Some(sampler)) = (self.sampling, self.sampler) {
+        if let Some(sampler) = self.light {
             for i in 0..n {
-                let Some(light) = sampler.sample(stream.pair_of(dimensions.light, i, n)) else { break };
+                let u = stream.pair_of(dimensions.light, i, n);
+                let Some(light) = sampler.sample_for(u, map_normal) else { continue };
                 let wi = environment.to_world * light.wi;
                 let cos = surface.normal.dot(wi);
                 if cos > 0.0 && visible(wi) {
-                    let other = if self.sampling == Sampling::Mis { diffuse::pdf(cos) } else { 0.0 };
-                    sum += light.radiance * (cos / (light.pdf + other)) as f32;
+                    let other = self.scatter.map_or(0.0, |scatter| scatter.pdf(cos));
+                    sum += light.radiance * (cos * balance_heuristic(light.pdf, other)) as f32;
                 }
             }
         }
-        if self.sampling != Sampling::Light {
+        if let Some(scatter) = self.scatter {
             for i in 0..n {
-                let u = stream.pair_of(dimensions.bsdf, i, n);
-                let (local, pdf) = if self.sampling == Sampling::Hemisphere {
-                    (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF)
-                } else {
-                    let local = diffuse::sample(u);
-                    (local, diffuse::pdf(local.z))
-                };
-                let wi = surface.to_world(local);
+                let local = scatter.sample(stream.pair_of(dimensions.bsdf, i, n));
+                let (wi, pdf) = (surface.to_world(local), scatter.pdf(local.z));
                 if pdf > 0.0 && visible(wi) {
                     let map_wi = environment.to_map(wi);
-                    let other =
-                        if self.sampling == Sampling::Mis { self.sampler.map_or(0.0, |s| s.pdf(map_wi)) } else { 0.0 };
-                    sum += environment.map.radiance(map_wi) * (local.z / (pdf + other)) as f32;
+                    let other = self.light.map_or(0.0, |light| light.pdf_for(map_wi, map_normal));
+                    sum += environment.map.radiance(map_wi) * (local.z * balance_heuristic(pdf, other)) as f32;
                 }
             }
         }
         diffuse::eval(surface.albedo) * environment.scale * sum / n as f32
     }
+}
+
+/// The weight of a sample over its density `p` when another strategy, of density `other` there, draws as many:
+/// (p / (p + q)) / p. Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.
+#[inline]
+fn balance_heuristic(p: f64, other: f64) -> f64 {
+    1.0 / (p + other)
 }

@@ -1,0 +1,370 @@
+//! Sampling a map in proportion to radiance × cosine: the directions that light a surface of a given normal.
+//!
+//! The map is a pyramid of blocks. Each block knows its flux F = ∫ I dω and its first moment M = ∫ I ω dω, so the
+//! share that it sends to a surface of normal n is n·M exactly where it is wholly above the horizon, 0 where it is
+//! wholly below, and close to F r (1 + x)²/4 with x = n·M / (F r) where the horizon cuts it (r the sine of its angular
+//! radius; exact if cosines are spread evenly over ±r). A draw descends from the whole map to a block of the finest
+//! level, choosing at each step between two halves twice, and takes a texel of that block by its flux. For a diffuse
+//! surface that sees the whole map nearly every sample then has the same weight, the irradiance itself.
+//!
+//! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
+//! moments in place of wavelet products are this project's own.
+
+use super::latlong::{Block, EnvMap};
+use super::sampler::{EnvSample, SurfaceSampler};
+use glam::{DVec3, DVec4, Vec3, Vec4};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The finest level has at most so many blocks; in larger maps they are of several texels.
+const FINEST: usize = 1 << 19;
+
+/// Least share of F r that a block on the horizon is given, so that no light above it is ever missed.
+const FLOOR: f32 = 1e-3;
+
+/// A draw starts by weighing this many quads at most. Larger blocks are not used: they reach so far around the sphere
+/// that what they send to a surface is badly known, and draws would be lost below the horizon.
+const ROOT: usize = 8;
+
+/// Draws directions for a normal.
+#[derive(Debug, Clone)]
+pub struct CosineSampler {
+    map: Arc<EnvMap>,
+    /// Side of a block of the finest level, in texels.
+    side: usize,
+    /// From the coarsest, of at most [`ROOT`] quads, to the finest.
+    levels: Vec<Level>,
+}
+
+/// The four children of a block, component by component, so that they are weighed together: upper left, upper right,
+/// lower left, lower right. A child beyond the map's edge is dark.
+#[derive(Debug, Clone, Copy, Default)]
+struct Quad {
+    /// First moments of the children, one vector per axis.
+    moment: [Vec4; 3],
+    flux: Vec4,
+}
+
+/// All blocks of one size.
+#[derive(Debug, Clone)]
+struct Level {
+    /// Number of quads in a row.
+    width: usize,
+    quads: Vec<Quad>,
+    /// Cosines and sines of the middle φ of each pair of columns: \[left, right, left, right\].
+    columns: Vec<[Vec4; 2]>,
+    /// Sines and cosines of the middle θ and sines of the angular radius of each pair of rows:
+    /// \[upper, upper, lower, lower\].
+    rows: Vec<[Vec4; 3]>,
+}
+
+impl Level {
+    /// From the blocks' moments and, in w, fluxes, `columns` in a row; each block `side` texels wide and high.
+    fn new(map: &EnvMap, side: usize, columns: usize, blocks: &[Vec4]) -> Self {
+        let g = map.geometry();
+        let rows = blocks.len() / columns;
+        let (width, height) = (columns.div_ceil(2), rows.div_ceil(2));
+        let mut quads = vec![Quad::default(); width * height];
+        for (i, block) in blocks.iter().enumerate() {
+            let (x, y) = (i % columns, i / columns);
+            let (quad, child) = (&mut quads[y / 2 * width + x / 2], x % 2 + 2 * (y % 2));
+            for axis in 0..3 {
+                quad.moment[axis][child] = block[axis];
+            }
+            quad.flux[child] = block.w;
+        }
+        let column = |x: usize| {
+            let (x0, x1) = (x * side, ((x + 1) * side).min(g.width()));
+            (std::f64::consts::PI * (x0 + x1) as f64 / g.width() as f64).sin_cos()
+        };
+        let row = |y: usize| {
+            // The last column may be narrower; the first one's cone is wide enough for all.
+            let (y0, y1) = ((y * side).min(g.height() - 1), ((y + 1) * side).min(g.height()));
+            let (axis, radius) = g.cone(Block { x0: 0, y0, x1: side.min(g.width()), y1 });
+            let r = if radius < std::f64::consts::FRAC_PI_2 { radius.sin() + 1e-6 } else { 2.0 };
+            [axis.x.hypot(axis.z), axis.y, r]
+        };
+        Self {
+            width,
+            quads,
+            columns: (0..width)
+                .map(|x| {
+                    let [(s0, c0), (s1, c1)] = [column(2 * x), column(2 * x + 1)];
+                    [DVec4::new(c0, c1, c0, c1).as_vec4(), DVec4::new(s0, s1, s0, s1).as_vec4()]
+                })
+                .collect(),
+            rows: (0..height)
+                .map(|y| {
+                    let (upper, lower) = (row(2 * y), row(2 * y + 1));
+                    [0, 1, 2].map(|i| DVec4::new(upper[i], upper[i], lower[i], lower[i]).as_vec4())
+                })
+                .collect(),
+        }
+    }
+
+    /// About the shares of the children's light that a surface of normal `n` receives; 0 only where it receives none.
+    #[inline]
+    fn weights(&self, x: usize, y: usize, n: Vec3) -> Vec4 {
+        let Quad { moment, flux } = self.quads[y * self.width + x];
+        let ([cos_phi, sin_phi], [sin_theta, cos_theta, r]) = (self.columns[x], self.rows[y]);
+        let height = n.y * cos_theta + sin_theta * (n.x * cos_phi + n.z * sin_phi);
+        let received = n.x * moment[0] + n.y * moment[1] + n.z * moment[2];
+        let reach = flux * r;
+        let t = Vec4::ONE + (received / reach.max(Vec4::splat(f32::MIN_POSITIVE))).clamp(Vec4::NEG_ONE, Vec4::ONE);
+        let on_horizon = reach * (0.25 * t * t).max(Vec4::splat(FLOOR));
+        let weight = Vec4::select(height.cmpge(r), received.max(Vec4::ZERO), on_horizon);
+        Vec4::select(height.cmple(-r), Vec4::ZERO, weight)
+    }
+}
+
+/// Draws an index in proportion to a few weights, and stretches what is left of `u` to \[0, 1) again. Returns the
+/// index and its probability, [`share`]; `None` when all weights are 0.
+#[inline]
+fn pick(u: &mut f64, weights: &[f64]) -> Option<(usize, f64)> {
+    let mut left = *u * weights.iter().sum::<f64>();
+    let mut found = None;
+    for (i, &w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+        // Rounding may leave a crumb beyond the last weight; it belongs to that one.
+        found = Some(i);
+        *u = (left / w).min(1.0f64.next_down());
+        if left < w {
+            break;
+        }
+        left -= w;
+    }
+    found.map(|i| (i, share(weights, i)))
+}
+
+/// The probability of index `i`.
+#[inline]
+fn share(weights: &[f64], i: usize) -> f64 {
+    let total: f64 = weights.iter().sum();
+    if total > 0.0 { weights[i] / total } else { 0.0 }
+}
+
+/// The weights of the coarsest level's quads, and their sums per row of quads.
+struct Root {
+    width: usize,
+    quads: [f64; ROOT],
+    rows: [f64; ROOT],
+}
+
+impl Root {
+    #[inline]
+    fn new(level: &Level, n: Vec3) -> Self {
+        let mut root = Self { width: level.width, quads: [0.0; ROOT], rows: [0.0; ROOT] };
+        for i in 0..level.quads.len() {
+            let (x, y) = (i % level.width, i / level.width);
+            root.quads[i] = level.weights(x, y, n).as_dvec4().element_sum();
+            root.rows[y] += root.quads[i];
+        }
+        root
+    }
+
+    #[inline]
+    fn row(&self, y: usize) -> &[f64] {
+        &self.quads[y * self.width..(y + 1) * self.width]
+    }
+}
+
+/// The weights of a quad's upper and lower pair, and those within the pairs.
+#[inline]
+fn pairs(weights: Vec4) -> ([f64; 2], [[f64; 2]; 2]) {
+    let [a, b, c, d] = weights.as_dvec4().to_array();
+    ([a + b, c + d], [[a, b], [c, d]])
+}
+
+impl CosineSampler {
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>) -> Self {
+        let g = map.geometry();
+        let mut side = 1;
+        while g.width().div_ceil(side) * g.height().div_ceil(side) > FINEST {
+            side *= 2;
+        }
+        let (mut columns, mut blocks) = (g.width().div_ceil(side), finest_blocks(&map, side));
+        let mut levels = vec![Level::new(&map, side, columns, &blocks)];
+        let mut block_side = side;
+        while levels[levels.len() - 1].quads.len() > ROOT {
+            (columns, blocks) = halved(columns, &blocks);
+            block_side *= 2;
+            levels.push(Level::new(&map, block_side, columns, &blocks));
+        }
+        levels.reverse();
+        Self { map, side, levels }
+    }
+
+    /// The texels of a block of the finest level, each with its energy.
+    fn texels(&self, bx: usize, by: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let g = self.map.geometry();
+        let (x0, y0) = (bx * self.side, by * self.side);
+        (y0..(y0 + self.side).min(g.height())).flat_map(move |y| {
+            (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.map.intensity(x, y) * g.solid_angle(y)))
+        })
+    }
+}
+
+impl SurfaceSampler for CosineSampler {
+    fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
+        let n = normal.as_vec3();
+        let [mut u, mut v] = u;
+        let root = Root::new(&self.levels[0], n);
+        let (mut y, row_probability) = pick(&mut v, &root.rows)?;
+        let (mut x, quad_probability) = pick(&mut u, root.row(y))?;
+        let mut probability = row_probability * quad_probability;
+        for level in &self.levels {
+            let (vertical, horizontal) = pairs(level.weights(x, y, n));
+            let (lower, p_vertical) = pick(&mut v, &vertical)?;
+            let (right, p_horizontal) = pick(&mut u, &horizontal[lower])?;
+            probability *= p_vertical * p_horizontal;
+            (x, y) = (2 * x + right, 2 * y + lower);
+        }
+        if self.side > 1 {
+            let energies: Vec<f64> = self.texels(x, y).map(|(_, _, energy)| energy).collect();
+            let (i, p) = pick(&mut u, &energies)?;
+            probability *= p;
+            (x, y, _) = self.texels(x, y).nth(i)?;
+        }
+        let g = self.map.geometry();
+        let wi = g.direction_in_texel(x, y, u.clamp(1e-9, 1.0 - 1e-9), v.clamp(1e-9, 1.0 - 1e-9));
+        Some(EnvSample { wi, pdf: probability / g.solid_angle(y), radiance: self.map.texel(x, y), texel: (x, y) })
+    }
+
+    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64 {
+        let n = normal.as_vec3();
+        let g = self.map.geometry();
+        let (tx, ty) = g.texel(wi);
+        let (bx, by) = (tx / self.side, ty / self.side);
+        let root = Root::new(&self.levels[0], n);
+        let (x, y) = (bx >> self.levels.len(), by >> self.levels.len());
+        let mut probability = share(&root.rows, y) * share(root.row(y), x);
+        for (i, level) in self.levels.iter().enumerate() {
+            let finer = self.levels.len() - 1 - i;
+            let (x, y) = (bx >> finer, by >> finer);
+            let (vertical, horizontal) = pairs(level.weights(x / 2, y / 2, n));
+            probability *= share(&vertical, y % 2) * share(&horizontal[y % 2], x % 2);
+        }
+        if self.side > 1 {
+            let energies: Vec<f64> = self.texels(bx, by).map(|(_, _, energy)| energy).collect();
+            let i = self.texels(bx, by).position(|(x, y, _)| (x, y) == (tx, ty));
+            probability *= i.map_or(0.0, |i| share(&energies, i));
+        }
+        probability / g.solid_angle(ty)
+    }
+}
+
+/// Sums blocks two by two in both directions; the new number of columns and the blocks.
+fn halved(columns: usize, blocks: &[Vec4]) -> (usize, Vec<Vec4>) {
+    let (width, height) = (columns.div_ceil(2), (blocks.len() / columns).div_ceil(2));
+    let mut sums = vec![Vec4::ZERO; width * height];
+    for (i, block) in blocks.iter().enumerate() {
+        sums[i / columns / 2 * width + i % columns / 2] += *block;
+    }
+    (width, sums)
+}
+
+/// Moments and fluxes of the blocks of the finest level.
+fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
+    let g = map.geometry();
+    let columns = g.width().div_ceil(side);
+    let mut blocks = vec![Vec4::ZERO; columns * g.height().div_ceil(side)];
+    blocks.par_chunks_mut(columns).enumerate().for_each(|(by, row)| {
+        for y in by * side..((by + 1) * side).min(g.height()) {
+            for x in 0..g.width() {
+                let intensity = map.intensity(x, y);
+                let moment = g.moment(x, y) * intensity;
+                row[x / side] += moment.as_vec3().extend((intensity * g.solid_angle(y)) as f32);
+            }
+        }
+    });
+    blocks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{Image, Rgb};
+
+    fn maps() -> Vec<Arc<EnvMap>> {
+        let value = |x: usize, y: usize| match (x * 7 + y * 13) % 5 {
+            0 => Rgb::ZERO,
+            4 if x == 1 => Rgb::splat(1e5),
+            k => Rgb::new(k as f32, 0.5, 0.1),
+        };
+        [(1, 1), (2, 1), (3, 2), (10, 10), (64, 33), (1030, 516)]
+            .map(|(w, h)| Arc::new(EnvMap::new(Image::from_fn(w, h, |x, y| value(x + usize::from(w == 1), y)))))
+            .into()
+    }
+
+    fn normals() -> [DVec3; 4] {
+        [DVec3::Y, DVec3::NEG_Y, DVec3::new(0.6, 0.0, 0.8), DVec3::new(-0.48, 0.6, 0.64)]
+    }
+
+    #[test]
+    fn samples_carry_the_pdf_of_their_direction_to_the_last_bit() {
+        for map in maps() {
+            let sampler = CosineSampler::new(map.clone());
+            for n in normals() {
+                for i in 0..3000u32 {
+                    let u = [(f64::from(i) + 0.5) / 3000.0, (f64::from(i) * 0.618_034).fract()];
+                    let Some(s) = sampler.sample_for(u, n) else { continue };
+                    assert_eq!(s.pdf.to_bits(), sampler.pdf_for(s.wi, n).to_bits());
+                    assert!(s.pdf > 0.0 && s.radiance == map.radiance(s.wi));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_density_has_mass_one_and_covers_all_light_above_the_horizon() {
+        for map in maps().into_iter().take(5) {
+            let sampler = CosineSampler::new(map.clone());
+            let g = map.geometry();
+            for n in normals() {
+                let mut mass = 0.0;
+                for y in 0..g.height() {
+                    for x in 0..g.width() {
+                        let pdf = sampler.pdf_for(g.direction_in_texel(x, y, 0.5, 0.5), n);
+                        mass += pdf * g.solid_angle(y);
+                        let above = [0.01, 0.5, 0.99].iter().any(|&fx| {
+                            [0.01, 0.5, 0.99].iter().any(|&fy| n.dot(g.direction_in_texel(x, y, fx, fy)) > 0.0)
+                        });
+                        assert!(!above || map.intensity(x, y) == 0.0 || pdf > 0.0, "light at {x},{y} is missed");
+                    }
+                }
+                // What is missing are descents that ended among blocks without light above the horizon.
+                assert!(mass < 1.0 + 1e-6 && mass > 0.5, "{}x{}: {mass}", g.width(), g.height());
+            }
+        }
+    }
+
+    #[test]
+    fn sample_weights_are_the_irradiance() {
+        let map =
+            Arc::new(EnvMap::new(Image::from_fn(256, 128, |x, y| Rgb::splat(((x / 9 + y / 7) % 4) as f32 + 0.1))));
+        let sampler = CosineSampler::new(map.clone());
+        for n in normals() {
+            let expected = crate::envmap::irradiance::IrradianceTree::new(&map).irradiance(n).value.x;
+            let (mut sum, mut sum2) = (0.0, 0.0);
+            let count = 4096;
+            for i in 0..count {
+                let u = [(f64::from(i) + 0.5) / f64::from(count), (f64::from(i) * 0.618_034).fract()];
+                let weight =
+                    sampler.sample_for(u, n).map_or(0.0, |s| f64::from(s.radiance.x) * s.wi.dot(n).max(0.0) / s.pdf);
+                sum += weight;
+                sum2 += weight * weight;
+            }
+            let (mean, mean2) = (sum / f64::from(count), sum2 / f64::from(count));
+            assert!((mean / expected - 1.0).abs() < 2e-3, "{mean} against {expected}");
+            // A sampler of the map alone has 1.67 for a constant map.
+            assert!(mean2 / (mean * mean) - 1.0 < 0.1, "relative variance {}", mean2 / (mean * mean) - 1.0);
+        }
+    }
+
+    #[test]
+    fn a_black_map_has_no_samples() {
+        let sampler = CosineSampler::new(Arc::new(EnvMap::new(Image::new(4, 2))));
+        assert_eq!(sampler.sample_for([0.5, 0.5], DVec3::Y), None);
+        assert_eq!(sampler.pdf_for(DVec3::Y, DVec3::Y), 0.0);
+    }
+}
