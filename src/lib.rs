@@ -15,6 +15,7 @@
 //! | 0 | [`error`], [`files`] | what every room needs |
 
 pub mod error;
+pub mod figure;
 pub mod files;
 pub mod raster;
 
