@@ -44,6 +44,12 @@ impl Axis {
         Self { every: Some(step), ..self }
     }
 
+    /// The range asked for, or `from` to `to`.
+    pub(super) fn span_or(&self, from: f64, to: f64) -> Span {
+        let (from, to) = self.range.unwrap_or((from, to));
+        Span::new(from, to, self.scale)
+    }
+
     /// The range to show: the one asked for, or that of the data with `margin` (a fraction of it) at both ends.
     pub(super) fn span(&self, data: impl Iterator<Item = f64>, margin: f64) -> Span {
         match self.range {

@@ -137,7 +137,7 @@ impl DrawingBackend for Canvas<'_> {
 mod tests {
     use super::super::drawing::Item;
     use super::*;
-    use plotters::prelude::*;
+    use plotters::prelude::{Circle, IntoDrawingArea, IntoFont, PathElement, RGBColor, ShapeStyle, TextStyle};
 
     #[test]
     fn what_plotters_draws_arrives_in_drawing_units() {
@@ -145,10 +145,11 @@ mod tests {
         {
             let area = Canvas::new(&mut drawing, &[4.0, 2.0]).into_drawing_area();
             assert_eq!(area.dim_in_pixel(), (6400, 3200));
-            let style = RGBColor(1, 2, 3).stroke_width(96);
+            let style = ShapeStyle { color: RGBColor(1, 2, 3).into(), filled: false, stroke_width: 96 };
             area.draw(&PathElement::new([(64, 128), (640, 1280)], style)).unwrap();
-            area.draw(&Circle::new((32, 64), 128, RGBColor(9, 9, 9).filled())).unwrap();
-            let font = ("sans-serif", 640.0).into_font().color(&plotters::style::BLACK);
+            let style = ShapeStyle { color: RGBColor(9, 9, 9).into(), filled: true, stroke_width: 0 };
+            area.draw(&Circle::new((32, 64), 128, style)).unwrap();
+            let font = TextStyle::from(("sans-serif", 640.0).into_font());
             area.draw(&plotters::element::Text::new("θ_{B}", (640, 640), font)).unwrap();
         }
         let stroke = Stroke { colour: Colour::rgb(1, 2, 3), width: 1.5, dash: &[4.0, 2.0] };

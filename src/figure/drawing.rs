@@ -266,6 +266,21 @@ pub enum Item {
     },
 }
 
+impl Item {
+    /// The same item, moved by (dx, dy).
+    #[must_use]
+    pub fn moved(mut self, dx: f64, dy: f64) -> Self {
+        let shift = |p: &mut Point| *p = [p[0] + dx, p[1] + dy];
+        match &mut self {
+            Item::Path { points, .. } => points.iter_mut().for_each(shift),
+            Item::Rect { rect, .. } | Item::Image { rect, .. } => *rect = rect.moved(dx, dy),
+            Item::Circle { centre, .. } => shift(centre),
+            Item::Text(text) => shift(&mut text.at),
+        }
+        self
+    }
+}
+
 /// A page with its items, painted in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
@@ -341,6 +356,11 @@ impl Drawing {
 
     pub fn image(&mut self, rect: Rect, image: Rgb8) {
         self.add(Item::Image { rect, image });
+    }
+
+    /// Adds all items of another drawing, moved by (dx, dy).
+    pub fn append(&mut self, other: Drawing, dx: f64, dy: f64) {
+        self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
     }
 
     /// Writes `stem.svg`, `stem.png` and `stem.pdf` and returns their paths in this order.
