@@ -95,11 +95,12 @@ impl Span {
         };
         let span = Self { from, to, scale };
         // Too narrow for distinct ticks: the value in the middle of something wider.
-        if (to - from).abs() > 1e-9 * from.abs().max(to.abs()) {
+        if (to - from).abs() > (1e-9 * from.abs().max(to.abs())).max(if scale == Scale::Linear { 1e-290 } else { 0.0 })
+        {
             return span;
         }
         match scale {
-            Scale::Linear if from == 0.0 => Self { from: -1.0, to: 1.0, scale },
+            Scale::Linear if from.abs() < 1e-290 => Self { from: -1.0, to: 1.0, scale },
             Scale::Linear => Self { from: from - 0.5 * from.abs(), to: from + 0.5 * from.abs(), scale },
             Scale::Log10 => Self { from: (from / 10.0).max(1e-301), to: (from * 10.0).min(1e301), scale },
         }

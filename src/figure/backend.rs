@@ -3,7 +3,8 @@
 //! plotters knows whole pixels only. [`GRID`] of them make a drawing unit, so that curves come out smooth and lines of
 //! any width; lengths given to plotters (stroke widths, radii, font sizes) are multiplied alike.
 
-use super::drawing::{Anchor, Colour, Drawing, Level, Paint, Point, Rect, Stroke, Text};
+use super::drawing::Drawing;
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::text;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{

@@ -1,21 +1,21 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
 use super::axis::Span;
-use super::backend::{Canvas, GRID};
-use super::clip;
-use super::drawing::{Anchor, Colour, Drawing, Level, Paint, Point, Rect, Stroke, Text};
+use super::drawing::Drawing;
 use super::frame::{self, Sides};
 use super::legend::Legend;
 use super::occupancy::Occupancy;
 use super::panel::{Mark, Panel};
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
 use super::text;
 use super::theme;
-use plotters::coord::{Shift, types::RangedCoordf64};
-use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
-use plotters::style::{RGBAColor, ShapeStyle};
 
 /// Distance that labels keep from curves and from each other.
-const CLEAR: f64 = 3.0;
+pub(super) const CLEAR: f64 = 3.0;
+/// How far from the frame a label may be that found no place inside.
+const OUTSIDE: f64 = 300.0;
+/// Width kept for the factor of the y axis, above the frame's left end.
+const FACTOR: f64 = 45.0;
 /// Distance of a legend from the frame.
 const INSET: f64 = 8.0;
 
@@ -33,6 +33,9 @@ impl Chart {
         let mut sketch = Sketch {
             drawing: Drawing::new(width, height, 1.0),
             space: Occupancy::new(Rect::new(0.0, 0.0, width, height)),
+            above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
+            beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
+            outside: Sides::default(),
             frame: Rect::new(0.0, 0.0, width, height),
             spans: panel.spans(),
         };
@@ -43,168 +46,40 @@ impl Chart {
             Some(map) => room = map.draw(&mut sketch.drawing, &sketch.frame),
             None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
         }
-        for layer in [0, 1, 2, 3] {
-            panel.marks.iter().filter(|mark| layer_of(mark) == layer).for_each(|mark| sketch.mark(mark));
-        }
-        let outside = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up));
-        room = room.union(outside);
+        sketch.marks(&panel.marks);
+        let factor = frame::factor_height(&up);
+        sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
+        let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
+        room = room.union(around);
 
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
 
-/// Areas, then reference lines, curves, dots.
-fn layer_of(mark: &Mark) -> usize {
-    match mark {
-        Mark::Band { .. } | Mark::Bars { .. } => 0,
-        Mark::Vertical { .. } | Mark::Horizontal { .. } => 1,
-        Mark::Line { .. } => 2,
-        Mark::Dots { .. } => 3,
-        Mark::Note { .. } => usize::MAX,
-    }
-}
-
 /// A chart on the way.
-struct Sketch {
-    drawing: Drawing,
-    space: Occupancy,
-    frame: Rect,
-    spans: (Span, Span),
+pub(super) struct Sketch {
+    pub drawing: Drawing,
+    pub frame: Rect,
+    pub spans: (Span, Span),
+    /// What is taken within the frame, above it, and to its right.
+    pub space: Occupancy,
+    above: Occupancy,
+    beside: Occupancy,
+    /// Room taken by labels outside the frame.
+    outside: Sides,
 }
 
 impl Sketch {
     /// Positions along the axes of a point of the data.
-    fn position(&self, p: Point) -> Point {
+    pub fn position(&self, p: Point) -> Point {
         [self.spans.0.position(p[0]), self.spans.1.position(p[1])]
     }
 
     /// The place in the frame of positions along the axes.
-    fn place(&self, p: Point) -> Point {
+    pub fn place(&self, p: Point) -> Point {
         [self.frame.width * p[0], self.frame.height * (1.0 - p[1])]
-    }
-
-    /// A plotters drawing area over the frame, which counts from 0 to 1 along both axes.
-    fn area<'a>(
-        &'a mut self,
-        dash: &'static [f64],
-    ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
-        let (width, height) = ((self.frame.width * GRID) as i32, (self.frame.height * GRID) as i32);
-        let area: DrawingArea<Canvas<'a>, Shift> = Canvas::new(&mut self.drawing, dash).into_drawing_area();
-        area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
-    }
-
-    fn mark(&mut self, mark: &Mark) {
-        match mark {
-            Mark::Line { stroke, points, .. } => {
-                let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
-                self.curve(&positions, *stroke);
-            }
-            Mark::Dots { colour, points, .. } => self.dots(*colour, points),
-            Mark::Band { colour, points, .. } => self.band(*colour, points),
-            Mark::Bars { colour, edges, heights, .. } => self.bars(*colour, edges, heights),
-            Mark::Vertical { at, .. } => {
-                let x = self.spans.0.position(*at);
-                self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
-            }
-            Mark::Horizontal { at, .. } => {
-                let y = self.spans.1.position(*at);
-                self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
-            }
-            Mark::Note { .. } => {}
-        }
-    }
-
-    /// The parts of a line within the frame.
-    fn curve(&mut self, positions: &[Point], stroke: Stroke) {
-        for part in clip::line(positions) {
-            let places: Vec<Point> = part.iter().map(|&p| self.place(p)).collect();
-            self.space.add_line(&places, stroke.width + 2.0 * CLEAR);
-            let style = shape(stroke.colour, false, stroke.width);
-            let path: Vec<(f64, f64)> = part.iter().map(|p| (p[0], p[1])).collect();
-            self.area(stroke.dash).draw(&PathElement::new(path, style)).expect(NEVER);
-        }
-    }
-
-    /// The part of an area within the frame.
-    fn fill(&mut self, positions: Vec<Point>, colour: Colour) {
-        let path: Vec<(f64, f64)> = clip::polygon(positions).iter().map(|p| (p[0], p[1])).collect();
-        if !path.is_empty() {
-            self.area(theme::SOLID).draw(&Polygon::new(path, shape(colour, true, 0.0))).expect(NEVER);
-        }
-    }
-
-    fn dots(&mut self, colour: Colour, points: &[Point]) {
-        for &p in points {
-            let position = self.position(p);
-            // Also false for NaN.
-            if position.iter().all(|v| (0.0..=1.0).contains(v)) {
-                let [x, y] = self.place(position);
-                self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
-                let radius = (theme::DOT * GRID) as i32;
-                let dot = Circle::new((position[0], position[1]), radius, shape(colour, true, 0.0));
-                self.area(theme::SOLID).draw(&dot).expect(NEVER);
-            }
-        }
-    }
-
-    fn band(&mut self, colour: Colour, points: &[[f64; 3]]) {
-        // A bound that is off a logarithmic scale lies below the frame.
-        let low = |v: f64| if v.is_nan() { -1.0 } else { v };
-        let positions: Vec<[f64; 3]> = points
-            .iter()
-            .map(|&[x, lower, upper]| {
-                let ([x, lower_at], [_, upper_at]) = (self.position([x, lower]), self.position([x, upper]));
-                if lower.is_finite() { [x, low(lower_at), upper_at] } else { [x, f64::NAN, upper_at] }
-            })
-            .collect();
-        for run in positions.split(|p| !p.iter().all(|v| v.is_finite())).filter(|run| run.len() > 1) {
-            let outline = run.iter().map(|p| [p[0], p[2]]).chain(run.iter().rev().map(|p| [p[0], p[1]])).collect();
-            self.fill(outline, colour.faded(0.2));
-            for pair in run.windows(2) {
-                let (a, b) = (pair[0], pair[1]);
-                let columns = ((b[0] - a[0]).abs() * self.frame.width).ceil().clamp(1.0, self.frame.width) as usize;
-                for i in 0..=columns {
-                    let t = i as f64 / columns as f64;
-                    let [x, lower, upper] = [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t);
-                    self.take([x, lower], [x, upper]);
-                }
-            }
-        }
-    }
-
-    fn bars(&mut self, colour: Colour, edges: &[f64], heights: &[f64]) {
-        // On a logarithmic scale bars stand on the frame.
-        let low = |v: f64| if v.is_nan() { -1.0 } else { v };
-        let floor = low(self.spans.1.position(0.0));
-        let mut outline: Vec<Point> = Vec::new();
-        let mut runs: Vec<Vec<Point>> = Vec::new();
-        for (edge, &height) in edges.windows(2).zip(heights) {
-            let ([left, top], [right, _]) = (self.position([edge[0], height]), self.position([edge[1], height]));
-            if !(height.is_finite() && left.is_finite() && right.is_finite()) {
-                runs.push(std::mem::take(&mut outline));
-                continue;
-            }
-            if outline.is_empty() {
-                outline.push([left, floor]);
-            } else {
-                outline.pop();
-            }
-            outline.extend([[left, low(top)], [right, low(top)], [right, floor]]);
-            self.take([left, floor], [right, low(top)]);
-        }
-        runs.push(outline);
-        for run in runs.into_iter().filter(|run| !run.is_empty()) {
-            self.fill(run.clone(), colour.faded(0.3));
-            self.curve(&run, Stroke::solid(colour, 1.2));
-        }
-    }
-
-    /// Keeps labels away from the box between two positions.
-    fn take(&mut self, a: Point, b: Point) {
-        let ([ax, ay], [bx, by]) = (self.place(a), self.place(b));
-        self.space.add(&Rect::new(ax.min(bx), ay.min(by), (ax - bx).abs(), (ay - by).abs()).grown(CLEAR));
     }
 
     /// Writes the label of a reference line or a note where there is room.
@@ -238,16 +113,38 @@ impl Sketch {
             })),
             _ => self.space.nearest_free([x, y], [long, high], gap, 150.0),
         };
-        // Where everything is taken, the label stands beside its line on a pale ground.
-        let place = found.unwrap_or_else(|| {
-            let left = (x + gap).min(right - long - 5.0).max(5.0);
-            Rect::new(left, (y - gap - high).clamp(5.0, (bottom - high - 5.0).max(5.0)), long, high)
-        });
-        self.space.add(&place.grown(CLEAR));
-        self.drawing.rect(place, Colour::WHITE.faded(0.85));
-        let text = Text::new(place.centre(), theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
-        let text = text.coloured(theme::INK);
-        self.drawing.text(if place.height > place.width && long > high { text.upwards() } else { text });
+        let text = |centre: Point| {
+            let text = Text::new(centre, theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
+            text.held(Anchor::Middle, Level::Middle)
+        };
+        match found {
+            Some(place) => {
+                self.space.add(&place.grown(CLEAR));
+                self.drawing.rect(place, Colour::WHITE.faded(0.85));
+                let text = text(place.centre());
+                self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+            }
+            // No room inside: beside the frame or above it, as near as there is room.
+            None if matches!(mark, Mark::Horizontal { .. }) => {
+                let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
+                let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));
+                if let Some(place) = self.beside.first_free(places) {
+                    self.beside.add(&place);
+                    self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
+                    self.drawing.text(text(place.centre()));
+                }
+            }
+            None => {
+                let rows = slots(CLEAR, OUTSIDE).map(|up| Rect::new(x - long / 2.0, -up - high, long, high));
+                if let Some(place) = self.above.first_free(rows) {
+                    self.above.add(&place.grown(CLEAR));
+                    let overhang = (place.right() - right).max(-place.x) + CLEAR;
+                    let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
+                    self.outside = self.outside.union(room);
+                    self.drawing.text(text(place.centre()));
+                }
+            }
+        }
     }
 
     /// Draws the legend in a free place along the edges, or returns it when there is none.
@@ -270,15 +167,7 @@ impl Sketch {
     }
 }
 
-/// Why plotters' result can be unwrapped.
-const NEVER: &str = "drawing into memory cannot fail";
-
 /// Offsets from `from` up to `to` in steps of two cells.
 fn slots(from: f64, to: f64) -> impl Iterator<Item = f64> {
     (0..).map(move |i| from + 4.0 * f64::from(i)).take_while(move |&v| v <= to)
-}
-
-fn shape(Colour { r, g, b, alpha }: Colour, filled: bool, width: f64) -> ShapeStyle {
-    let color = RGBAColor(r, g, b, f64::from(alpha) / 255.0);
-    ShapeStyle { color, filled, stroke_width: (width * GRID).round() as u32 }
 }

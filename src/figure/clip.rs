@@ -2,7 +2,7 @@
 //!
 //! Works on positions along both axes ([`super::axis::Span::position`]), where the frame is the unit square.
 
-use super::drawing::Point;
+use super::shapes::Point;
 
 /// The parts of a line that lie inside the unit square. A point that is not finite breaks the line.
 pub(super) fn line(points: &[Point]) -> Vec<Vec<Point>> {

@@ -3,13 +3,13 @@
 //! Both are straight lines of lightness in Oklab (Björn Ottosson, 2020), with hue and chroma as plain functions of the
 //! position, chosen to stay inside sRGB.
 
-use super::drawing::Colour;
+use super::shapes::Colour;
 
 /// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
 /// takes the dark one.
 #[must_use]
 pub fn sequential(t: f64) -> Colour {
-    let t = t.max(0.0).min(1.0);
+    let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
     oklch(0.25 + 0.67 * t, chroma, 310.0 - 205.0 * t)
 }

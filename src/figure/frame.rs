@@ -1,8 +1,9 @@
 //! The frame of a panel: grid, ticks with their labels, axis labels, title.
 
 use super::axis::Span;
-use super::drawing::{Anchor, Drawing, Level, Paint, Rect, Stroke, Text};
+use super::drawing::Drawing;
 use super::panel::Panel;
+use super::shapes::{Anchor, Level, Paint, Rect, Stroke, Text};
 use super::text;
 use super::theme;
 use super::ticks::Ticks;
@@ -76,17 +77,18 @@ pub(super) fn grid(drawing: &mut Drawing, frame: &Rect, (x, y): (&Span, &Span), 
     }
 }
 
-/// The frame with ticks, labels and title; returns the room that they need.
+/// The frame with ticks, labels and title, clear of the `labels` that stand outside already; returns the room of all.
 pub(super) fn frame(
     drawing: &mut Drawing,
     panel: &Panel,
     frame: &Rect,
     (x, y): (&Span, &Span),
     (across, up): (&Ticks, &Ticks),
+    labels: Sides,
 ) -> Sides {
     let thin = Stroke::solid(theme::INK, theme::THIN);
     drawing.rect(*frame, Paint::from(thin));
-    let mut room = Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 };
+    let mut room = labels.union(Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 });
 
     for &value in &across.minor {
         let at = frame.x + frame.width * x.position(value);
@@ -135,7 +137,7 @@ pub(super) fn frame(
     if up.exponent != 0 {
         drawing.text(tick_text([frame.x, frame.y - 6.0], &factor(up)));
     }
-    let above = factor_height(up);
+    let above = factor_height(up).max(labels.top);
     room = room.union(Sides { left, bottom: below, top: above, right: 0.0 });
     if !panel.title.is_empty() {
         let at = [frame.centre()[0], frame.y - above - 9.0];
@@ -164,8 +166,8 @@ pub(super) fn right_ticks(drawing: &mut Drawing, bar: &Rect, span: &Span, ticks:
         drawing.text(label);
     }
     if ticks.exponent != 0 {
-        drawing.text(tick_text([bar.x, bar.y - 6.0], &factor(ticks)));
-        widest = widest.max(text::width(&factor(ticks), theme::TICK_SIZE, false) - bar.width);
+        let text = tick_text([bar.centre()[0], bar.y - 6.0], &factor(ticks));
+        drawing.text(text.held(Anchor::Middle, Level::Baseline));
     }
     TICK + PAD + widest
 }

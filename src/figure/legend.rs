@@ -1,7 +1,8 @@
 //! Legends: which look belongs to which label.
 
-use super::drawing::{Anchor, Colour, Drawing, Level, Paint, Point, Rect, Stroke, Text};
+use super::drawing::Drawing;
 use super::panel::Mark;
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::text;
 use super::theme;
 

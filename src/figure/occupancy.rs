@@ -1,6 +1,6 @@
 //! Where a panel still has room: labels and legends are put only where nothing is drawn.
 
-use super::drawing::{Point, Rect};
+use super::shapes::{Point, Rect};
 
 /// Side of a cell in drawing units.
 const CELL: f64 = 2.0;

@@ -1,6 +1,7 @@
 //! An image to draw on: marks are placed by the image's own pixels, and the PNG has exactly its size.
 
-use super::drawing::{Drawing, Rect, Rgb8};
+use super::drawing::Drawing;
+use super::shapes::{Rect, Rgb8};
 
 /// A drawing of the image's size in units, filled by the image; pixel (x, y) covers `[x, x + 1] x [y, y + 1]`.
 #[must_use]
@@ -13,7 +14,7 @@ pub fn overlay(base: Rgb8) -> Drawing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::Colour;
+    use super::super::shapes::Colour;
     use super::*;
 
     #[test]

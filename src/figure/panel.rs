@@ -1,8 +1,8 @@
 //! A panel: two axes, a title, and the marks between them.
 
 use super::axis::{Axis, Span};
-use super::drawing::{Colour, Point, Stroke};
 use super::heatmap::Heatmap;
+use super::shapes::{Colour, Point, Stroke};
 
 /// One thing drawn between the axes, in the axes' own values. An empty label keeps it out of the legend.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,15 @@
 //! A drawing as a one-page PDF: vector shapes, selectable text in subsets of the embedded fonts, compressed images.
 
-use super::drawing::{Anchor, Colour, Drawing, Item, Paint, Point, Rgb8, Text};
+use super::drawing::{Drawing, Item};
+use super::pdf_font::{self, Subset};
+use super::shapes::{Anchor, Colour, Paint, Point, Rgb8, Text};
 use super::text::{self, Face};
 use flate2::{Compression, write::ZlibEncoder};
-use pdf_writer::types::{CidFontType, FontFlags, LineJoinStyle, SystemInfo, UnicodeCmap};
+use pdf_writer::types::{LineJoinStyle, Predictor};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
-use subsetter::GlyphRemapper;
 
 /// A drawing unit is a CSS pixel: 1/96 inch, in points.
 const POINTS: f64 = 0.75;
@@ -31,29 +33,7 @@ struct Page<'a> {
     /// Pairs of opacities, of fills and of strokes, in the order of their first use.
     opacities: Vec<[u8; 2]>,
     current: [u8; 2],
-    images: Vec<&'a Rgb8>,
-}
-
-/// The glyphs of a font that the page uses, and what they mean.
-#[derive(Default)]
-struct Subset {
-    glyphs: GlyphRemapper,
-    /// New glyph number to character and width in thousandths of the font size.
-    used: BTreeMap<u16, (char, f32)>,
-}
-
-impl Subset {
-    /// The string in the numbers of the subset's glyphs.
-    fn encode(&mut self, face: Face, string: &str) -> Vec<u8> {
-        let mut codes = Vec::with_capacity(2 * string.len());
-        for c in string.chars() {
-            let glyph = face.tables().glyph_index(c).unwrap_or_default();
-            let code = self.glyphs.remap(glyph.0);
-            self.used.entry(code).or_insert((c, (face.advance(c) * 1000.0) as f32));
-            codes.extend(code.to_be_bytes());
-        }
-        codes
-    }
+    images: Vec<Cow<'a, Rgb8>>,
 }
 
 impl<'a> Page<'a> {
@@ -85,7 +65,7 @@ impl<'a> Page<'a> {
             Item::Text(text) => self.text(text),
             Item::Image { rect, image } => {
                 let name = format!("I{}", self.images.len());
-                self.images.push(image);
+                self.images.push(enlarged(image, rect.width, rect.height));
                 self.opacity([255; 2]);
                 // Images fill the unit square, upright where y points up.
                 let place = [short(rect.width), 0.0, 0.0, -short(rect.height), short(rect.x), short(rect.bottom())];
@@ -176,7 +156,7 @@ impl<'a> Page<'a> {
             };
             let codes = self.fonts.entry(run.face).or_default().encode(run.face, &run.text);
             self.content.set_text_matrix(matrix);
-            self.content.set_font(Name(font_name(run.face).as_bytes()), short(run.size));
+            self.content.set_font(Name(pdf_font::name(run.face).as_bytes()), short(run.size));
             self.content.show(Str(&codes));
             along += run.width();
         }
@@ -202,7 +182,7 @@ impl<'a> Page<'a> {
         let mut resources = dict.resources();
         let mut names = resources.fonts();
         for &(face, font) in &fonts {
-            names.pair(Name(font_name(face).as_bytes()), font);
+            names.pair(Name(pdf_font::name(face).as_bytes()), font);
         }
         names.finish();
         let mut names = resources.x_objects();
@@ -222,84 +202,53 @@ impl<'a> Page<'a> {
 
         pdf.stream(content, &deflate(&self.content.finish())).filter(Filter::FlateDecode);
         for (image, id) in self.images.iter().zip(images) {
-            let data = deflate(image.data());
+            let data = png_stream(image);
             let mut object = pdf.image_xobject(id, &data);
             object.width(image.width() as i32).height(image.height() as i32).filter(Filter::FlateDecode);
+            let mut parameters = object.decode_parms();
+            parameters.predictor(Predictor::PngOptimum).colors(3).columns(image.width() as i32);
+            parameters.finish();
             object.color_space().device_rgb();
             object.bits_per_component(8);
         }
         for ((face, subset), (_, id)) in self.fonts.iter().zip(fonts) {
-            write_font(&mut pdf, id, [next(), next(), next(), next()], *face, subset);
+            subset.write(&mut pdf, *face, id, [next(), next(), next(), next()]);
         }
         pdf.finish()
     }
 }
 
-fn write_font(pdf: &mut Pdf, id: Ref, [cid, descriptor, meaning, file]: [Ref; 4], face: Face, subset: &Subset) {
-    const SYSTEM: SystemInfo<'static> =
-        SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
-    let (cut, angle) = match face {
-        Face::Regular => ("DejaVuSans", 0.0),
-        Face::Oblique => ("DejaVuSans-Oblique", -11.0),
-        Face::Bold => ("DejaVuSans-Bold", 0.0),
-    };
-    // Subsets carry a tag of six capitals, here one per face.
-    let base = format!("ETALO{}+{cut}", char::from(b'A' + face as u8));
-    let base = Name(base.as_bytes());
-    pdf.type0_font(id)
-        .base_font(base)
-        .encoding_predefined(Name(b"Identity-H"))
-        .descendant_font(cid)
-        .to_unicode(meaning);
-
-    let mut font = pdf.cid_font(cid);
-    font.subtype(CidFontType::Type2).base_font(base).system_info(SYSTEM).font_descriptor(descriptor);
-    font.cid_to_gid_map_predefined(Name(b"Identity"));
-    let mut widths = font.widths();
-    for (&glyph, &(_, width)) in &subset.used {
-        widths.same(glyph, glyph, width);
+/// Viewers blur enlarged images, so those are enlarged here, by a whole factor.
+fn enlarged(image: &Rgb8, width: f64, height: f64) -> Cow<'_, Rgb8> {
+    // As many pixels as can be told apart in print.
+    let wanted = 3.0 * (width / image.width() as f64).min(height / image.height() as f64);
+    let zoom = wanted.clamp(1.0, 64.0) as usize;
+    if zoom < 3 {
+        return Cow::Borrowed(image);
     }
-    widths.finish();
-    font.finish();
-
-    let tables = face.tables();
-    let thousandths = |units: i16| f32::from(units) * 1000.0 / f32::from(tables.units_per_em());
-    let bounds = tables.global_bounding_box();
-    pdf.font_descriptor(descriptor)
-        .name(base)
-        .flags(if angle == 0.0 { FontFlags::SYMBOLIC } else { FontFlags::SYMBOLIC | FontFlags::ITALIC })
-        .bbox(Rect::new(
-            thousandths(bounds.x_min),
-            thousandths(bounds.y_min),
-            thousandths(bounds.x_max),
-            thousandths(bounds.y_max),
-        ))
-        .italic_angle(angle)
-        .ascent(thousandths(tables.ascender()))
-        .descent(thousandths(tables.descender()))
-        .cap_height((text::CAP_HEIGHT * 1000.0) as f32)
-        .stem_v(if face == Face::Bold { 160.0 } else { 90.0 })
-        .font_file2(file);
-
-    let mut map = UnicodeCmap::new(Name(b"Custom"), SYSTEM);
-    for (&glyph, &(c, _)) in &subset.used {
-        map.pair(glyph, c);
-    }
-    pdf.cmap(meaning, &map.finish());
-
-    let font = subsetter::subset(face.bytes(), 0, &subset.glyphs).expect("the embedded fonts are sound");
-    pdf.stream(file, &deflate(&font)).filter(Filter::FlateDecode).pair(Name(b"Length1"), font.len() as i32);
+    Cow::Owned(Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
+        let i = 3 * (y / zoom * image.width() + x / zoom);
+        [image.data()[i], image.data()[i + 1], image.data()[i + 2]]
+    }))
 }
 
-fn font_name(face: Face) -> &'static str {
-    match face {
-        Face::Regular => "F0",
-        Face::Oblique => "F1",
-        Face::Bold => "F2",
+/// The compressed rows of an image as PNG stores them, which is what PDF's PNG predictors read.
+fn png_stream(image: &Rgb8) -> Vec<u8> {
+    let file = super::png::encode(image);
+    let mut stream = Vec::with_capacity(file.len());
+    // Chunks follow the 8-byte signature: length, name, data, checksum.
+    let mut rest = &file[8..];
+    while let [a, b, c, d, name0, name1, name2, name3, tail @ ..] = rest {
+        let (data, next) = tail.split_at(u32::from_be_bytes([*a, *b, *c, *d]) as usize);
+        if [*name0, *name1, *name2, *name3] == *b"IDAT" {
+            stream.extend_from_slice(data);
+        }
+        rest = &next[4..];
     }
+    stream
 }
 
-fn deflate(bytes: &[u8]) -> Vec<u8> {
+pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }
@@ -315,7 +264,7 @@ fn unit(byte: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing;
+    use super::super::shapes;
     use super::*;
 
     #[test]
@@ -333,10 +282,20 @@ mod tests {
     }
 
     #[test]
+    fn image_streams_hold_filtered_rows() {
+        let image = Rgb8::from_fn(300, 40, |x, y| [x as u8, y as u8, (x * y) as u8]);
+        let mut rows = Vec::new();
+        std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(png_stream(&image).as_slice()), &mut rows)
+            .unwrap();
+        assert_eq!(rows.len(), 40 * (1 + 3 * 300), "each row has its filter's number in front");
+        assert!(rows.chunks(901).all(|row| row[0] <= 4));
+    }
+
+    #[test]
     fn an_opacity_is_declared_once() {
         let mut drawing = Drawing::new(100.0, 40.0, 1.0);
         for _ in 0..3 {
-            drawing.rect(drawing::Rect::new(0.0, 0.0, 9.0, 9.0), Colour::BLACK.faded(0.2));
+            drawing.rect(shapes::Rect::new(0.0, 0.0, 9.0, 9.0), Colour::BLACK.faded(0.2));
             drawing.circle([5.0, 5.0], 2.0, Colour::BLACK);
         }
         let source = String::from_utf8_lossy(&drawing.pdf()).into_owned();

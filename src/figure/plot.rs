@@ -43,8 +43,7 @@ impl Plot {
     /// Sets the size of each panel's frame in drawing units; at least 60 and at most 4000 a side.
     #[must_use]
     pub fn frame_size(self, width: f64, height: f64) -> Self {
-        // `max` first: a size that is no number becomes the smallest.
-        Self { frame: [width, height].map(|v| v.max(60.0).min(4000.0)), ..self }
+        Self { frame: [width, height].map(|v| if v.is_nan() { 60.0 } else { v.clamp(60.0, 4000.0) }), ..self }
     }
 
     /// Lays out and draws all panels.

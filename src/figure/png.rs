@@ -1,6 +1,7 @@
 //! A drawing as PNG, painted from its own SVG with the embedded fonts: no font of the system is ever asked for.
 
-use super::drawing::{Drawing, Rgb8};
+use super::drawing::Drawing;
+use super::shapes::Rgb8;
 use super::text::Face;
 use crate::error::{Error, Result};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -59,7 +60,7 @@ fn options() -> usvg::Options<'static> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::{Colour, Rect, Text};
+    use super::super::shapes::{Colour, Rect, Text};
     use super::*;
 
     fn painted(drawing: &Drawing) -> image::RgbImage {

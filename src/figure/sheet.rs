@@ -1,6 +1,7 @@
 //! Contact sheets: captioned images in a grid, for comparing renders by eye.
 
-use super::drawing::{Anchor, Drawing, Level, Rect, Rgb8, Text};
+use super::drawing::Drawing;
+use super::shapes::{Anchor, Level, Rect, Rgb8, Text};
 use super::text;
 use super::theme;
 use image::imageops::{self, FilterType};

@@ -1,6 +1,7 @@
 //! A drawing as SVG: searchable text, real dash patterns, coordinates to a hundredth of a unit.
 
-use super::drawing::{Anchor, Colour, Drawing, Item, Paint, Point, Text};
+use super::drawing::{Drawing, Item};
+use super::shapes::{Anchor, Colour, Paint, Point, Text};
 use super::text::{self, Face};
 use std::fmt::Write;
 
@@ -177,7 +178,7 @@ fn base64(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::{Rect, Stroke};
+    use super::super::shapes::{Rect, Stroke};
     use super::*;
 
     #[test]

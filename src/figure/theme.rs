@@ -1,6 +1,6 @@
 //! The one look of all figures: colours, dashes, line widths, sizes.
 
-use super::drawing::{Colour, Stroke};
+use super::shapes::{Colour, Stroke};
 
 /// The palette of Okabe and Ito (2008), told apart with every common kind of colour vision.
 pub const ORANGE: Colour = Colour::rgb(230, 159, 0);
@@ -37,7 +37,7 @@ pub const INK: Colour = Colour::rgb(38, 38, 38);
 pub const GRID: Stroke = Stroke::solid(Colour::rgb(228, 228, 228), 0.7);
 /// Reference lines.
 pub const RULE: Stroke = Stroke { colour: Colour::rgb(90, 90, 90), width: 1.0, dash: &[3.5, 2.5] };
-/// What a heat map shows where there is no value: lighter than nothing in either scale, and the only grey.
+/// What a heat map shows where there is no value: a grey that neither colour scale comes near.
 pub const NO_VALUE: Colour = Colour::rgb(150, 150, 150);
 
 /// Font sizes.
