@@ -16,6 +16,9 @@ const PAD: f64 = 4.0;
 /// From tick labels to the axis label.
 const LABEL_GAP: f64 = 8.0;
 
+/// From the frame up to the factor that all tick labels share.
+const FACTOR_GAP: f64 = 8.0;
+
 /// Room needed outside a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Sides {
@@ -135,7 +138,7 @@ pub(super) fn frame(
         left += theme::LABEL_SIZE * 0.85;
     }
     if up.exponent != 0 {
-        drawing.text(tick_text([frame.x, frame.y - 6.0], &factor(up)));
+        drawing.text(tick_text([frame.x, frame.y - FACTOR_GAP], &factor(up)));
     }
     let above = factor_height(up).max(labels.top);
     room = room.union(Sides { left, bottom: below, top: above, right: 0.0 });
@@ -166,7 +169,7 @@ pub(super) fn right_ticks(drawing: &mut Drawing, bar: &Rect, span: &Span, ticks:
         drawing.text(label);
     }
     if ticks.exponent != 0 {
-        let text = tick_text([bar.centre()[0], bar.y - 6.0], &factor(ticks));
+        let text = tick_text([bar.centre()[0], bar.y - FACTOR_GAP], &factor(ticks));
         drawing.text(text.held(Anchor::Middle, Level::Baseline));
     }
     TICK + PAD + widest
@@ -174,7 +177,7 @@ pub(super) fn right_ticks(drawing: &mut Drawing, bar: &Rect, span: &Span, ticks:
 
 /// Height above the frame of the factor that all labels share.
 pub(super) fn factor_height(ticks: &Ticks) -> f64 {
-    if ticks.exponent == 0 { 0.0 } else { 6.0 + theme::TICK_SIZE * 1.1 }
+    if ticks.exponent == 0 { 0.0 } else { FACTOR_GAP + theme::TICK_SIZE * 1.1 }
 }
 
 fn factor(ticks: &Ticks) -> String {

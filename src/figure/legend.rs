@@ -50,9 +50,10 @@ impl Legend {
         self.entries.len()
     }
 
-    /// The most columns that fit into a width; at least one.
+    /// The columns for a legend as low as a width allows, and no more than its rows need; at least one.
     pub fn columns_within(&self, width: f64) -> usize {
-        (1..=self.len()).rev().find(|&columns| self.size(columns)[0] <= width).unwrap_or(1)
+        let most = (1..=self.len()).rev().find(|&columns| self.size(columns)[0] <= width).unwrap_or(1);
+        self.len().div_ceil(self.len().div_ceil(most))
     }
 
     /// Width and height with entries in this many columns, filled row by row.
@@ -123,5 +124,6 @@ mod tests {
             assert!(columns == 1 || legend.size(columns)[0] <= width);
         }
         assert_eq!(legend.columns_within(2000.0), 6);
+        assert_eq!(legend.columns_within(legend.size(5)[0]), 3, "two even rows, not five and one");
     }
 }

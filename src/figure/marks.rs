@@ -93,17 +93,19 @@ impl Sketch {
         }
     }
 
+    /// Dots whose centre lies within the frame.
     fn dots(&mut self, colour: Colour, points: &[Point]) {
-        for &p in points {
-            let position = self.position(p);
-            // Also false for NaN.
-            if position.iter().all(|v| (0.0..=1.0).contains(v)) {
-                let [x, y] = self.place(position);
-                self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
-                let radius = (theme::DOT * GRID) as i32;
-                let dot = Circle::new((position[0], position[1]), radius, shape(colour, true, 0.0));
-                self.area(theme::SOLID).draw(&dot).expect(NEVER);
-            }
+        let mut positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
+        // Drops what is not a number, too.
+        positions.retain(|p| p.iter().all(|v| (0.0..=1.0).contains(v)));
+        for &position in &positions {
+            let [x, y] = self.place(position);
+            self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
+        }
+        let area = self.area(theme::SOLID);
+        let radius = (theme::DOT * GRID) as i32;
+        for [x, y] in positions {
+            area.draw(&Circle::new((x, y), radius, shape(colour, true, 0.0))).expect(NEVER);
         }
     }
 
@@ -134,8 +136,8 @@ impl Sketch {
 
     /// The outlines of bars that stand side by side, from the foot of the first to that of the last.
     fn outlines(&mut self, edges: &[f64], heights: &[f64]) -> Vec<Vec<Point>> {
-        // On a logarithmic scale bars stand on the frame.
-        let low = |v: f64| if v.is_nan() { -1.0 } else { v };
+        // On a logarithmic scale bars stand on the frame. Far outside is all that matters of what is far outside.
+        let low = |v: f64| if v.is_nan() { -1.0 } else { v.clamp(-1e6, 1e6) };
         let floor = low(self.spans.1.position(0.0));
         let mut outlines: Vec<Vec<Point>> = Vec::new();
         let mut outline: Vec<Point> = Vec::new();

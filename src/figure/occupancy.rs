@@ -39,6 +39,10 @@ impl Occupancy {
     pub fn add(&mut self, rect: &Rect) {
         self.sums = None;
         let [left, right, top, bottom] = self.cells(rect);
+        if left >= right {
+            // Outside, or nowhere at all.
+            return;
+        }
         for row in top..bottom {
             self.taken[row * self.columns + left..row * self.columns + right].fill(true);
         }

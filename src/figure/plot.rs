@@ -111,3 +111,130 @@ impl Plot {
         (self.panels.len() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::axis::Axis;
+    use super::super::drawing::Item;
+    use super::super::heatmap::{Heatmap, Shading};
+    use super::super::shapes::{Anchor, Point, Rect, Text};
+    use super::super::{text, theme};
+    use super::*;
+
+    /// The box around a text's capitals and descenders.
+    fn bounds(t: &Text) -> Rect {
+        let along = match t.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -t.width() / 2.0,
+            Anchor::End => -t.width(),
+        };
+        let (top, height) = (t.drop() - t.size * text::CAP_HEIGHT, t.size * (text::CAP_HEIGHT + text::DESCENT));
+        let [x, y] = t.at;
+        if t.upwards {
+            Rect::new(x + top, y - along - t.width(), height, t.width())
+        } else {
+            Rect::new(x + along, y + top, t.width(), height)
+        }
+    }
+
+    fn texts(page: &Drawing) -> Vec<&Text> {
+        page.items().iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
+    }
+
+    /// Nothing is cut off, and no text lies on another or on the data.
+    fn assert_sound(page: &Drawing) {
+        let sheet = Rect::new(0.0, 0.0, page.width(), page.height());
+        let boxes: Vec<(Rect, &str)> = texts(page).into_iter().map(|t| (bounds(t), t.markup.as_str())).collect();
+        let overlap = |a: &Rect, b: &Rect| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
+        for (i, (a, what)) in boxes.iter().enumerate() {
+            let inside = a.x >= 0.0 && a.y >= 0.0 && a.right() <= sheet.right() && a.bottom() <= sheet.bottom();
+            assert!(inside, "{what:?} at {a:?} leaves the page {sheet:?}");
+            for (b, other) in &boxes[..i] {
+                assert!(!overlap(a, b), "{what:?} lies on {other:?}");
+            }
+        }
+        for item in page.items() {
+            let Item::Path { points, paint, .. } = item else { continue };
+            if paint.stroke.is_some_and(|stroke| stroke.width == theme::LINE) {
+                for pair in points.windows(2) {
+                    for i in 0..=20 {
+                        let at = [0, 1].map(|k| pair[0][k] + (pair[1][k] - pair[0][k]) * f64::from(i) / 20.0);
+                        let dot = Rect::new(at[0], at[1], 1e-9, 1e-9);
+                        assert!(boxes.iter().all(|(b, _)| !overlap(b, &dot)), "a curve crosses a text at {at:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    fn wave(k: usize) -> Vec<Point> {
+        (0..300)
+            .map(|i| f64::from(i) / 30.0)
+            .map(|x| [x, 0.5 + 0.48 * (x * (1.0 + 0.3 * k as f64) + k as f64).sin()])
+            .collect()
+    }
+
+    #[test]
+    fn nothing_collides_however_crowded() {
+        for curves in 1..=8 {
+            let axes = (Axis::linear("time (s)"), Axis::linear("/{E}_{0} (10^{−3} W)").range(0.0, 1.0));
+            let mut panel = Panel::new(axes.0, axes.1).title("A title that is wider than the narrow frame below it");
+            for k in 0..curves {
+                panel = panel.line(format!("series {k}"), theme::series(k), wave(k));
+            }
+            panel = panel.vertical(3.3, "first rule").vertical(3.5, "second").vertical(9.9, "/{θ}_{B} = 55.41°");
+            panel = panel.horizontal(0.5, "half").horizontal(0.52, "a little more").note([5.0, 0.5], "slope −1/2");
+            let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6)).dots(
+                "dots",
+                theme::GREEN,
+                [[1e-9, 1.0]],
+            );
+            for plot in
+                [Plot::new([panel.clone()]), Plot::new([panel.clone(), other.clone()]), Plot::stacked([other, panel])]
+            {
+                assert_sound(&plot.draw());
+                assert_sound(&plot.frame_size(150.0, 120.0).draw());
+            }
+        }
+    }
+
+    #[test]
+    fn odd_data_are_drawn_somehow() {
+        let odd = [f64::NAN, f64::INFINITY, -1e300, -1.0, 0.0, 5e-324, 1e-300, 1.0, 1e300, f64::MAX];
+        for x in odd {
+            for y in odd {
+                for axis in [Axis::linear, Axis::log] {
+                    let panel = Panel::new(axis("x"), axis("y"))
+                        .line("a", theme::series(0), [[x, y], [y, x], [1.0, 2.0]])
+                        .dots("b", theme::BLUE, [[x, y]])
+                        .band("c", theme::BLUE, [[x, y, 1.0], [1.0, x, y], [2.0, 1.0, y]])
+                        .bars("d", theme::BLUE, [x, y, 1.0], [y, x, 3.0])
+                        .vertical(x, "v")
+                        .horizontal(y, "h")
+                        .note([x, y], "n");
+                    let page = Plot::new([panel]).frame_size(100.0, 80.0).draw();
+                    assert!(page.width() < 2000.0 && page.height() < 2000.0, "{x} {y}");
+                }
+            }
+        }
+        assert!(Plot::new([]).draw().png().is_ok());
+    }
+
+    #[test]
+    fn panels_with_the_same_legend_share_it() {
+        let panel = || Panel::new(Axis::linear("x"), Axis::linear("y")).line("only once", theme::series(0), wave(0));
+        let count = |plot: Plot| texts(&plot.draw()).iter().filter(|t| t.markup == "only once").count();
+        assert_eq!(count(Plot::new([panel(), panel()])), 1);
+        assert_eq!(count(Plot::new([panel(), panel().line("more", theme::series(1), wave(1))])), 2);
+    }
+
+    #[test]
+    fn heat_maps_stand_with_their_colour_bars() {
+        let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)").unwrap();
+        let panel = Panel::new(Axis::linear("/{φ} (°)").range(0.0, 360.0), Axis::linear("/{θ} (°)").range(180.0, 0.0));
+        let panel = panel.title("Observed").heatmap(map);
+        let page = Plot::new([panel.clone(), panel]).frame_size(200.0, 100.0).draw();
+        assert_sound(&page);
+        assert_eq!(page.items().iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
+    }
+}

@@ -10,22 +10,23 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, fontdb};
 use std::sync::{Arc, LazyLock};
 
-/// The largest PNG side that is painted (256 MiB of pixels when square).
-const MAX_SIDE: f64 = 8192.0;
+/// The longest PNG side, and the largest PNG (512 MiB while it is painted).
+const MAX_SIDE: f64 = 32768.0;
+const MAX_PIXELS: f64 = 134_217_728.0;
 
 impl Drawing {
     /// The drawing as a PNG file of `width * scale` by `height * scale` pixels, each rounded up.
     ///
     /// # Errors
-    /// When a side is less than one pixel or more than 8192.
+    /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
         let (w, h) = ((self.width() * self.scale()).ceil(), (self.height() * self.scale()).ceil());
         let unpaintable = |what: String| {
             Error::parameter("figure size", format!("{w} x {h} pixels: {what}"))
-                .with_hint(format!("each side of a figure may have 1 to {MAX_SIDE} pixels"))
+                .with_hint(format!("a figure may have 1 to {MAX_SIDE} pixels a side and {MAX_PIXELS} in all"))
         };
         // Also false for NaN.
-        if !(w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE) {
+        if !(w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE && w * h <= MAX_PIXELS) {
             return Err(unpaintable("cannot be painted".to_owned()));
         }
         let tree = usvg::Tree::from_str(&self.svg(), &options()).map_err(|e| unpaintable(e.to_string()))?;

@@ -89,3 +89,35 @@ fn wrapped(caption: &str, width: f64) -> Vec<String> {
     }
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::drawing::Item;
+    use super::*;
+
+    #[test]
+    fn small_images_are_enlarged_by_whole_factors_and_large_ones_reduced() {
+        let grey = |width| Rgb8::from_fn(width, 10, |_, _| [99; 3]);
+        let sheet = contact_sheet("", 2, &[("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))]);
+        let widths: Vec<f64> = sheet
+            .items()
+            .iter()
+            .filter_map(|item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None })
+            .collect();
+        assert_eq!(widths, [600.0, 640.0, 640.0]);
+    }
+
+    #[test]
+    fn captions_are_broken_between_words() {
+        let lines = wrapped("one two three four five six seven eight nine", 100.0);
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|line| text::width(line, theme::TICK_SIZE, false) <= 100.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "one two three four five six seven eight nine");
+    }
+
+    #[test]
+    fn an_empty_sheet_can_be_painted() {
+        assert!(contact_sheet("", 0, &[]).png().is_ok());
+        assert!(contact_sheet("only a title", 3, &[]).png().is_ok());
+    }
+}
