@@ -94,8 +94,9 @@ impl Sketch {
             return;
         }
         let [x, y] = self.place(at);
-        let long = text::width(label, theme::NOTE_SIZE, false) + 4.0;
         let high = theme::NOTE_SIZE + 4.0;
+        // Never taller than wide, unless it runs upwards.
+        let long = (text::width(label, theme::NOTE_SIZE, false) + 4.0).max(high);
         // A gap that is more than what the line itself takes, in whole cells.
         let gap = CLEAR + 3.5;
         let (right, bottom) = (self.frame.width, self.frame.height);
@@ -124,25 +125,25 @@ impl Sketch {
                 let text = text(place.centre());
                 self.drawing.text(if place.height > place.width { text.upwards() } else { text });
             }
-            // No room inside: beside the frame or above it, as near as there is room.
+            // No room inside: beside the frame or above it, as near as there is room; too long for any place, next to it.
             None if matches!(mark, Mark::Horizontal { .. }) => {
                 let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
                 let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));
-                if let Some(place) = self.beside.first_free(places) {
-                    self.beside.add(&place);
-                    self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
-                    self.drawing.text(text(place.centre()));
-                }
+                let nearest = Rect::new(right + CLEAR, y - high / 2.0, long, high);
+                let place = self.beside.first_free(places).unwrap_or(nearest);
+                self.beside.add(&place);
+                self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
+                self.drawing.text(text(place.centre()));
             }
             None => {
                 let rows = slots(CLEAR, OUTSIDE).map(|up| Rect::new(x - long / 2.0, -up - high, long, high));
-                if let Some(place) = self.above.first_free(rows) {
-                    self.above.add(&place.grown(CLEAR));
-                    let overhang = (place.right() - right).max(-place.x) + CLEAR;
-                    let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
-                    self.outside = self.outside.union(room);
-                    self.drawing.text(text(place.centre()));
-                }
+                let nearest = Rect::new(x - long / 2.0, -CLEAR - high, long, high);
+                let place = self.above.first_free(rows).unwrap_or(nearest);
+                self.above.add(&place.grown(CLEAR));
+                let overhang = (place.right() - right).max(-place.x) + CLEAR;
+                let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
+                self.outside = self.outside.union(room);
+                self.drawing.text(text(place.centre()));
             }
         }
     }

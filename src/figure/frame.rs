@@ -122,19 +122,30 @@ pub(super) fn frame(
     }
     let mut left = TICK + PAD + widest;
 
+    let line = LABEL_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
+    let label = label_text([frame.centre()[0], frame.bottom() + below + LABEL_GAP], &panel.x.label);
+    let overhang = (label.width() - frame.width) / 2.0 + 4.0;
+    room = room.union(Sides { left: overhang, right: overhang, ..Sides::default() });
     if across.exponent != 0 {
-        let at = [frame.right(), frame.bottom() + below + LABEL_GAP];
-        drawing.text(tick_text(at, &factor(across)).held(Anchor::End, Level::Top));
+        let factor = tick_text([frame.right(), label.at[1]], &factor(across)).held(Anchor::End, Level::Top);
+        // On the label's line where both fit, else on one of its own before it.
+        let shares = label.width() / 2.0 + factor.width() + 12.0 <= frame.width / 2.0 || panel.x.label.is_empty();
+        drawing.text(factor);
+        below += if shares && !panel.x.label.is_empty() { 0.0 } else { line };
     }
-    if !panel.x.label.is_empty() || across.exponent != 0 {
-        let at = [frame.centre()[0], frame.bottom() + below + LABEL_GAP];
-        drawing.text(label_text(at, &panel.x.label).held(Anchor::Middle, Level::Top));
-        below += LABEL_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
+    if !panel.x.label.is_empty() {
+        let at = [label.at[0], frame.bottom() + below + LABEL_GAP];
+        drawing.text(Text { at, ..label }.held(Anchor::Middle, Level::Top));
+        below += line;
     }
     if !panel.y.label.is_empty() {
         left += LABEL_GAP + theme::LABEL_SIZE * text::DESCENT;
-        let at = [frame.x - left, frame.centre()[1]];
-        drawing.text(label_text(at, &panel.y.label).held(Anchor::Middle, Level::Baseline).upwards());
+        let label = label_text([frame.x - left, 0.0], &panel.y.label).held(Anchor::Middle, Level::Baseline).upwards();
+        // Longer than the frame, it starts at the frame's foot, above the label of the x axis.
+        let middle = frame.centre()[1].min(frame.bottom() - label.width() / 2.0);
+        let label = Text { at: [label.at[0], middle], ..label };
+        room = room.union(Sides { top: label.width() - frame.height + 4.0, ..Sides::default() });
+        drawing.text(label);
         left += theme::LABEL_SIZE * 0.85;
     }
     if up.exponent != 0 {

@@ -199,6 +199,24 @@ mod tests {
     }
 
     #[test]
+    fn long_labels_fit_on_the_page() {
+        let x = Axis::linear("an axis label far wider than its frame").range(0.0, 1e7);
+        let y = Axis::linear("another one, higher than its frame").range(0.0, 3e-9);
+        let panel = Panel::new(x, y)
+            .line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]])
+            .vertical(5e6, "1")
+            .horizontal(1e-9, "h");
+        assert_sound(&Plot::new([panel.clone()]).frame_size(130.0, 100.0).draw());
+        assert_sound(&Plot::new([panel]).frame_size(700.0, 500.0).draw());
+        // A label too long for any place is not lost.
+        let endless = "long ".repeat(300);
+        let panel = Panel::new(Axis::linear("").range(0.0, 1.0), Axis::linear("").range(0.0, 1.0));
+        let panel = panel.vertical(0.5, endless.clone()).horizontal(0.5, endless.clone());
+        let page = Plot::new([panel]).draw();
+        assert_eq!(texts(&page).iter().filter(|t| t.markup == endless).count(), 2);
+    }
+
+    #[test]
     fn odd_data_are_drawn_somehow() {
         let odd = [f64::NAN, f64::INFINITY, -1e300, -1.0, 0.0, 5e-324, 1e-300, 1.0, 1e300, f64::MAX];
         for x in odd {
