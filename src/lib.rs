@@ -17,6 +17,7 @@
 pub mod bsdf;
 pub mod envmap;
 pub mod error;
+pub mod figure;
 pub mod files;
 pub mod optics;
 pub mod raster;

@@ -1,0 +1,174 @@
+//! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
+
+use super::axis::Span;
+use super::drawing::Drawing;
+use super::frame::{self, Sides};
+use super::legend::Legend;
+use super::occupancy::Occupancy;
+use super::panel::{Mark, Panel};
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
+use super::text;
+use super::theme;
+
+/// Distance that labels keep from curves and from each other.
+pub(super) const CLEAR: f64 = 3.0;
+/// How far from the frame a label may be that found no place inside.
+const OUTSIDE: f64 = 300.0;
+/// Width kept for the factor of the y axis, above the frame's left end.
+const FACTOR: f64 = 45.0;
+/// Distance of a legend from the frame.
+const INSET: f64 = 8.0;
+
+/// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
+pub(super) struct Chart {
+    pub drawing: Drawing,
+    pub room: Sides,
+    /// The legend, when it found no free place inside the frame.
+    pub legend: Option<Legend>,
+}
+
+impl Chart {
+    /// Draws `panel` in a frame of the given size, with its legend if it is to have its own.
+    pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
+        let mut sketch = Sketch {
+            drawing: Drawing::new(width, height, 1.0),
+            space: Occupancy::new(Rect::new(0.0, 0.0, width, height)),
+            above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
+            beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
+            outside: Sides::default(),
+            frame: Rect::new(0.0, 0.0, width, height),
+            spans: panel.spans(),
+        };
+        let (x, y) = sketch.spans;
+        let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
+        let mut room = Sides::default();
+        match &panel.heatmap {
+            Some(map) => room = map.draw(&mut sketch.drawing, &sketch.frame),
+            None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
+        }
+        sketch.marks(&panel.marks);
+        let factor = frame::factor_height(&up);
+        sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
+        panel.marks.iter().for_each(|mark| sketch.label(mark));
+        let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
+        room = room.union(around);
+
+        let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
+        Self { drawing: sketch.drawing, room, legend }
+    }
+}
+
+/// A chart on the way.
+pub(super) struct Sketch {
+    pub drawing: Drawing,
+    pub frame: Rect,
+    pub spans: (Span, Span),
+    /// What is taken within the frame, above it, and to its right.
+    pub space: Occupancy,
+    above: Occupancy,
+    beside: Occupancy,
+    /// Room taken by labels outside the frame.
+    outside: Sides,
+}
+
+impl Sketch {
+    /// Positions along the axes of a point of the data.
+    pub fn position(&self, p: Point) -> Point {
+        [self.spans.0.position(p[0]), self.spans.1.position(p[1])]
+    }
+
+    /// The place in the frame of positions along the axes.
+    pub fn place(&self, p: Point) -> Point {
+        [self.frame.width * p[0], self.frame.height * (1.0 - p[1])]
+    }
+
+    /// Writes the label of a reference line or a note where there is room.
+    fn label(&mut self, mark: &Mark) {
+        let (label, at) = match mark {
+            Mark::Vertical { at, label } => (label, [self.spans.0.position(*at), 0.5]),
+            Mark::Horizontal { at, label } => (label, [0.5, self.spans.1.position(*at)]),
+            Mark::Note { at, text } => (text, self.position(*at)),
+            _ => return,
+        };
+        if label.is_empty() || !at.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return;
+        }
+        let [x, y] = self.place(at);
+        let high = theme::NOTE_SIZE + 4.0;
+        // Never taller than wide, unless it runs upwards.
+        let long = (text::width(label, theme::NOTE_SIZE, false) + 4.0).max(high);
+        // A gap that is more than what the line itself takes, in whole cells.
+        let gap = CLEAR + 3.5;
+        let (right, bottom) = (self.frame.width, self.frame.height);
+        let found = match mark {
+            Mark::Vertical { .. } => {
+                let beside = move |w: f64, h: f64| {
+                    slots(5.0, bottom - h - 5.0)
+                        .flat_map(move |top| [Rect::new(x + gap, top, w, h), Rect::new(x - gap - w, top, w, h)])
+                };
+                self.space.first_free(beside(long, high).chain(beside(high, long)))
+            }
+            Mark::Horizontal { .. } => self.space.first_free(slots(5.0, right - long - 5.0).flat_map(|from_right| {
+                let left = right - long - from_right;
+                [Rect::new(left, y - gap - high, long, high), Rect::new(left, y + gap, long, high)]
+            })),
+            _ => self.space.nearest_free([x, y], [long, high], gap, 150.0),
+        };
+        let text = |centre: Point| {
+            let text = Text::new(centre, theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
+            text.held(Anchor::Middle, Level::Middle)
+        };
+        match found {
+            Some(place) => {
+                self.space.add(&place.grown(CLEAR));
+                self.drawing.rect(place, Colour::WHITE.faded(0.85));
+                let text = text(place.centre());
+                self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+            }
+            // No room inside: beside the frame or above it, as near as there is room; too long for any place, next to it.
+            None if matches!(mark, Mark::Horizontal { .. }) => {
+                let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
+                let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));
+                let nearest = Rect::new(right + CLEAR, y - high / 2.0, long, high);
+                let place = self.beside.first_free(places).unwrap_or(nearest);
+                self.beside.add(&place);
+                self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
+                self.drawing.text(text(place.centre()));
+            }
+            None => {
+                let rows = slots(CLEAR, OUTSIDE).map(|up| Rect::new(x - long / 2.0, -up - high, long, high));
+                let nearest = Rect::new(x - long / 2.0, -CLEAR - high, long, high);
+                let place = self.above.first_free(rows).unwrap_or(nearest);
+                self.above.add(&place.grown(CLEAR));
+                let overhang = (place.right() - right).max(-place.x) + CLEAR;
+                let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
+                self.outside = self.outside.union(room);
+                self.drawing.text(text(place.centre()));
+            }
+        }
+    }
+
+    /// Draws the legend in a free place along the edges, or returns it when there is none.
+    fn legend(&mut self, legend: Legend) -> Option<Legend> {
+        for columns in 1..=legend.len().min(3) {
+            let [width, height] = legend.size(columns);
+            let (left, right) = (INSET, self.frame.width - INSET - width);
+            let (top, bottom) = (INSET, self.frame.height - INSET - height);
+            let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
+            let corners = [[right, top], [left, top], [right, bottom], [left, bottom]];
+            let sides = [[middle[0], top], [middle[0], bottom], [right, middle[1]], [left, middle[1]]];
+            let places = corners.into_iter().chain(sides).map(|[x, y]| Rect::new(x, y, width, height));
+            if let Some(place) = self.space.first_free(places) {
+                self.drawing.rect(place, Paint { fill: Some(Colour::WHITE), stroke: Some(theme::GRID) });
+                legend.draw(&mut self.drawing, [place.x, place.y], columns);
+                return None;
+            }
+        }
+        Some(legend)
+    }
+}
+
+/// Offsets from `from` up to `to` in steps of two cells.
+fn slots(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    (0..).map(move |i| from + 4.0 * f64::from(i)).take_while(move |&v| v <= to)
+}

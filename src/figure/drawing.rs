@@ -1,0 +1,196 @@
+//! A drawing: a page size and a flat list of shapes, text and images, painted in order on white.
+//!
+//! Lengths are drawing units: CSS pixels in SVG, 0.75 pt in PDF, [`Drawing::scale`] pixels in PNG. The origin is the
+//! top left corner, y points down.
+
+use super::shapes::{Paint, Point, Rect, Rgb8, Stroke, Text};
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// One thing on the page.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item {
+    /// A line through the points, back to the first one when `closed`.
+    Path {
+        points: Vec<Point>,
+        closed: bool,
+        paint: Paint,
+    },
+    Rect {
+        rect: Rect,
+        paint: Paint,
+    },
+    Circle {
+        centre: Point,
+        radius: f64,
+        paint: Paint,
+    },
+    Text(Text),
+    /// An image stretched over `rect`; enlarged pixels stay sharp squares.
+    Image {
+        rect: Rect,
+        image: Rgb8,
+    },
+}
+
+impl Item {
+    /// The same item, moved by (dx, dy).
+    #[must_use]
+    pub fn moved(mut self, dx: f64, dy: f64) -> Self {
+        let shift = |p: &mut Point| *p = [p[0] + dx, p[1] + dy];
+        match &mut self {
+            Item::Path { points, .. } => points.iter_mut().for_each(shift),
+            Item::Rect { rect, .. } | Item::Image { rect, .. } => *rect = rect.moved(dx, dy),
+            Item::Circle { centre, .. } => shift(centre),
+            Item::Text(text) => shift(&mut text.at),
+        }
+        self
+    }
+}
+
+/// A page with its items, painted in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    width: f64,
+    height: f64,
+    /// PNG pixels per drawing unit.
+    scale: f64,
+    items: Vec<Item>,
+}
+
+impl Drawing {
+    /// An empty white page; `scale` is the number of PNG pixels per drawing unit.
+    #[must_use]
+    pub fn new(width: f64, height: f64, scale: f64) -> Self {
+        Self { width, height, scale, items: Vec::new() }
+    }
+
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// PNG pixels per drawing unit.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    #[must_use]
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    /// Adds an item above the others. One with a coordinate that is not finite has no place on the page and is dropped.
+    pub fn add(&mut self, item: Item) {
+        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+        let placed = match &item {
+            Item::Path { points, .. } => points.iter().all(|p| finite(p)),
+            Item::Rect { rect, .. } | Item::Image { rect, .. } => finite(&[rect.x, rect.y, rect.width, rect.height]),
+            Item::Circle { centre, radius, .. } => finite(&[centre[0], centre[1], *radius]),
+            Item::Text(text) => finite(&text.at),
+        };
+        if placed {
+            self.items.push(item);
+        }
+    }
+
+    /// Adds an open line through `points`.
+    pub fn line(&mut self, points: impl Into<Vec<Point>>, stroke: Stroke) {
+        self.add(Item::Path { points: points.into(), closed: false, paint: stroke.into() });
+    }
+
+    pub fn polygon(&mut self, points: impl Into<Vec<Point>>, paint: impl Into<Paint>) {
+        self.add(Item::Path { points: points.into(), closed: true, paint: paint.into() });
+    }
+
+    pub fn rect(&mut self, rect: Rect, paint: impl Into<Paint>) {
+        self.add(Item::Rect { rect, paint: paint.into() });
+    }
+
+    pub fn circle(&mut self, centre: Point, radius: f64, paint: impl Into<Paint>) {
+        self.add(Item::Circle { centre, radius, paint: paint.into() });
+    }
+
+    pub fn text(&mut self, text: Text) {
+        self.add(Item::Text(text));
+    }
+
+    pub fn image(&mut self, rect: Rect, image: Rgb8) {
+        self.add(Item::Image { rect, image });
+    }
+
+    /// Adds all items of another drawing, moved by (dx, dy).
+    pub fn append(&mut self, other: Drawing, dx: f64, dy: f64) {
+        self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
+    }
+
+    /// Writes `stem.svg`, `stem.png` and `stem.pdf` and returns their paths in this order.
+    ///
+    /// The extension is appended: a dot inside the stem (`roughness-0.005`) stays. The same drawing gives the same bytes.
+    ///
+    /// # Errors
+    /// When a file cannot be written, or the page has no size that can be painted ([`Drawing::png`]).
+    pub fn write(&self, stem: &Path) -> Result<Vec<PathBuf>> {
+        let name = stem.file_name().ok_or_else(|| {
+            Error::parameter("figure", format!("{}: not a file name", stem.display()))
+                .with_hint("give a name to write to")
+        })?;
+        let files = [("svg", self.svg().into_bytes()), ("png", self.png()?), ("pdf", self.pdf())];
+        let mut written = Vec::with_capacity(files.len());
+        for (extension, bytes) in files {
+            let mut full = name.to_os_string();
+            full.push(".");
+            full.push(extension);
+            let path = stem.with_file_name(full);
+            crate::files::write_bytes(&path, &bytes)?;
+            written.push(path);
+        }
+        Ok(written)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::Colour;
+    use super::*;
+
+    #[test]
+    fn extensions_are_appended_to_the_stem() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut drawing = Drawing::new(20.0, 10.0, 2.0);
+        drawing.text(Text::new([1.0, 8.0], 8.0, "a"));
+        let paths = drawing.write(&dir.path().join("new/roughness-0.005")).unwrap();
+        let names: Vec<_> = paths.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["roughness-0.005.svg", "roughness-0.005.png", "roughness-0.005.pdf"]);
+        assert!(paths.iter().all(|p| p.metadata().unwrap().len() > 100));
+        assert!(drawing.write(Path::new("/")).is_err());
+    }
+
+    #[test]
+    fn items_without_a_place_are_dropped() {
+        let mut drawing = Drawing::new(10.0, 10.0, 1.0);
+        drawing.line([[0.0, 0.0], [f64::NAN, 1.0]], Stroke::solid(Colour::BLACK, 1.0));
+        drawing.circle([0.0, f64::INFINITY], 1.0, Colour::BLACK);
+        drawing.text(Text::new([f64::NAN, 0.0], 8.0, "a"));
+        assert!(drawing.items().is_empty());
+    }
+
+    #[test]
+    fn every_format_is_the_same_at_every_call() {
+        let mut drawing = Drawing::new(80.0, 40.0, 2.0);
+        drawing.text(Text::new([1.0, 20.0], 12.0, "/{R}_{∥} **bold**").bold());
+        drawing.text(Text::new([1.0, 30.0], 12.0, "/{R}_{∥}"));
+        drawing.rect(Rect::new(3.0, 3.0, 10.0, 10.0), Colour::BLACK.faded(0.3));
+        drawing.circle([30.0, 20.0], 5.0, Colour::BLACK.faded(0.7));
+        drawing.image(Rect::new(50.0, 3.0, 10.0, 10.0), Rgb8::from_fn(2, 2, |x, y| [x as u8 * 255, y as u8 * 255, 9]));
+        assert_eq!(drawing.svg(), drawing.svg());
+        assert_eq!(drawing.png().unwrap(), drawing.png().unwrap());
+        assert_eq!(drawing.pdf(), drawing.pdf());
+    }
+}

@@ -1,0 +1,159 @@
+//! Heat maps: a grid of values as colours, and the bar that says which colour is which value.
+
+use super::axis::{Axis, Span};
+use super::colourmap;
+use super::drawing::Drawing;
+use super::frame::{self, Sides};
+use super::shapes::{Anchor, Colour, Level, Paint, Rect, Rgb8, Stroke, Text};
+use super::theme;
+use crate::error::{Error, Result};
+
+/// How values become colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shading {
+    /// From dark to light, in equal steps of the value.
+    Linear,
+    /// From dark to light, in equal factors; values that are not positive have no colour.
+    Log10,
+    /// From blue through white at zero to red, equally far to both sides.
+    Diverging,
+}
+
+/// A grid of values, row 0 at the top. What is not finite is shown in [`theme::NO_VALUE`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heatmap {
+    columns: usize,
+    values: Vec<f64>,
+    shading: Shading,
+    label: String,
+    range: Option<(f64, f64)>,
+}
+
+/// Width of the colour bar, and its distance from the frame.
+const BAR: f64 = 13.0;
+const GAP: f64 = 12.0;
+
+impl Heatmap {
+    /// A map of `values`, row by row from the top; `label` stands beside the colour bar.
+    ///
+    /// # Errors
+    /// When `values` is empty or no whole number of rows.
+    pub fn new(columns: usize, values: Vec<f64>, shading: Shading, label: impl Into<String>) -> Result<Self> {
+        if columns == 0 || values.is_empty() || !values.len().is_multiple_of(columns) {
+            let message = format!("{} values do not fill rows of {columns}", values.len());
+            return Err(Error::parameter("heat map", message).with_hint("give rows x columns values, at least one"));
+        }
+        Ok(Self { columns, values, shading, label: label.into(), range: None })
+    }
+
+    /// Spreads the colours over this range instead of that of the values; values outside take the colour of the nearest end.
+    #[must_use]
+    pub fn range(self, lo: f64, hi: f64) -> Self {
+        Self { range: Some((lo, hi)), ..self }
+    }
+
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.columns
+    }
+
+    fn axis(&self) -> Axis {
+        let axis = if self.shading == Shading::Log10 { Axis::log("") } else { Axis::linear("") };
+        match (self.range, self.shading) {
+            (Some((lo, hi)), _) => axis.range(lo, hi),
+            (None, Shading::Diverging) => {
+                let largest = self.values.iter().filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
+                axis.range(-largest, largest)
+            }
+            (None, _) => axis,
+        }
+    }
+
+    fn span(&self) -> Span {
+        self.axis().span(self.values.iter().copied(), 0.0)
+    }
+
+    /// The colour at a position along the colour bar, from 0 to 1.
+    fn colour(&self, position: f64) -> Colour {
+        match self.shading {
+            _ if position.is_nan() => theme::NO_VALUE,
+            Shading::Diverging => colourmap::diverging(2.0 * position - 1.0),
+            Shading::Linear | Shading::Log10 => colourmap::sequential(position),
+        }
+    }
+
+    /// The map as an image, one pixel for each value.
+    #[must_use]
+    pub fn image(&self) -> Rgb8 {
+        let span = self.span();
+        Rgb8::from_fn(self.columns, self.rows(), |x, y| {
+            let value = self.values[y * self.columns + x];
+            let Colour { r, g, b, .. } = self.colour(if value.is_finite() { span.position(value) } else { f64::NAN });
+            [r, g, b]
+        })
+    }
+
+    /// Draws the map over a frame and the colour bar to its right; returns the room needed outside the frame.
+    pub(super) fn draw(&self, drawing: &mut Drawing, frame: &Rect) -> Sides {
+        drawing.image(*frame, self.image());
+        let bar = Rect::new(frame.right() + GAP, frame.y, BAR, frame.height);
+        let steps = 256;
+        drawing.image(
+            bar,
+            Rgb8::from_fn(8, steps, |_, y| {
+                let Colour { r, g, b, .. } = self.colour(1.0 - (y as f64 + 0.5) / steps as f64);
+                [r, g, b]
+            }),
+        );
+        drawing.rect(bar, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
+        let span = self.span();
+        let ticks = self.axis().ticks(&span, frame::most_rows(bar.height));
+        let width = frame::right_ticks(drawing, &bar, &span, &ticks);
+        let mut right = GAP + BAR + width;
+        if !self.label.is_empty() {
+            let at = [frame.right() + right + 8.0 + theme::LABEL_SIZE * 0.8, frame.centre()[1]];
+            let text = Text::new(at, theme::LABEL_SIZE, self.label.clone()).held(Anchor::Middle, Level::Baseline);
+            drawing.text(text.coloured(theme::INK).upwards());
+            right += 12.0 + theme::LABEL_SIZE;
+        }
+        Sides { left: 0.0, right, top: frame::factor_height(&ticks), bottom: 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_and_gaps_have_their_colours() {
+        let map = Heatmap::new(2, vec![0.0, 1.0, f64::NAN, 0.5], Shading::Linear, "p").unwrap();
+        let image = map.image();
+        let colours =
+            [colourmap::sequential(0.0), colourmap::sequential(1.0), theme::NO_VALUE, colourmap::sequential(0.5)];
+        let bytes: Vec<u8> = colours.iter().flat_map(|c| [c.r, c.g, c.b]).collect();
+        assert_eq!((image.width(), image.height(), image.data()), (2, 2, bytes.as_slice()));
+    }
+
+    #[test]
+    fn a_diverging_map_is_neutral_at_zero() {
+        let map = Heatmap::new(3, vec![-1.0, 0.0, 4.0], Shading::Diverging, "").unwrap();
+        assert_eq!(map.colour(map.span().position(0.0)), colourmap::diverging(0.0));
+        assert_eq!((map.span().lo(), map.span().hi()), (-4.0, 4.0));
+    }
+
+    #[test]
+    fn odd_grids_are_errors_and_odd_values_are_not() {
+        assert!(Heatmap::new(0, vec![], Shading::Linear, "").is_err());
+        assert!(Heatmap::new(2, vec![1.0; 3], Shading::Linear, "").is_err());
+        for shading in [Shading::Linear, Shading::Log10, Shading::Diverging] {
+            for value in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::MAX] {
+                let _ = Heatmap::new(1, vec![value], shading, "").unwrap().image();
+            }
+        }
+    }
+}

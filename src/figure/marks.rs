@@ -1,0 +1,171 @@
+//! The marks of a panel, cut to the frame and drawn by plotters; what they cover is noted, for labels to keep off.
+
+use super::backend::{Canvas, GRID};
+use super::chart::{CLEAR, Sketch};
+use super::clip;
+use super::panel::Mark;
+use super::shapes::{Colour, Point, Rect, Stroke};
+use super::theme;
+use plotters::coord::{Shift, types::RangedCoordf64};
+use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
+use plotters::style::{RGBAColor, ShapeStyle};
+
+/// Width of the outline of bars.
+const OUTLINE: f64 = 1.2;
+
+/// Why plotters' result can be unwrapped.
+const NEVER: &str = "drawing into memory cannot fail";
+
+impl Sketch {
+    /// Draws areas, then reference lines, then curves, then dots.
+    pub fn marks(&mut self, marks: &[Mark]) {
+        for mark in marks {
+            match mark {
+                Mark::Band { colour, points, .. } => self.band(*colour, points),
+                Mark::Bars { colour, edges, heights, .. } => {
+                    for outline in self.outlines(edges, heights) {
+                        self.fill(outline, colour.faded(0.3));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for mark in marks {
+            match mark {
+                Mark::Vertical { at, .. } => {
+                    let x = self.spans.0.position(*at);
+                    self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
+                }
+                Mark::Horizontal { at, .. } => {
+                    let y = self.spans.1.position(*at);
+                    self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
+                }
+                _ => {}
+            }
+        }
+        for mark in marks {
+            match mark {
+                Mark::Line { stroke, points, .. } => {
+                    let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
+                    self.curve(&positions, *stroke);
+                }
+                Mark::Bars { colour, edges, heights, .. } => {
+                    for outline in self.outlines(edges, heights) {
+                        self.curve(&outline, Stroke::solid(*colour, OUTLINE));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for mark in marks {
+            if let Mark::Dots { colour, points, .. } = mark {
+                self.dots(*colour, points);
+            }
+        }
+    }
+
+    /// A plotters drawing area over the frame, which counts from 0 to 1 along both axes.
+    fn area<'a>(
+        &'a mut self,
+        dash: &'static [f64],
+    ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
+        let (width, height) = ((self.frame.width * GRID) as i32, (self.frame.height * GRID) as i32);
+        let area: DrawingArea<Canvas<'a>, Shift> = Canvas::new(&mut self.drawing, dash).into_drawing_area();
+        area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
+    }
+
+    /// The parts of a line within the frame.
+    fn curve(&mut self, positions: &[Point], stroke: Stroke) {
+        for part in clip::line(positions) {
+            let places: Vec<Point> = part.iter().map(|&p| self.place(p)).collect();
+            self.space.add_line(&places, stroke.width + 2.0 * CLEAR);
+            let style = shape(stroke.colour, false, stroke.width);
+            let path: Vec<(f64, f64)> = part.iter().map(|p| (p[0], p[1])).collect();
+            self.area(stroke.dash).draw(&PathElement::new(path, style)).expect(NEVER);
+        }
+    }
+
+    /// The part of an area within the frame.
+    fn fill(&mut self, positions: Vec<Point>, colour: Colour) {
+        let path: Vec<(f64, f64)> = clip::polygon(positions).iter().map(|p| (p[0], p[1])).collect();
+        if !path.is_empty() {
+            self.area(theme::SOLID).draw(&Polygon::new(path, shape(colour, true, 0.0))).expect(NEVER);
+        }
+    }
+
+    /// Dots whose centre lies within the frame.
+    fn dots(&mut self, colour: Colour, points: &[Point]) {
+        let mut positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
+        // Drops what is not a number, too.
+        positions.retain(|p| p.iter().all(|v| (0.0..=1.0).contains(v)));
+        for &position in &positions {
+            let [x, y] = self.place(position);
+            self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
+        }
+        let area = self.area(theme::SOLID);
+        let radius = (theme::DOT * GRID) as i32;
+        for [x, y] in positions {
+            area.draw(&Circle::new((x, y), radius, shape(colour, true, 0.0))).expect(NEVER);
+        }
+    }
+
+    fn band(&mut self, colour: Colour, points: &[[f64; 3]]) {
+        // A bound that is off a logarithmic scale lies below the frame.
+        let low = |v: f64| if v.is_nan() { -1.0 } else { v };
+        let positions: Vec<[f64; 3]> = points
+            .iter()
+            .map(|&[x, lower, upper]| {
+                let ([x, lower_at], [_, upper_at]) = (self.position([x, lower]), self.position([x, upper]));
+                if lower.is_finite() { [x, low(lower_at), upper_at] } else { [x, f64::NAN, upper_at] }
+            })
+            .collect();
+        for run in positions.split(|p| !p.iter().all(|v| v.is_finite())).filter(|run| run.len() > 1) {
+            let outline = run.iter().map(|p| [p[0], p[2]]).chain(run.iter().rev().map(|p| [p[0], p[1]])).collect();
+            self.fill(outline, colour.faded(0.2));
+            for pair in run.windows(2) {
+                let (a, b) = (pair[0], pair[1]);
+                let columns = ((b[0] - a[0]).abs() * self.frame.width).ceil().clamp(1.0, self.frame.width) as usize;
+                for i in 0..=columns {
+                    let t = i as f64 / columns as f64;
+                    let [x, lower, upper] = [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t);
+                    self.take([x, lower], [x, upper]);
+                }
+            }
+        }
+    }
+
+    /// The outlines of bars that stand side by side, from the foot of the first to that of the last.
+    fn outlines(&mut self, edges: &[f64], heights: &[f64]) -> Vec<Vec<Point>> {
+        // On a logarithmic scale bars stand on the frame. Far outside is all that matters of what is far outside.
+        let low = |v: f64| if v.is_nan() { -1.0 } else { v.clamp(-1e6, 1e6) };
+        let floor = low(self.spans.1.position(0.0));
+        let mut outlines: Vec<Vec<Point>> = Vec::new();
+        let mut outline: Vec<Point> = Vec::new();
+        for (edge, &height) in edges.windows(2).zip(heights) {
+            let ([left, top], [right, _]) = (self.position([edge[0], height]), self.position([edge[1], height]));
+            if !(height.is_finite() && left.is_finite() && right.is_finite()) {
+                outlines.push(std::mem::take(&mut outline));
+                continue;
+            }
+            // The next bar goes on from the top of the one before.
+            if outline.pop().is_none() {
+                outline.push([left, floor]);
+            }
+            outline.extend([[left, low(top)], [right, low(top)], [right, floor]]);
+            self.take([left, floor], [right, low(top)]);
+        }
+        outlines.push(outline);
+        outlines
+    }
+
+    /// Keeps labels away from the box between two positions.
+    fn take(&mut self, a: Point, b: Point) {
+        let ([ax, ay], [bx, by]) = (self.place(a), self.place(b));
+        self.space.add(&Rect::new(ax.min(bx), ay.min(by), (ax - bx).abs(), (ay - by).abs()).grown(CLEAR));
+    }
+}
+
+fn shape(Colour { r, g, b, alpha }: Colour, filled: bool, width: f64) -> ShapeStyle {
+    let color = RGBAColor(r, g, b, f64::from(alpha) / 255.0);
+    ShapeStyle { color, filled, stroke_width: (width * GRID).round() as u32 }
+}

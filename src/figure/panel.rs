@@ -1,0 +1,141 @@
+//! A panel: two axes, a title, and the marks between them.
+
+use super::axis::{Axis, Span};
+use super::heatmap::Heatmap;
+use super::shapes::{Colour, Point, Stroke};
+
+/// One thing drawn between the axes, in the axes' own values. An empty label keeps it out of the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Mark {
+    Line { label: String, stroke: Stroke, points: Vec<Point> },
+    Dots { label: String, colour: Colour, points: Vec<Point> },
+    Band { label: String, colour: Colour, points: Vec<[f64; 3]> },
+    Bars { label: String, colour: Colour, edges: Vec<f64>, heights: Vec<f64> },
+    Vertical { at: f64, label: String },
+    Horizontal { at: f64, label: String },
+    Note { at: Point, text: String },
+}
+
+/// A chart with its own axes. Marks are added by chaining; areas are painted below lines, lines below dots, and
+/// within each kind in the order in which they were added. All labels may carry the markup of [`super::text`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    pub(super) title: String,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) marks: Vec<Mark>,
+    pub(super) heatmap: Option<Heatmap>,
+}
+
+impl Panel {
+    #[must_use]
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None }
+    }
+
+    /// A title above the frame.
+    #[must_use]
+    pub fn title(self, title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..self }
+    }
+
+    fn with(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
+        self
+    }
+
+    /// A curve through `points`; a point that is not finite (or has no place on a logarithmic axis) breaks it.
+    #[must_use]
+    pub fn line(self, label: impl Into<String>, stroke: Stroke, points: impl Into<Vec<Point>>) -> Self {
+        self.with(Mark::Line { label: label.into(), stroke, points: points.into() })
+    }
+
+    /// Scattered dots. Under the label of a line they share its legend entry.
+    #[must_use]
+    pub fn dots(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<Point>>) -> Self {
+        self.with(Mark::Dots { label: label.into(), colour, points: points.into() })
+    }
+
+    /// A pale band between two curves, from `[x, lower, upper]`.
+    #[must_use]
+    pub fn band(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<[f64; 3]>>) -> Self {
+        self.with(Mark::Band { label: label.into(), colour, points: points.into() })
+    }
+
+    /// A histogram: bar `i` stands from `edges[i]` to `edges[i + 1]`, `heights[i]` high; bars beyond the shorter list
+    /// are left out.
+    #[must_use]
+    pub fn bars(
+        self,
+        label: impl Into<String>,
+        colour: Colour,
+        edges: impl Into<Vec<f64>>,
+        heights: impl Into<Vec<f64>>,
+    ) -> Self {
+        self.with(Mark::Bars { label: label.into(), colour, edges: edges.into(), heights: heights.into() })
+    }
+
+    /// A vertical reference line with its label beside it, where nothing else is drawn.
+    #[must_use]
+    pub fn vertical(self, at: f64, label: impl Into<String>) -> Self {
+        self.with(Mark::Vertical { at, label: label.into() })
+    }
+
+    /// A horizontal reference line with its label above or below it, where nothing else is drawn.
+    #[must_use]
+    pub fn horizontal(self, at: f64, label: impl Into<String>) -> Self {
+        self.with(Mark::Horizontal { at, label: label.into() })
+    }
+
+    /// A text in the free place nearest to a point.
+    #[must_use]
+    pub fn note(self, at: Point, text: impl Into<String>) -> Self {
+        self.with(Mark::Note { at, text: text.into() })
+    }
+
+    /// A heat map that fills the frame, with a colour bar beside it. Axes without a range count columns from the left and
+    /// rows from the top; for row 0 at the top give the y axis the range from the last row's value to the first's.
+    #[must_use]
+    pub fn heatmap(self, heatmap: Heatmap) -> Self {
+        Self { heatmap: Some(heatmap), ..self }
+    }
+
+    /// The ranges of both axes.
+    pub(super) fn spans(&self) -> (Span, Span) {
+        if let Some(map) = &self.heatmap {
+            let (columns, rows) = (map.columns() as f64, map.rows() as f64);
+            return (self.x.span_or(0.0, columns), self.y.span_or(rows, 0.0));
+        }
+        // Dots keep off the frame; lines and bars use its full width.
+        let margin = if self.marks.iter().any(|m| matches!(m, Mark::Dots { .. })) { 0.04 } else { 0.0 };
+        let xs = self.marks.iter().flat_map(|mark| mark.extent(0));
+        let ys = self.marks.iter().flat_map(|mark| mark.extent(1));
+        (self.x.span(xs, margin), self.y.span(ys, 0.05))
+    }
+}
+
+impl Mark {
+    /// What the legend calls this mark.
+    pub(super) fn label(&self) -> &str {
+        match self {
+            Mark::Line { label, .. }
+            | Mark::Dots { label, .. }
+            | Mark::Band { label, .. }
+            | Mark::Bars { label, .. } => label,
+            Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. } => "",
+        }
+    }
+
+    /// The values that the x axis (0) or the y axis (1) has to show.
+    fn extent(&self, axis: usize) -> Vec<f64> {
+        match (self, axis) {
+            (Mark::Line { points, .. } | Mark::Dots { points, .. }, _) => points.iter().map(|p| p[axis]).collect(),
+            (Mark::Band { points, .. }, 0) => points.iter().map(|p| p[0]).collect(),
+            (Mark::Band { points, .. }, _) => points.iter().flat_map(|p| [p[1], p[2]]).collect(),
+            (Mark::Bars { edges, .. }, 0) => edges.clone(),
+            (Mark::Bars { heights, .. }, _) => heights.iter().copied().chain([0.0]).collect(),
+            (Mark::Vertical { at, .. }, 0) | (Mark::Horizontal { at, .. }, 1) => vec![*at],
+            (Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. }, _) => Vec::new(),
+        }
+    }
+}

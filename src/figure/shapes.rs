@@ -1,0 +1,236 @@
+//! What drawings are made of: colours, strokes, rectangles, text, 8-bit images.
+
+use super::text;
+
+/// A point in drawing units.
+pub type Point = [f64; 2];
+
+/// An sRGB colour with opacity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Colour {
+    pub r: u8,
+    pub g: u8,
+    pub b: u8,
+    /// Opacity: 0 is invisible, 255 covers what lies below.
+    pub alpha: u8,
+}
+
+impl Colour {
+    pub const BLACK: Colour = Colour::rgb(0, 0, 0);
+    pub const WHITE: Colour = Colour::rgb(255, 255, 255);
+
+    /// An opaque colour.
+    #[must_use]
+    pub const fn rgb(r: u8, g: u8, b: u8) -> Self {
+        Self { r, g, b, alpha: 255 }
+    }
+
+    /// The same colour at another opacity, from 0 to 1.
+    #[must_use]
+    pub fn faded(self, opacity: f64) -> Self {
+        Self { alpha: (opacity * 255.0).round() as u8, ..self }
+    }
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stroke {
+    pub colour: Colour,
+    pub width: f64,
+    /// Lengths of dashes and gaps in turn; empty for a solid line.
+    pub dash: &'static [f64],
+}
+
+impl Stroke {
+    /// A solid line.
+    #[must_use]
+    pub const fn solid(colour: Colour, width: f64) -> Self {
+        Self { colour, width, dash: &[] }
+    }
+}
+
+/// How a shape is drawn: its inside, its outline, or both.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Paint {
+    pub fill: Option<Colour>,
+    pub stroke: Option<Stroke>,
+}
+
+impl From<Colour> for Paint {
+    fn from(fill: Colour) -> Self {
+        Self { fill: Some(fill), stroke: None }
+    }
+}
+
+impl From<Stroke> for Paint {
+    fn from(stroke: Stroke) -> Self {
+        Self { fill: None, stroke: Some(stroke) }
+    }
+}
+
+/// A rectangle with sides parallel to the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rect {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Rect {
+    #[must_use]
+    pub const fn new(x: f64, y: f64, width: f64, height: f64) -> Self {
+        Self { x, y, width, height }
+    }
+
+    #[must_use]
+    pub fn right(&self) -> f64 {
+        self.x + self.width
+    }
+
+    #[must_use]
+    pub fn bottom(&self) -> f64 {
+        self.y + self.height
+    }
+
+    #[must_use]
+    pub fn centre(&self) -> Point {
+        [self.x + self.width / 2.0, self.y + self.height / 2.0]
+    }
+
+    /// The rectangle with every side moved outwards by `margin` (inwards when negative).
+    #[must_use]
+    pub fn grown(&self, margin: f64) -> Self {
+        Self::new(self.x - margin, self.y - margin, self.width + 2.0 * margin, self.height + 2.0 * margin)
+    }
+
+    /// The rectangle moved by (dx, dy).
+    #[must_use]
+    pub fn moved(&self, dx: f64, dy: f64) -> Self {
+        Self { x: self.x + dx, y: self.y + dy, ..*self }
+    }
+}
+
+/// Which end of the text stands at its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// Which height of the text stands at its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// The line that letters stand on.
+    Baseline,
+    /// Half the height of a capital letter.
+    Middle,
+    /// The top of a capital letter.
+    Top,
+}
+
+/// One line of text, with the markup of [`text`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    pub at: Point,
+    pub markup: String,
+    /// Font size in drawing units.
+    pub size: f64,
+    pub colour: Colour,
+    pub anchor: Anchor,
+    pub level: Level,
+    /// Whether the text runs upwards, turned by 90° about its point.
+    pub upwards: bool,
+    pub bold: bool,
+}
+
+impl Text {
+    /// Black text that starts at `at`, on the baseline.
+    #[must_use]
+    pub fn new(at: Point, size: f64, markup: impl Into<String>) -> Self {
+        let (anchor, level) = (Anchor::Start, Level::Baseline);
+        Self { at, markup: markup.into(), size, colour: Colour::BLACK, anchor, level, upwards: false, bold: false }
+    }
+
+    /// The same text, held at another end and height.
+    #[must_use]
+    pub fn held(self, anchor: Anchor, level: Level) -> Self {
+        Self { anchor, level, ..self }
+    }
+
+    #[must_use]
+    pub fn coloured(self, colour: Colour) -> Self {
+        Self { colour, ..self }
+    }
+
+    #[must_use]
+    pub fn bold(self) -> Self {
+        Self { bold: true, ..self }
+    }
+
+    #[must_use]
+    pub fn upwards(self) -> Self {
+        Self { upwards: true, ..self }
+    }
+
+    /// Length of the line in drawing units.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        text::width(&self.markup, self.size, self.bold)
+    }
+
+    /// How far the baseline lies below the point, before turning.
+    #[must_use]
+    pub fn drop(&self) -> f64 {
+        self.size
+            * match self.level {
+                Level::Baseline => 0.0,
+                Level::Middle => text::CAP_HEIGHT / 2.0,
+                Level::Top => text::CAP_HEIGHT,
+            }
+    }
+}
+
+/// An 8-bit RGB image (sRGB, three bytes a pixel, row 0 at the top).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rgb8 {
+    width: usize,
+    height: usize,
+    data: Vec<u8>,
+}
+
+impl Rgb8 {
+    /// Wraps `data`.
+    ///
+    /// # Panics
+    /// When a side is 0 or `data.len() != 3 * width * height`: a bug of the caller, never of an input file.
+    #[must_use]
+    pub fn new(width: usize, height: usize, data: Vec<u8>) -> Self {
+        assert!(width > 0 && height > 0 && data.len() == 3 * width * height, "{width}x{height}, {} bytes", data.len());
+        Self { width, height, data }
+    }
+
+    /// Evaluates `f(x, y)` at every pixel.
+    #[must_use]
+    pub fn from_fn(width: usize, height: usize, f: impl Fn(usize, usize) -> [u8; 3]) -> Self {
+        let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| f(x, y)).collect();
+        Self::new(width, height, data)
+    }
+
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The bytes, row by row from the top.
+    #[must_use]
+    pub fn data(&self) -> &[u8] {
+        &self.data
+    }
+}

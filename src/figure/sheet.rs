@@ -1,0 +1,123 @@
+//! Contact sheets: captioned images in a grid, for comparing renders by eye.
+
+use super::drawing::Drawing;
+use super::shapes::{Anchor, Level, Rect, Rgb8, Text};
+use super::text;
+use super::theme;
+use image::imageops::{self, FilterType};
+
+/// Widest image on the sheet, in PNG pixels; wider ones are reduced, narrower ones enlarged by whole factors.
+const WIDEST: usize = 640;
+/// PNG pixels per unit.
+const SCALE: f64 = 2.0;
+const EDGE: f64 = 12.0;
+const GAP: f64 = 14.0;
+const LINE: f64 = 16.0;
+
+/// Draws captioned images in rows of `columns` (at least one), with an optional title. Captions may carry the markup of
+/// [`super::text`] and are broken between words where they are wider than their image.
+#[must_use]
+pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
+    let columns = columns.clamp(1, images.len().max(1));
+    let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image)).collect();
+    let sizes: Vec<[f64; 2]> = shown.iter().map(size).collect();
+    let cell = sizes.iter().map(|s| s[0]).fold(60.0, f64::max).max(text_width(title) / columns as f64 - GAP);
+    let captions: Vec<Vec<String>> = images.iter().map(|(caption, _)| wrapped(caption, cell)).collect();
+
+    let head = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
+    let mut page = Drawing::new(0.0, 0.0, SCALE);
+    let mut y = head;
+    for ((shown, sizes), captions) in shown.chunks(columns).zip(sizes.chunks(columns)).zip(captions.chunks(columns)) {
+        let tallest = sizes.iter().map(|s| s[1]).fold(0.0, f64::max);
+        let lines = captions.iter().map(Vec::len).max().unwrap_or(0);
+        for (i, image) in shown.iter().enumerate() {
+            let x = EDGE + i as f64 * (cell + GAP);
+            let [w, h] = sizes[i];
+            let left = (x + (cell - w) / 2.0).round();
+            page.image(Rect::new(left, y + (tallest - h).round(), w, h), image.clone());
+            for (line, caption) in captions[i].iter().enumerate() {
+                let at = [x + cell / 2.0, y + tallest + 7.0 + LINE * line as f64];
+                let text = Text::new(at, theme::TICK_SIZE, caption.clone()).held(Anchor::Middle, Level::Top);
+                page.text(text.coloured(theme::INK));
+            }
+        }
+        y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();
+    }
+    let width = (2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil();
+    let mut sheet = Drawing::new(width, (y - GAP + EDGE - 2.0).ceil(), SCALE);
+    sheet.append(page, 0.0, 0.0);
+    if !title.is_empty() {
+        let text = Text::new([width / 2.0, EDGE], theme::TITLE_SIZE, title).held(Anchor::Middle, Level::Top);
+        sheet.text(text.coloured(theme::INK).bold());
+    }
+    sheet
+}
+
+fn text_width(title: &str) -> f64 {
+    text::width(title, theme::TITLE_SIZE, true)
+}
+
+/// The image at no more than [`WIDEST`] pixels across.
+fn reduced(image: &Rgb8) -> Rgb8 {
+    if image.width() <= WIDEST {
+        return image.clone();
+    }
+    let (w, h) = (image.width() as u32, image.height() as u32);
+    let height = (u64::from(h) * WIDEST as u64 / u64::from(w)).max(1) as u32;
+    let buffer = image::RgbImage::from_raw(w, h, image.data().to_vec()).expect("the size fits the data");
+    let small = imageops::resize(&buffer, WIDEST as u32, height, FilterType::Triangle);
+    Rgb8::new(WIDEST, height as usize, small.into_raw())
+}
+
+/// Size on the sheet in units: a whole number of PNG pixels for each pixel.
+fn size(image: &Rgb8) -> [f64; 2] {
+    let zoom = (WIDEST / image.width()).max(1) as f64;
+    [image.width() as f64 * zoom / SCALE, image.height() as f64 * zoom / SCALE]
+}
+
+/// Breaks a caption between words into lines of at most `width` (a single word may be wider).
+fn wrapped(caption: &str, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in caption.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if text::width(&format!("{line} {word}"), theme::TICK_SIZE, false) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::drawing::Item;
+    use super::*;
+
+    #[test]
+    fn small_images_are_enlarged_by_whole_factors_and_large_ones_reduced() {
+        let grey = |width| Rgb8::from_fn(width, 10, |_, _| [99; 3]);
+        let sheet = contact_sheet("", 2, &[("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))]);
+        let widths: Vec<f64> = sheet
+            .items()
+            .iter()
+            .filter_map(|item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None })
+            .collect();
+        assert_eq!(widths, [600.0, 640.0, 640.0]);
+    }
+
+    #[test]
+    fn captions_are_broken_between_words() {
+        let lines = wrapped("one two three four five six seven eight nine", 100.0);
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|line| text::width(line, theme::TICK_SIZE, false) <= 100.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "one two three four five six seven eight nine");
+    }
+
+    #[test]
+    fn an_empty_sheet_can_be_painted() {
+        assert!(contact_sheet("", 0, &[]).png().is_ok());
+        assert!(contact_sheet("only a title", 3, &[]).png().is_ok());
+    }
+}

@@ -1,0 +1,235 @@
+//! A drawing as SVG: searchable text, real dash patterns, coordinates to a hundredth of a unit.
+
+use super::drawing::{Drawing, Item};
+use super::shapes::{Anchor, Colour, Paint, Point, Text};
+use super::text::{self, Face};
+use std::fmt::Write;
+
+/// DejaVu Sans, or at the viewer's without it Verdana, whose letters are as wide.
+const FONTS: &str = "DejaVu Sans,Verdana,sans-serif";
+
+impl Drawing {
+    /// The drawing as an SVG document. Text stays text; images are embedded as PNG.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        let (w, h) = (number(self.width()), number(self.height()));
+        let mut out = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+             font-family=\"{FONTS}\" stroke-linejoin=\"round\" xml:space=\"preserve\">\n\
+             <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
+        );
+        for item in self.items() {
+            write_item(&mut out, item);
+            out.push('\n');
+        }
+        out.push_str("</svg>\n");
+        out
+    }
+}
+
+fn write_item(out: &mut String, item: &Item) {
+    // Writing to a string cannot fail.
+    let _ = match item {
+        Item::Path { points, closed, paint } => {
+            write!(out, "<path d=\"{}{}\"{}/>", path(points), if *closed { "Z" } else { "" }, attributes(paint))
+        }
+        Item::Rect { rect, paint } => {
+            let (x, y) = (number(rect.x), number(rect.y));
+            let (w, h) = (number(rect.width), number(rect.height));
+            write!(out, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"{}/>", attributes(paint))
+        }
+        Item::Circle { centre, radius, paint } => {
+            let (x, y) = (number(centre[0]), number(centre[1]));
+            write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"{}/>", number(*radius), attributes(paint))
+        }
+        Item::Text(text) => write_text(out, text),
+        Item::Image { rect, image } => {
+            let (x, y) = (number(rect.x), number(rect.y));
+            let (w, h) = (number(rect.width), number(rect.height));
+            let sharp = rect.width >= image.width() as f64 && rect.height >= image.height() as f64;
+            let style = if sharp { " style=\"image-rendering:pixelated\"" } else { "" };
+            let data = base64(&super::png::encode(image));
+            write!(
+                out,
+                "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\"{style} \
+                 href=\"data:image/png;base64,{data}\"/>"
+            )
+        }
+    };
+}
+
+fn write_text(out: &mut String, text: &Text) -> std::fmt::Result {
+    let [x, y] = text.at;
+    let (place, drop) = if text.upwards {
+        (format!(" transform=\"translate({} {}) rotate(-90)\"", number(x), number(y)), text.drop())
+    } else {
+        (format!(" x=\"{}\"", number(x)), y + text.drop())
+    };
+    let anchor = match text.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => " text-anchor=\"middle\"",
+        Anchor::End => " text-anchor=\"end\"",
+    };
+    let bold = if text.bold { " font-weight=\"bold\"" } else { "" };
+    let colour = paint_attribute("fill", text.colour);
+    let (size, drop) = (number(text.size), number(drop));
+    write!(out, "<text{place} y=\"{drop}\" font-size=\"{size}\"{anchor}{bold}{colour}>")?;
+    // Shifts by `dy` because browsers disagree about `baseline-shift`.
+    let mut rise = 0.0;
+    for run in text::runs(&text.markup, text.size, text.bold) {
+        let mut style = String::new();
+        if run.rise != rise {
+            write!(style, " dy=\"{}\"", number(rise - run.rise))?;
+            rise = run.rise;
+        }
+        if run.size != text.size {
+            write!(style, " font-size=\"{}\"", number(run.size))?;
+        }
+        if run.face == Face::Oblique {
+            style.push_str(" font-style=\"oblique\"");
+        }
+        let content = escape(&run.text);
+        if style.is_empty() { write!(out, "{content}")? } else { write!(out, "<tspan{style}>{content}</tspan>")? }
+    }
+    write!(out, "</text>")
+}
+
+/// Text for XML; control characters, which XML cannot hold, become spaces.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            c if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Path data; after the first point, steps from the rounded place of the one before, which are shorter to write.
+fn path(points: &[Point]) -> String {
+    let hundredths = |v: f64| (v * 100.0).round();
+    let mut out = String::new();
+    let mut last = [0.0, 0.0];
+    for (i, p) in points.iter().enumerate() {
+        let here = [hundredths(p[0]), hundredths(p[1])];
+        let (x, y) = (number((here[0] - last[0]) / 100.0), number((here[1] - last[1]) / 100.0));
+        let separator = if y.starts_with('-') { "" } else { " " };
+        let command = match i {
+            0 => "M",
+            1 => "l",
+            _ if x.starts_with('-') => "",
+            _ => " ",
+        };
+        out.push_str(command);
+        out.push_str(&x);
+        out.push_str(separator);
+        out.push_str(&y);
+        last = here;
+    }
+    out
+}
+
+fn attributes(paint: &Paint) -> String {
+    let mut out = match paint.fill {
+        Some(colour) => paint_attribute("fill", colour),
+        None => " fill=\"none\"".to_owned(),
+    };
+    if let Some(stroke) = paint.stroke {
+        out.push_str(&paint_attribute("stroke", stroke.colour));
+        let _ = write!(out, " stroke-width=\"{}\"", number(stroke.width));
+        if !stroke.dash.is_empty() {
+            let dash: Vec<String> = stroke.dash.iter().map(|&d| number(d)).collect();
+            let _ = write!(out, " stroke-dasharray=\"{}\"", dash.join(" "));
+        }
+    }
+    out
+}
+
+fn paint_attribute(name: &str, Colour { r, g, b, alpha }: Colour) -> String {
+    let mut out = format!(" {name}=\"#{r:02x}{g:02x}{b:02x}\"");
+    if alpha < 255 {
+        let _ = write!(out, " {name}-opacity=\"{}\"", number(f64::from(alpha) / 255.0));
+    }
+    out
+}
+
+/// At most two decimals, no trailing zeros, no negative zero.
+fn number(value: f64) -> String {
+    let text = format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0);
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".to_owned() } else { short.to_owned() }
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let bits = chunk.iter().fold(0u32, |bits, &b| bits << 8 | u32::from(b)) << (8 * (3 - chunk.len()));
+        for i in 0..4 {
+            out.push(if i <= chunk.len() { DIGITS[(bits >> (18 - 6 * i) & 63) as usize] as char } else { '=' });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::{Rect, Stroke};
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in
+            [(1.0, "1"), (0.125, "0.13"), (-0.001, "0"), (10.5, "10.5"), (100.0, "100"), (-2.25, "-2.25")]
+        {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn base64_matches_the_rfc() {
+        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn path_steps_do_not_drift() {
+        let points: Vec<Point> = (0..1000).map(|i| [f64::from(i) * 0.333, f64::from(i) * -0.111]).collect();
+        let data = path(&points);
+        let numbers: Vec<f64> =
+            data.replace(['M', 'l'], " ").replace('-', " -").split_whitespace().map(|n| n.parse().unwrap()).collect();
+        assert_eq!(numbers.len(), 2000);
+        let (x, y) = numbers.chunks(2).fold((0.0, 0.0), |(x, y), n| (x + n[0], y + n[1]));
+        assert!((x - 999.0 * 0.333).abs() < 0.006 && (y + 999.0 * 0.111).abs() < 0.006, "{x} {y}");
+    }
+
+    #[test]
+    fn text_stays_searchable_and_escaped() {
+        let mut drawing = Drawing::new(100.0, 20.0, 1.0);
+        drawing.text(Text::new([0.0, 10.0], 10.0, "a < b & \u{1}θ_{B} done"));
+        let svg = drawing.svg();
+        assert!(
+            svg.contains(
+                ">a &lt; b &amp;  θ<tspan dy=\"2\" font-size=\"7\">B</tspan><tspan dy=\"-2\"> done</tspan></text>"
+            ),
+            "{svg}"
+        );
+    }
+
+    #[test]
+    fn dashes_are_real() {
+        let mut drawing = Drawing::new(100.0, 20.0, 1.0);
+        drawing.line([[0.0, 1.0], [9.0, 1.0]], Stroke { colour: Colour::BLACK, width: 1.5, dash: &[6.0, 2.5] });
+        drawing.rect(Rect::new(1.0, 2.0, 3.0, 4.0), Colour::BLACK.faded(0.5));
+        let svg = drawing.svg();
+        assert!(svg.contains(
+            "<path d=\"M0 1l9 0\" fill=\"none\" stroke=\"#000000\" stroke-width=\"1.5\" stroke-dasharray=\"6 2.5\"/>"
+        ));
+        assert!(svg.contains("fill-opacity=\"0.5\""), "{svg}");
+    }
+}
