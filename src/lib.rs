@@ -18,6 +18,7 @@ pub mod bsdf;
 pub mod envmap;
 pub mod error;
 pub mod files;
+pub mod import;
 pub mod optics;
 pub mod raster;
 pub mod sampling;
