@@ -2,7 +2,7 @@
 
 use super::PbrtOptions;
 use super::params::Params;
-use super::place::quote;
+use super::place::{At, quote};
 use super::setup::MAX_SAMPLES;
 use super::transform;
 use crate::envmap::EnvMap;
@@ -40,8 +40,19 @@ pub fn infinite(
     // pbrt-v3 calls it "samples", and takes the older name too.
     let samples = p.integer("nsamples", 1..=MAX_SAMPLES)?;
     let samples = p.integer("samples", 1..=MAX_SAMPLES)?.or(samples).unwrap_or(1);
-    let (map, source) = map(&mut p, folder, options, warnings)?;
+    let file = MapFile::named_by(&mut p)?;
+    let at = p.at.clone();
     p.finish(&[], warnings)?;
+    let (map, source) = match (file, &options.environment) {
+        (Some(_), Some((map, source))) => (map.clone(), source.clone()),
+        (Some(file), None) => (Arc::new(EnvMap::new(file.load(folder, options, warnings)?)), file.name),
+        (None, given) => {
+            if given.is_some() {
+                warnings.push(at.warning("this light has no map: the given environment is not used"));
+            }
+            (Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into())
+        }
+    };
     Ok((Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
 }
 
@@ -54,47 +65,50 @@ fn factor(p: &mut Params, valid: impl Fn(f64) -> bool) -> Result<Rgb> {
     }
 }
 
-/// The map and its name: `mapname` is lat-long in every version, `filename` is pbrt-v4's own, equal-area and square.
-fn map(
-    p: &mut Params,
-    folder: &Path,
-    options: &PbrtOptions,
-    warnings: &mut Vec<String>,
-) -> Result<(Arc<EnvMap>, String)> {
-    let (place, file_place) = (p.place("mapname"), p.place("filename"));
-    let (mapname, filename) = (p.text("mapname")?, p.text("filename")?);
-    if mapname.is_some() && filename.is_some() {
-        return Err(file_place.input(format!("{} has both a mapname and a filename", p.owner)));
+/// The map that a light names.
+struct MapFile {
+    name: String,
+    /// Where it is named.
+    at: At,
+    /// Whether pbrt would take it as equal-area.
+    equal_area: bool,
+}
+
+impl MapFile {
+    /// `mapname` is lat-long in every version; `filename` is pbrt-v4's own, equal-area and square.
+    fn named_by(p: &mut Params) -> Result<Option<Self>> {
+        let (lat_long_at, equal_area_at) = (p.place("mapname"), p.place("filename"));
+        let (lat_long, equal_area) = (p.text("mapname")?, p.text("filename")?);
+        Ok(match (lat_long, equal_area) {
+            (Some(_), Some(_)) => {
+                return Err(equal_area_at.input(format!("{} has both a mapname and a filename", p.owner)));
+            }
+            (Some(name), None) if !name.is_empty() => Some(Self { name, at: lat_long_at, equal_area: false }),
+            (None, Some(name)) if !name.is_empty() => Some(Self { name, at: equal_area_at, equal_area: true }),
+            _ => None,
+        })
     }
-    let (place, equal_area) = if filename.is_some() { (file_place, true) } else { (place, false) };
-    let name = mapname.or(filename).filter(|name| !name.is_empty());
-    let Some(name) = name else {
-        if options.environment.is_some() {
-            warnings.push(p.at.warning("this light has no map: the given environment is not used"));
-        }
-        return Ok((Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into()));
-    };
-    if let Some((map, source)) = &options.environment {
-        return Ok((map.clone(), source.clone()));
-    }
-    let image = (options.load_map)(&folder.join(&name)).map_err(|e| match e {
-        Error::Io { path, source } => place
-            .input(format!("cannot read the map {}: {source}", path.display()))
-            .with_hint("put the map there, or give another one in its place"),
-        other => other,
-    })?;
-    if equal_area {
-        let hint = "give a lat-long map as \"string mapname\", or in place of the file's";
-        if image.width() != 2 * image.height() {
-            let size = format!("{} x {}", image.width(), image.height());
-            return Err(place
+
+    fn load(&self, folder: &Path, options: &PbrtOptions, warnings: &mut Vec<String>) -> Result<Image> {
+        let image = (options.load_map)(&folder.join(&self.name)).map_err(|e| match e {
+            Error::Io { path, source } => self
+                .at
+                .input(format!("cannot read the map {}: {source}", path.display()))
+                .with_hint("put the map there, or give another one in its place"),
+            other => other,
+        })?;
+        if self.equal_area && image.width() != 2 * image.height() {
+            let (name, width, height) = (quote(&self.name), image.width(), image.height());
+            return Err(self
+                .at
                 .unsupported(format!(
-                    "the map {} ({size}) is not lat-long: equal-area maps are not supported",
-                    quote(&name)
+                    "the map {name} ({width} x {height}) is not lat-long: equal-area is not supported"
                 ))
-                .with_hint(hint));
+                .with_hint("give a lat-long map as \"string mapname\", or in place of the file's"));
         }
-        warnings.push(place.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
+        if self.equal_area {
+            warnings.push(self.at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
+        }
+        Ok(image)
     }
-    Ok((Arc::new(EnvMap::new(image)), name))
 }

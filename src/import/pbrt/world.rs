@@ -44,6 +44,6 @@ pub fn sphere(mut p: Params, to_world: &DMat4, warnings: &mut Vec<String>) -> Re
     if !in_range(centre) || !in_size_range(radius) {
         return Err(p.at.input(format!("a sphere of radius {radius} at {centre} is out of range")));
     }
-    p.finish(&["uvscale"], warnings)?;
+    p.finish(&[], warnings)?;
     Ok(Sphere { centre: centre.as_vec3(), radius: radius as f32 })
 }
