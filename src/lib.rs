@@ -19,6 +19,7 @@ pub mod envmap;
 pub mod error;
 pub mod figure;
 pub mod files;
+pub mod import;
 pub mod optics;
 pub mod raster;
 pub mod render;

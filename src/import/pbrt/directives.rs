@@ -1,0 +1,192 @@
+//! The directives: which there are, where in a file they may stand, and what each one does.
+
+use super::lexer::Lexer;
+use super::params::Params;
+use super::place::{At, quote};
+use super::reader::{Reader, Stage};
+use super::{light, transform, world};
+use crate::error::Result;
+use crate::scene::Object;
+use glam::{DMat4, DVec3};
+
+impl Reader<'_> {
+    /// Carries out the directive `name` at `at`, taking what belongs to it from `lexer`.
+    pub(super) fn directive(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
+        if self.stage == Stage::Done {
+            return Err(at
+                .unsupported(format!("{} after WorldEnd: only one picture per file is supported", quote(name)))
+                .with_hint("split the file at its WorldEnd"));
+        }
+        match name {
+            "Include" | "Import" => {
+                let file = lexer.text(name, &at, "a file name")?;
+                self.include(name, &file, &at)
+            }
+            "Camera" | "Film" | "Sampler" | "PixelFilter" | "SurfaceIntegrator" | "Integrator" | "Accelerator"
+            | "VolumeIntegrator" | "Renderer" | "ColorSpace" | "WorldBegin" => {
+                // A colour space may change inside the world, too.
+                if self.stage == Stage::World && name != "ColorSpace" {
+                    return Err(at.input(format!("{name} belongs before WorldBegin")));
+                }
+                self.option(name, at, lexer)
+            }
+            "WorldEnd" | "AttributeBegin" | "AttributeEnd" | "Material" | "MakeNamedMaterial" | "NamedMaterial"
+            | "Shape" | "LightSource" => {
+                if self.stage == Stage::Options {
+                    return Err(at.input(format!("{name} belongs after WorldBegin")));
+                }
+                self.content(name, at, lexer)
+            }
+            _ => self.transform(name, at, lexer),
+        }
+    }
+
+    /// What stands before `WorldBegin`.
+    fn option(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
+        match name {
+            "WorldBegin" => {
+                self.state.transform = DMat4::IDENTITY;
+                self.systems.insert("world".into(), DMat4::IDENTITY);
+                self.stage = Stage::World;
+                return Ok(());
+            }
+            "ColorSpace" => {
+                let space = lexer.text(name, &at, "a name")?;
+                return match space.as_str() {
+                    "srgb" => Ok(()),
+                    _ => Err(at.unsupported(format!("ColorSpace {} is not supported, only srgb", quote(&space)))),
+                };
+            }
+            _ => {}
+        }
+        let params = Params::read(lexer, name, at)?;
+        let warnings = &mut self.warnings;
+        match name {
+            "Camera" => {
+                let to_world = self.state.transform.inverse();
+                self.systems.insert("camera".into(), to_world);
+                self.setup.camera(params, to_world, warnings)
+            }
+            "Film" => self.setup.film(params, warnings),
+            "Sampler" => self.setup.sampler(params, warnings),
+            "PixelFilter" => self.setup.filter(params, warnings),
+            "SurfaceIntegrator" => self.setup.integrator(params, true, warnings),
+            "Integrator" => self.setup.integrator(params, false, warnings),
+            "Renderer" if params.kind != "sampler" => Err(params.unsupported_kind("sampler")),
+            _ => {
+                warnings.push(params.at.warning(&format!("{} cannot change this picture: left out", params.owner)));
+                Ok(())
+            }
+        }
+    }
+
+    /// What stands after `WorldBegin`.
+    fn content(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
+        match name {
+            "WorldEnd" => {
+                self.all_closed()?;
+                self.stage = Stage::Done;
+                return Ok(());
+            }
+            "AttributeBegin" => return self.begin("AttributeBegin", at),
+            "AttributeEnd" => {
+                self.state = self.end("AttributeBegin", name, &at)?;
+                return Ok(());
+            }
+            "NamedMaterial" => {
+                let wanted = lexer.text(name, &at, "a name")?;
+                let known = self.materials.get(&wanted).cloned();
+                self.state.material = known.ok_or_else(|| at.input(format!("no material named {}", quote(&wanted))))?;
+                return Ok(());
+            }
+            _ => {}
+        }
+        let mut params = Params::read(lexer, name, at)?;
+        let warnings = &mut self.warnings;
+        match name {
+            "Material" => self.state.material = world::material(params, warnings)?,
+            "MakeNamedMaterial" => {
+                let kind = params.text("type")?;
+                let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
+                params.owner = format!("{} of type {}", params.owner, quote(&kind));
+                let material_name = std::mem::replace(&mut params.kind, kind);
+                self.materials.insert(material_name, world::material(params, warnings)?);
+            }
+            "Shape" => {
+                let shape = world::sphere(params, &self.state.transform, warnings)?;
+                self.objects.push(Object { shape, material: self.state.material.clone() });
+            }
+            _ => {
+                if self.light.is_some() {
+                    return Err(params
+                        .at
+                        .unsupported(format!("{}: a second light is not supported", params.owner))
+                        .with_hint("one light from infinity is supported"));
+                }
+                let to_world = &self.state.transform;
+                self.light = Some(light::infinite(params, to_world, &self.folder, self.options, warnings)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// What may stand anywhere: the current transform is multiplied from the right, as in pbrt.
+    fn transform(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
+        let matrix = match name {
+            "TransformBegin" => return self.begin("TransformBegin", at),
+            "TransformEnd" => {
+                self.state.transform = self.end("TransformBegin", name, &at)?.transform;
+                return Ok(());
+            }
+            // No material here tells the inside of a sphere from its outside.
+            "ReverseOrientation" => return Ok(()),
+            "CoordinateSystem" => {
+                let system = lexer.text(name, &at, "a name")?;
+                self.systems.insert(system, self.state.transform);
+                return Ok(());
+            }
+            "CoordSysTransform" => {
+                let system = lexer.text(name, &at, "a name")?;
+                let known = self.systems.get(&system).copied();
+                known.ok_or_else(|| at.input(format!("no coordinate system named {}", quote(&system))))?
+            }
+            "Identity" => DMat4::IDENTITY,
+            "Transform" => DMat4::from_cols_array(&lexer.numbers(name, &at)?),
+            "ConcatTransform" => self.state.transform * DMat4::from_cols_array(&lexer.numbers(name, &at)?),
+            "Translate" => self.state.transform * DMat4::from_translation(DVec3::from_array(lexer.numbers(name, &at)?)),
+            "Scale" => self.state.transform * DMat4::from_scale(DVec3::from_array(lexer.numbers(name, &at)?)),
+            "Rotate" => {
+                let [degrees, x, y, z] = lexer.numbers(name, &at)?;
+                let rotation = transform::rotate(degrees, DVec3::new(x, y, z));
+                self.state.transform * rotation.ok_or_else(|| at.input("Rotate needs an axis that is not 0 0 0"))?
+            }
+            "LookAt" => {
+                let [ex, ey, ez, tx, ty, tz, ux, uy, uz] = lexer.numbers(name, &at)?;
+                let (eye, target, up) = (DVec3::new(ex, ey, ez), DVec3::new(tx, ty, tz), DVec3::new(ux, uy, uz));
+                let view = transform::look_at(eye, target, up).ok_or_else(|| {
+                    at.input(
+                        "LookAt needs an eye, a target apart from it, and an up that does not point along the view",
+                    )
+                })?;
+                self.state.transform * view
+            }
+            _ => return Err(unknown(name, &at)),
+        };
+        self.state.transform = transform::checked(matrix, &at)?;
+        Ok(())
+    }
+}
+
+/// A directive of pbrt that is not supported, or no directive at all.
+fn unknown(name: &str, at: &At) -> crate::error::Error {
+    let hint = match name {
+        "AreaLightSource" => "one light is supported: LightSource \"infinite\"",
+        "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
+        "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => "repeat the shapes instead",
+        "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",
+        "MakeNamedMedium" | "MediumInterface" | "Volume" => "there are no media here: leave it out",
+        "Attribute" | "Option" => "leave it out, or give its parameters where they are needed",
+        _ => return at.input(format!("{} is not a directive of pbrt", quote(name))),
+    };
+    at.unsupported(format!("{name} is not supported")).with_hint(hint)
+}

@@ -1,0 +1,54 @@
+//! Reads scenes in the formats of pbrt-v2, v3 and v4, as far as this renderer can honour them.
+//!
+//! What a file says is done, or refused with its file, line and column; it is never quietly dropped. Only what cannot
+//! change the picture (an `Accelerator`, say) is left out, and only what a file does not say is filled in, both with a
+//! warning.
+//!
+//! | directive | supported |
+//! |---|---|
+//! | `Identity`, `Translate`, `Scale`, `Rotate`, `LookAt`, `Transform`, `ConcatTransform`, `CoordinateSystem`, `CoordSysTransform`, `ReverseOrientation` | all, as long as the matrix has an inverse |
+//! | `AttributeBegin`, `TransformBegin`, `WorldBegin` and their ends, `Include`, `Import` | all; file names are relative to the first file |
+//! | `Camera` | `orthographic`, `perspective`, without a lens |
+//! | `Film` | `image`, `rgb`: size and file name |
+//! | `PixelFilter` | `box` of one pixel |
+//! | `Sampler` | the number of samples |
+//! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath` |
+//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse` |
+//! | `Shape` | `sphere`, whole and round |
+//! | `LightSource` | one `infinite`, constant or with a lat-long map |
+//!
+//! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
+
+mod directives;
+mod lexer;
+mod light;
+mod params;
+mod place;
+mod reader;
+mod setup;
+mod transform;
+mod world;
+
+use super::Imported;
+use crate::envmap::EnvMap;
+use crate::error::Result;
+use crate::raster::Image;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What the reader needs beside the file.
+pub struct PbrtOptions<'a> {
+    /// A map, and what it is called, that stands in for the one that the file names (which is then not opened).
+    pub environment: Option<(Arc<EnvMap>, String)>,
+    /// Reads an image file, row 0 at the top as stored.
+    pub load_map: &'a dyn Fn(&Path) -> Result<Image>,
+}
+
+/// Reads the scene at `path`.
+///
+/// # Errors
+/// What is wrong or not supported in the file or in those that it includes, with its place; whatever `load_map` reports
+/// (but a map that cannot be opened is reported where the file names it).
+pub fn read(path: &Path, options: &PbrtOptions) -> Result<Imported> {
+    reader::Reader::scene(path, options)
+}

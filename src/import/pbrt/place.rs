@@ -1,0 +1,46 @@
+//! Where something stands in a scene file or in one that it includes, and the messages that say so.
+
+use crate::error::{Error, Place};
+use std::path::Path;
+use std::rc::Rc;
+
+/// A place in one of the files of a scene.
+#[derive(Debug, Clone)]
+pub struct At {
+    path: Rc<Path>,
+    place: Place,
+}
+
+impl At {
+    pub fn new(path: Rc<Path>, line: usize, column: usize) -> Self {
+        Self { path, place: Place::Text { line, column } }
+    }
+
+    /// The file as a whole.
+    pub fn file(path: Rc<Path>) -> Self {
+        Self { path, place: Place::File }
+    }
+
+    /// The file is wrong here.
+    pub fn input(&self, message: impl Into<String>) -> Error {
+        Error::input(&self.path, message).at(self.place)
+    }
+
+    /// The file may be right, but asks for something that is not implemented.
+    pub fn unsupported(&self, message: impl Into<String>) -> Error {
+        Error::unsupported(&self.path, message).at(self.place)
+    }
+
+    /// The same form for what is only worth knowing.
+    pub fn warning(&self, message: &str) -> String {
+        format!("{}{}: {message}", self.path.display(), self.place)
+    }
+}
+
+/// Text of the user for a message: quoted, control characters escaped, and cut when long.
+pub fn quote(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{:?}…", &text[..end]),
+        None => format!("{text:?}"),
+    }
+}

@@ -1,0 +1,168 @@
+//! Walks through a pbrt file and those that it includes, and keeps what their directives set until the scene is whole.
+
+use super::PbrtOptions;
+use super::lexer::{Lexer, Token};
+use super::place::At;
+use super::setup::Setup;
+use super::world;
+use crate::error::{Error, Result};
+use crate::files::read_bounded;
+use crate::import::Imported;
+use crate::scene::{Environment, Material, Object, Scene};
+use glam::DMat4;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Most bytes of text in a scene, all its files together (a file counts each time it is included).
+const MAX_BYTES: u64 = 64 << 20;
+/// Deepest chain of files that include one another, and deepest nesting of blocks.
+const MAX_FILES_DEEP: usize = 32;
+const MAX_BLOCKS_DEEP: usize = 1024;
+
+pub struct Reader<'a> {
+    pub(super) options: &'a PbrtOptions<'a>,
+    /// Where the first file lies: names in all files are relative to it, as in pbrt.
+    pub(super) folder: PathBuf,
+    /// The files being read now, each included by the one before it.
+    open: Vec<PathBuf>,
+    bytes: u64,
+    pub(super) stage: Stage,
+    pub(super) state: State,
+    blocks: Vec<Block>,
+    pub(super) systems: HashMap<String, DMat4>,
+    pub(super) materials: HashMap<String, Material>,
+    pub(super) setup: Setup,
+    pub(super) objects: Vec<Object>,
+    pub(super) light: Option<(Environment, u32)>,
+    pub(super) warnings: Vec<String>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Stage {
+    Options,
+    World,
+    /// After `WorldEnd`.
+    Done,
+}
+
+/// What `AttributeBegin` saves.
+#[derive(Clone)]
+pub(super) struct State {
+    pub(super) transform: DMat4,
+    pub(super) material: Material,
+}
+
+/// A block that is open, with what it gives back at its end.
+struct Block {
+    opener: &'static str,
+    at: At,
+    saved: State,
+}
+
+impl<'a> Reader<'a> {
+    /// Reads the scene at `path`.
+    pub fn scene(path: &Path, options: &'a PbrtOptions<'a>) -> Result<Imported> {
+        let mut reader = Self {
+            options,
+            folder: path.parent().unwrap_or(Path::new("")).into(),
+            open: Vec::new(),
+            bytes: 0,
+            stage: Stage::Options,
+            state: State { transform: DMat4::IDENTITY, material: world::DEFAULT_MATERIAL },
+            blocks: Vec::new(),
+            systems: HashMap::new(),
+            materials: HashMap::new(),
+            setup: Setup::default(),
+            objects: Vec::new(),
+            light: None,
+            warnings: Vec::new(),
+        };
+        reader.file(path, None)?;
+        reader.finish(path)
+    }
+
+    fn finish(mut self, path: &Path) -> Result<Imported> {
+        let file = At::file(Rc::from(path));
+        if self.stage == Stage::Options {
+            return Err(file.input("the file has no WorldBegin").with_hint("a scene is needed, not a part of one"));
+        }
+        self.all_closed()?;
+        if self.light.is_none() && self.options.environment.is_some() {
+            self.warnings.push(file.warning("no light names a map: the given environment is not used"));
+        }
+        let (environment, light_samples) = self.light.unzip();
+        let (camera, request, output) = self.setup.finish(light_samples.unwrap_or(1), &file, &mut self.warnings)?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scene = Scene { name, camera, objects: self.objects, environment };
+        Ok(Imported { scene, request, output, warnings: self.warnings })
+    }
+
+    /// Reads one file; `from` is the directive that names it, if any.
+    fn file(&mut self, path: &Path, from: Option<&At>) -> Result<()> {
+        let bytes = read_bounded(path, MAX_BYTES).map_err(|e| match (e, from) {
+            (Error::Io { source, .. }, Some(at)) => at.input(format!("cannot read {}: {source}", path.display())),
+            (other, _) => other,
+        })?;
+        self.bytes += bytes.len() as u64;
+        if self.bytes > MAX_BYTES {
+            return Err(Error::limit(path, format!("with this, the scene's files exceed {} MiB", MAX_BYTES >> 20)));
+        }
+        self.open.push(path.canonicalize().map_err(|e| Error::io(path, e))?);
+        let mut lexer = Lexer::new(&bytes, Rc::from(path));
+        while let Some((token, at)) = lexer.next()? {
+            let Token::Word(directive) = token else {
+                return Err(at.input(format!("expected a directive, not {}", token.describe())));
+            };
+            self.directive(directive, at, &mut lexer)?;
+        }
+        self.open.pop();
+        Ok(())
+    }
+
+    pub(super) fn include(&mut self, directive: &str, name: &str, at: &At) -> Result<()> {
+        let path = self.folder.join(name);
+        if self.open.len() >= MAX_FILES_DEEP {
+            return Err(at.input(format!("more than {MAX_FILES_DEEP} files include one another")));
+        }
+        // A file that cannot be found fails with a better message when it is read.
+        if path.canonicalize().is_ok_and(|path| self.open.contains(&path)) {
+            return Err(at.input(format!("{} includes itself", path.display())));
+        }
+        if directive == "Include" {
+            return self.file(&path, Some(at));
+        }
+        // Import: what the file sets ends with it, and it sees no blocks but its own.
+        let (state, blocks) = (self.state.clone(), std::mem::take(&mut self.blocks));
+        self.file(&path, Some(at))?;
+        self.all_closed()?;
+        (self.state, self.blocks) = (state, blocks);
+        Ok(())
+    }
+
+    /// Opens a block: the transform and the material will come back at its end.
+    pub(super) fn begin(&mut self, opener: &'static str, at: At) -> Result<()> {
+        if self.blocks.len() >= MAX_BLOCKS_DEEP {
+            return Err(at.input(format!("more than {MAX_BLOCKS_DEEP} blocks inside one another")));
+        }
+        self.blocks.push(Block { opener, at, saved: self.state.clone() });
+        Ok(())
+    }
+
+    /// Closes the block that `opener` must have opened, and gives what it saved.
+    pub(super) fn end(&mut self, opener: &str, closer: &str, at: &At) -> Result<State> {
+        match self.blocks.pop() {
+            Some(block) if block.opener == opener => Ok(block.saved),
+            Some(block) => Err(at.input(format!("{closer} where {} is still open", block.opener))),
+            None => Err(at.input(format!("{closer} without {opener}"))),
+        }
+    }
+
+    /// Refuses blocks that are still open.
+    pub(super) fn all_closed(&self) -> Result<()> {
+        match self.blocks.last() {
+            Some(block) => Err(block.at.input(format!("this {} is never closed", block.opener))),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! What stands before `WorldBegin`: camera, film, filter, sampler and integrator, and what they ask of a render.
+
+use super::params::Params;
+use super::place::At;
+use super::transform::{self, in_range, in_size_range};
+use crate::error::Result;
+use crate::scene::{Camera, Projection, Request};
+use glam::DMat4;
+use std::path::PathBuf;
+
+/// Largest side of a picture, and most pixels in it.
+const MAX_SIDE: u32 = 1 << 16;
+const MAX_PIXELS: usize = 1 << 28;
+/// Most samples of any kind, and the deepest path.
+pub const MAX_SAMPLES: u32 = 1 << 24;
+const MAX_DEPTH: u32 = 1 << 16;
+
+/// The options of a file, as far as it has set them. The last of two directives counts, as in pbrt.
+#[derive(Default)]
+pub struct Setup {
+    camera: Option<View>,
+    film: Option<Film>,
+    has_filter: bool,
+    sampler: Option<Sampler>,
+    integrator: Option<Integrator>,
+}
+
+struct View {
+    at: At,
+    to_world: DMat4,
+    kind: Kind,
+    aspect: Option<f64>,
+    /// x from, x to, y from, y to on the screen.
+    window: Option<[f64; 4]>,
+}
+
+enum Kind {
+    Orthographic,
+    /// With the tangent of half the field of view.
+    Perspective(f64),
+}
+
+struct Film {
+    at: At,
+    /// Whether pbrt-v4 wrote this, whose pixels are not plain means unless the file says so.
+    v4: bool,
+    width: u32,
+    height: u32,
+    filename: Option<PathBuf>,
+}
+
+struct Sampler {
+    samples: u32,
+    powers_of_two: bool,
+}
+
+struct Integrator {
+    max_depth: u32,
+    /// Whether each hit takes as many light samples as the light asks for, or one.
+    all_lights: bool,
+}
+
+impl Setup {
+    /// `Camera`, where the current transform takes the world to the camera.
+    pub fn camera(&mut self, mut p: Params, to_world: DMat4, warnings: &mut Vec<String>) -> Result<()> {
+        let positive = |x: f64| x > 0.0;
+        let kind = match p.kind.as_str() {
+            "orthographic" => Kind::Orthographic,
+            "perspective" => {
+                let angle = |x: f64| x > 0.0 && x < 180.0;
+                let fov = p.float("fov", angle, "between 0 and 180 degrees")?.unwrap_or(90.0);
+                let half = p.float("halffov", |x| x > 0.0 && x < 90.0, "between 0 and 90 degrees")?;
+                Kind::Perspective(half.unwrap_or(fov / 2.0).to_radians().tan())
+            }
+            _ => return Err(p.unsupported_kind("orthographic, perspective")),
+        };
+        p.only_float("lensradius", |x| x == 0.0, "0 (a pinhole)")?;
+        let aspect = p.float("frameaspectratio", positive, "positive")?;
+        let place = p.place("screenwindow");
+        let window = p.numbers::<4>("screenwindow", &["float"], |_| true, "a number")?;
+        if window.is_some_and(|[x0, x1, y0, y1]| x0 >= x1 || y0 >= y1) {
+            return Err(place.input("screenwindow must be [left right bottom top] with left < right and bottom < top"));
+        }
+        self.camera = Some(View { at: p.at.clone(), to_world, kind, aspect, window });
+        p.finish(&["focaldistance", "shutteropen", "shutterclose"], warnings)
+    }
+
+    /// `Film`.
+    pub fn film(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+        let (v4, width, height) = match p.kind.as_str() {
+            "image" => (false, 640, 480),
+            "rgb" => (true, 1280, 720),
+            _ => return Err(p.unsupported_kind("image, rgb")),
+        };
+        let width = p.integer("xresolution", 1..=MAX_SIDE)?.unwrap_or(width);
+        let height = p.integer("yresolution", 1..=MAX_SIDE)?.unwrap_or(height);
+        if width as usize * height as usize > MAX_PIXELS {
+            return Err(p.at.input(format!("{width} x {height} pixels are more than {MAX_PIXELS}")));
+        }
+        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
+            p.only_float(name, |x| x == neutral, &neutral.to_string())?;
+        }
+        let place = p.place("cropwindow");
+        let crop = p.numbers::<4>("cropwindow", &["float"], |_| true, "a number")?;
+        if crop.is_some_and(|crop| crop != [0.0, 1.0, 0.0, 1.0]) {
+            return Err(place.unsupported("a crop window is not supported"));
+        }
+        let filename = p.text("filename")?.map(PathBuf::from);
+        self.film = Some(Film { at: p.at.clone(), v4, width, height, filename });
+        p.finish(&["diagonal", "display", "savefp16"], warnings)
+    }
+
+    /// `PixelFilter`: the picture is the plain mean over each pixel, so any other filter would change it.
+    pub fn filter(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+        if p.kind != "box" {
+            return Err(p
+                .unsupported_kind("box")
+                .with_hint("write PixelFilter \"box\" to have each pixel's plain mean"));
+        }
+        for name in ["xwidth", "ywidth", "xradius", "yradius"] {
+            p.only_float(name, |x| x == 0.5, "0.5 (one pixel)")?;
+        }
+        self.has_filter = true;
+        p.finish(&[], warnings)
+    }
+
+    /// `Sampler`. The samples are those of this program; the count is the file's, rounded as its sampler would.
+    pub fn sampler(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+        let per_side = 1..=1 << 12;
+        let powers_of_two = matches!(p.kind.as_str(), "lowdiscrepancy" | "02sequence" | "maxmindist");
+        let samples = match p.kind.as_str() {
+            "stratified" => {
+                let x = p.integer("xsamples", per_side.clone())?;
+                x.zip(p.integer("ysamples", per_side)?).map(|(x, y)| x * y)
+            }
+            "lowdiscrepancy" | "02sequence" | "maxmindist" | "random" | "independent" | "halton" | "sobol"
+            | "zsobol" | "paddedsobol" | "pmj02bn" | "bestcandidate" => p.integer("pixelsamples", 1..=MAX_SAMPLES)?,
+            _ => {
+                return Err(p.unsupported_kind(
+                    "lowdiscrepancy, 02sequence, maxmindist, random, independent, halton, sobol, zsobol, paddedsobol, \
+                     pmj02bn, bestcandidate, stratified",
+                ));
+            }
+        };
+        if samples.is_none() {
+            warnings.push(p.at.warning(&format!("{} sets no number of samples: {DEFAULT_SAMPLES} per pixel", p.owner)));
+        }
+        p.only_false("samplepixelcenter")?;
+        self.sampler = Some(Sampler { samples: samples.unwrap_or(DEFAULT_SAMPLES), powers_of_two });
+        p.finish(&["seed", "randomization", "jitter", "dimensions"], warnings)
+    }
+
+    /// `SurfaceIntegrator` (pbrt-v2) or `Integrator`.
+    ///
+    /// Their depths differ: path tracing to `maxdepth` N ends with the N-th surface's direct light in pbrt-v3 and v4, and
+    /// with that of the surface after it in v2. Direct lighting follows only mirrors and glass beyond the first surface.
+    pub fn integrator(&mut self, mut p: Params, v2: bool, warnings: &mut Vec<String>) -> Result<()> {
+        let depth = p.integer("maxdepth", 0..=MAX_DEPTH)?.unwrap_or(DEFAULT_DEPTH);
+        self.integrator = Some(match p.kind.as_str() {
+            "directlighting" => {
+                let place = p.place("strategy");
+                let all_lights = match p.text("strategy")?.as_deref() {
+                    None | Some("all") => true,
+                    Some("one") => false,
+                    _ => return Err(place.unsupported("strategy must be \"all\" or \"one\"")),
+                };
+                Integrator { max_depth: 1, all_lights }
+            }
+            "path" | "volpath" => Integrator { max_depth: depth + u32::from(v2), all_lights: false },
+            _ => return Err(p.unsupported_kind("directlighting, path, volpath")),
+        });
+        p.only_false("regularize")?;
+        p.finish(&["rrthreshold", "lightsampler", "lightsamplestrategy"], warnings)
+    }
+
+    /// The camera and the request; `light_samples` is what the light asks for. `file` stands for the whole file.
+    pub fn finish(
+        self,
+        light_samples: u32,
+        file: &At,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Camera, Request, Option<PathBuf>)> {
+        let view = self
+            .camera
+            .ok_or_else(|| file.input("the file sets no camera").with_hint("put a Camera before WorldBegin"))?;
+        if let Some(film) = self.film.as_ref().filter(|film| film.v4 && !self.has_filter) {
+            warnings.push(film.at.warning("no PixelFilter: plain means, where pbrt-v4 would weight with a Gaussian"));
+        }
+        let mut missing = |what: &str, instead: &str| warnings.push(file.warning(&format!("no {what}: {instead}")));
+        let film = self.film.unwrap_or_else(|| {
+            missing("Film", "640 x 480 pixels, as in pbrt-v2 and v3");
+            Film { at: file.clone(), v4: false, width: 640, height: 480, filename: None }
+        });
+        let sampler = self.sampler.unwrap_or_else(|| {
+            missing("Sampler", &format!("{DEFAULT_SAMPLES} samples per pixel"));
+            Sampler { samples: DEFAULT_SAMPLES, powers_of_two: false }
+        });
+        let integrator = self.integrator.unwrap_or_else(|| {
+            missing("Integrator", &format!("path tracing to depth {DEFAULT_DEPTH}, as in pbrt-v3 and v4"));
+            Integrator { max_depth: DEFAULT_DEPTH, all_lights: false }
+        });
+        let round = |n: u32| if sampler.powers_of_two { n.next_power_of_two() } else { n };
+        let request = Request {
+            width: film.width as usize,
+            height: film.height as usize,
+            spp: round(sampler.samples),
+            light_samples: if integrator.all_lights { round(light_samples) } else { 1 },
+            max_depth: integrator.max_depth,
+        };
+        Ok((view.camera(f64::from(film.width) / f64::from(film.height))?, request, film.filename))
+    }
+}
+
+const DEFAULT_SAMPLES: u32 = 16;
+const DEFAULT_DEPTH: u32 = 5;
+
+impl View {
+    /// The camera, for a film that is `film_aspect` times as wide as high.
+    ///
+    /// Camera space has x to the right, y up and z ahead. Its scales go into the screen window, which spans ±1 on the
+    /// film's shorter side unless the file says otherwise.
+    fn camera(&self, film_aspect: f64) -> Result<Camera> {
+        let Some((frame, scales)) = transform::axes(&self.to_world) else {
+            return Err(self.at.unsupported("a sheared camera is not supported"));
+        };
+        let aspect = self.aspect.unwrap_or(film_aspect);
+        let (w, h) = if aspect > 1.0 { (aspect, 1.0) } else { (1.0, 1.0 / aspect) };
+        let [x0, x1, y0, y1] = self.window.unwrap_or([-w, w, -h, h]);
+        let (half_width, half_height) = (0.5 * (x1 - x0) * scales.x, 0.5 * (y1 - y0) * scales.y);
+        let (off_x, off_y) = (0.5 * (x0 + x1) * scales.x, 0.5 * (y0 + y1) * scales.y);
+        let (right, up, forward) = (frame.x_axis, frame.y_axis, frame.z_axis);
+        let mut position = self.to_world.w_axis.truncate();
+        let projection = match self.kind {
+            Kind::Orthographic => {
+                position += off_x * right + off_y * up;
+                Projection::Orthographic { half_width, half_height }
+            }
+            Kind::Perspective(tan) => {
+                if off_x != 0.0 || off_y != 0.0 {
+                    return Err(self.at.unsupported("a perspective screenwindow must be symmetric"));
+                }
+                let tan = tan / scales.z;
+                Projection::Perspective { tan_half_width: half_width * tan, tan_half_height: half_height * tan }
+            }
+        };
+        let sizes = match projection {
+            Projection::Orthographic { half_width, half_height } => [half_width, half_height],
+            Projection::Perspective { tan_half_width, tan_half_height } => [tan_half_width, tan_half_height],
+        };
+        if !in_range(position) || !sizes.into_iter().all(in_size_range) {
+            return Err(self.at.input("the camera's place or window is out of range"));
+        }
+        Ok(Camera { position, right, up, forward, projection })
+    }
+}
