@@ -14,6 +14,7 @@
 //! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
 //! | 0 | [`error`], [`files`] | what every room needs |
 
+pub mod envmap;
 pub mod error;
 pub mod files;
 pub mod raster;

@@ -1,0 +1,3 @@
+//! Environment maps: the built-in ones.
+
+pub mod synthetic;
