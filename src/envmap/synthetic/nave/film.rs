@@ -5,10 +5,11 @@ use rayon::prelude::*;
 
 pub const WIDTH: usize = 1024;
 pub const HEIGHT: usize = 512;
-/// Sub-pixel positions per side; samples of a divided pixel sit at the odd ones.
+/// Sub-pixel positions per side; the samples of a divided pixel sit on some of them.
 const GRID: usize = 8;
-/// A pixel is divided when its corners differ by more than this part of their sum.
-const CONTRAST: f64 = 0.06;
+/// A pixel is divided in 2 × 2 or 4 × 4 when its corners differ by more than these parts of their sum.
+const CONTRAST: f64 = 0.09;
+const STRONG_CONTRAST: f64 = 0.4;
 
 /// Radiance along a direction, and a number for what was met: pixels where it changes are divided.
 pub type Seen = (DVec3, u32);
@@ -55,19 +56,25 @@ impl Lens {
                 let (x, y) = (i % WIDTH, i / WIDTH);
                 let next = (x + 1) % WIDTH;
                 let four = [(x, y), (next, y), (x, y + 1), (next, y + 1)].map(|(x, y)| corners[y * WIDTH + x]);
-                if agree(&four) { four.iter().map(|s| s.0).sum::<DVec3>() * 0.25 } else { self.divide(x, y, &see) }
+                match contrast(&four) {
+                    c if c < CONTRAST => four.iter().map(|s| s.0).sum::<DVec3>() * 0.25,
+                    c if c < STRONG_CONTRAST => self.divide(x, y, 2, &see),
+                    _ => self.divide(x, y, 4, &see),
+                }
             })
             .collect()
     }
 
-    fn divide(&self, x: usize, y: usize, see: impl Fn(DVec3) -> Seen) -> DVec3 {
+    /// The mean of `side`² samples in the pixel.
+    fn divide(&self, x: usize, y: usize, side: usize, see: impl Fn(DVec3) -> Seen) -> DVec3 {
+        let step = GRID / side;
         let mut sum = DVec3::ZERO;
-        for j in (1..GRID).step_by(2) {
-            for i in (1..GRID).step_by(2) {
-                sum += see(self.direction(x * GRID + i, y * GRID + j)).0;
+        for j in 0..side {
+            for i in 0..side {
+                sum += see(self.direction(x * GRID + i * step + step / 2, y * GRID + j * step + step / 2)).0;
             }
         }
-        sum / (GRID * GRID / 4) as f64
+        sum / (side * side) as f64
     }
 
     /// Adds a spot with a Gaussian profile: `peak` in the middle, falling by e at the angle `radius`.
@@ -87,16 +94,18 @@ impl Lens {
     }
 }
 
-fn agree(corners: &[Seen; 4]) -> bool {
+/// How different the corners are, from 0 to 1; different surfaces differ enough to be divided.
+fn contrast(corners: &[Seen; 4]) -> f64 {
     let values = corners.map(|(c, _)| c.element_sum());
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
-    corners.iter().all(|c| c.1 == corners[0].1) && high - low <= CONTRAST * (high + low)
+    let one_surface = corners.iter().all(|c| c.1 == corners[0].1);
+    ((high - low) / (high + low)).max(if one_surface { 0.0 } else { CONTRAST })
 }
 
 /// What a real lens does to very bright spots: a small part of all light is spread over some degrees.
 pub fn glow(image: &mut [DVec3]) {
     const NARROW: f64 = 0.10;
-    const WIDE: f64 = 0.06;
+    const WIDE: f64 = 0.05;
     const DOWN: usize = 4;
     let narrow = blur(image, WIDTH, HEIGHT, 2.5);
     let (w, h) = (WIDTH / DOWN, HEIGHT / DOWN);

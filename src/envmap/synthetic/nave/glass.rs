@@ -6,17 +6,17 @@ use super::arch::Pointed;
 use super::plan::{Kind, ROSE_HEIGHT, ROSE_RADIUS, Window};
 
 /// Pot-metal glass, as linear RGB transmittance.
-const COBALT: DVec3 = DVec3::new(0.035, 0.10, 0.90);
-const SKY: DVec3 = DVec3::new(0.20, 0.42, 0.95);
+const COBALT: DVec3 = DVec3::new(0.03, 0.15, 0.95);
+const SKY: DVec3 = DVec3::new(0.16, 0.50, 0.95);
 const RUBY: DVec3 = DVec3::new(0.85, 0.035, 0.03);
 const AMBER: DVec3 = DVec3::new(1.0, 0.52, 0.07);
-const EMERALD: DVec3 = DVec3::new(0.06, 0.52, 0.16);
+const EMERALD: DVec3 = DVec3::new(0.05, 0.60, 0.20);
 const VIOLET: DVec3 = DVec3::new(0.42, 0.12, 0.62);
 const PEARL: DVec3 = DVec3::new(1.0, 0.93, 0.78);
 const LEAD: DVec3 = DVec3::new(0.006, 0.005, 0.005);
 
 /// Colours of the figures in the medallions.
-const ROBES: [DVec3; 8] = [RUBY, AMBER, EMERALD, PEARL, SKY, RUBY, VIOLET, AMBER];
+const ROBES: [DVec3; 8] = [RUBY, AMBER, EMERALD, PEARL, SKY, EMERALD, VIOLET, AMBER];
 /// Width of a lead came, with the paint along it.
 const CAME: f64 = 0.045;
 /// Width of the border of a light, between its cames.

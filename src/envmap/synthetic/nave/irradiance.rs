@@ -3,10 +3,10 @@
 //! Each grid point keeps the irradiance of six small surfaces that face along ±x, ±y, ±z; any other orientation is
 //! their mean weighted by the squared components of its normal, and any other place a linear mix of eight points.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::building::{self, Ray};
+use super::building::{self, Hit, Ray};
 use super::plan::{Window, windows};
 use super::{columns, glass, light};
 
@@ -18,14 +18,16 @@ const RAYS: u32 = 48;
 /// Light goes on bouncing after the one bounce that is traced.
 const LATER_BOUNCES: f64 = 1.2;
 /// Points inside stone are filled from their neighbours and count this much.
-const FILLED: f64 = 0.02;
+const FILLED: f32 = 0.02;
 
-type Cube = [DVec3; 6];
+type Cube = [Vec3A; 6];
+
+const DARK: Cube = [Vec3A::ZERO; 6];
 
 /// The grid.
 pub struct Irradiance {
     cubes: Vec<Cube>,
-    weights: Vec<f64>,
+    weights: Vec<f32>,
 }
 
 /// A part of a window, as a source.
@@ -37,30 +39,23 @@ struct Patch {
 }
 
 impl Irradiance {
-    /// Lights the church. `reflected` is the radiance that a stone surface sends back under the given irradiance grid.
-    pub fn new(reflected: impl Fn(&Irradiance, &building::Hit) -> DVec3 + Sync) -> Self {
+    /// Light that comes straight from the windows.
+    pub fn by_windows() -> Self {
         let patches: Vec<Patch> = windows().iter().flat_map(patches).collect();
-        let total = COUNT.iter().product();
-        let mut weights = vec![1.0; total];
-        for (i, weight) in weights.iter_mut().enumerate() {
-            if !building::contains(place(i)) {
-                *weight = FILLED;
-            }
-        }
-        let cubes = (0..total).into_par_iter().map(|i| if weights[i] == 1.0 { direct(place(i), &patches) } else { dark() });
-        let mut grid = Self { cubes: cubes.collect(), weights };
-        grid.fill();
-        let bounced: Vec<Cube> = (0..total)
-            .into_par_iter()
-            .map(|i| if grid.weights[i] == 1.0 { gather(place(i), |hit| reflected(&grid, hit)) } else { dark() })
-            .collect();
-        for (cube, more) in grid.cubes.iter_mut().zip(bounced) {
+        Self::fill(|p| direct(p, &patches))
+    }
+
+    /// Light from stone of the given radiance.
+    pub fn bounce(&self, radiance: impl Fn(&Hit) -> DVec3 + Sync) -> Self {
+        Self::fill(|p| gather(p, &radiance).map(|face| face * LATER_BOUNCES))
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        for (cube, more) in self.cubes.iter_mut().zip(&other.cubes) {
             for (face, more) in cube.iter_mut().zip(more) {
-                *face += more * LATER_BOUNCES;
+                *face += *more;
             }
         }
-        grid.fill();
-        grid
     }
 
     /// Irradiance of a surface at `p` with normal `n`.
@@ -72,46 +67,44 @@ impl Irradiance {
         let base = [g.x as usize, g.y as usize, g.z as usize];
         let f = g - DVec3::new(base[0] as f64, base[1] as f64, base[2] as f64);
         let faces = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
-        let share = n * n;
-        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+        let (share, f) = ((n * n).as_vec3(), f.as_vec3());
+        let (mut sum, mut weight) = (Vec3A::ZERO, 0.0);
         for corner in 0..8 {
             let [i, j, k] = [corner & 1, (corner >> 1) & 1, corner >> 2];
             let at = index(base[0] + i, base[1] + j, base[2] + k);
-            let side = |far: usize, f: f64| if far == 1 { f } else { 1.0 - f };
+            let side = |far: usize, f: f32| if far == 1 { f } else { 1.0 - f };
             let w = side(i, f.x) * side(j, f.y) * side(k, f.z) * self.weights[at];
             let cube = &self.cubes[at];
             sum += (cube[faces[0]] * share.x + cube[faces[1]] * share.y + cube[faces[2]] * share.z) * w;
             weight += w;
         }
-        sum / weight.max(1e-9)
+        sum.as_dvec3() / f64::from(weight.max(1e-9))
     }
 
-    /// Gives points inside stone the mean of their lit neighbours, in two rounds so that thick walls are filled too.
-    fn fill(&mut self) {
-        let mut known: Vec<bool> = self.weights.iter().map(|&w| w == 1.0).collect();
+    /// Evaluates `light` at the points in the air. Points inside stone get the mean of their lit neighbours, in two
+    /// rounds so that thick walls are filled too.
+    fn fill(light: impl Fn(DVec3) -> [DVec3; 6] + Sync) -> Self {
+        let total = COUNT.iter().product();
+        let air: Vec<bool> = (0..total).map(|i| building::contains(place(i))).collect();
+        let mut cubes: Vec<Cube> = (0..total)
+            .into_par_iter()
+            .map(|i| if air[i] { light(place(i)).map(|face| face.as_vec3a()) } else { DARK })
+            .collect();
+        let mut known = air.clone();
         for _ in 0..2 {
             let before = known.clone();
-            for at in 0..self.cubes.len() {
-                if before[at] {
-                    continue;
-                }
+            for at in (0..total).filter(|&at| !before[at]) {
                 let near: Vec<usize> = neighbours(at).filter(|&n| before[n]).collect();
-                if near.is_empty() {
-                    continue;
+                if !near.is_empty() {
+                    cubes[at] = std::array::from_fn(|face| {
+                        near.iter().map(|&n| cubes[n][face]).sum::<Vec3A>() / near.len() as f32
+                    });
+                    known[at] = true;
                 }
-                let mut mean = dark();
-                for (face, value) in mean.iter_mut().enumerate() {
-                    *value = near.iter().map(|&n| self.cubes[n][face]).sum::<DVec3>() / near.len() as f64;
-                }
-                self.cubes[at] = mean;
-                known[at] = true;
             }
         }
+        Self { cubes, weights: air.iter().map(|&air| if air { 1.0 } else { FILLED }).collect() }
     }
-}
-
-fn dark() -> Cube {
-    [DVec3::ZERO; 6]
 }
 
 fn index(i: usize, j: usize, k: usize) -> usize {
@@ -163,8 +156,8 @@ fn patches(window: &Window) -> Vec<Patch> {
 }
 
 /// Irradiance by the windows, with shadows of walls and piers.
-fn direct(p: DVec3, patches: &[Patch]) -> Cube {
-    let mut cube = dark();
+fn direct(p: DVec3, patches: &[Patch]) -> [DVec3; 6] {
+    let mut cube = [DVec3::ZERO; 6];
     for patch in patches {
         let w = patch.p - p;
         let dd = w.length_squared();
@@ -184,9 +177,9 @@ fn direct(p: DVec3, patches: &[Patch]) -> Cube {
 }
 
 /// Irradiance by lit stone, from rays spread evenly over the sphere.
-fn gather(p: DVec3, reflected: impl Fn(&building::Hit) -> DVec3) -> Cube {
+fn gather(p: DVec3, reflected: impl Fn(&Hit) -> DVec3) -> [DVec3; 6] {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-    let mut cube = dark();
+    let mut cube = [DVec3::ZERO; 6];
     for i in 0..RAYS {
         let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(RAYS);
         let (s, c) = libm::sincos(GOLDEN_ANGLE * f64::from(i));
@@ -201,7 +194,7 @@ fn gather(p: DVec3, reflected: impl Fn(&building::Hit) -> DVec3) -> Cube {
 }
 
 /// Adds light from direction `d` to the faces that it reaches.
-fn add(cube: &mut Cube, d: DVec3, light: DVec3) {
+fn add(cube: &mut [DVec3; 6], d: DVec3, light: DVec3) {
     for axis in 0..3 {
         cube[2 * axis + usize::from(d[axis] < 0.0)] += light * d[axis].abs();
     }

@@ -29,6 +29,7 @@ mod irradiance;
 mod light;
 mod plan;
 mod stone;
+mod sun;
 
 use glam::DVec3;
 
@@ -36,6 +37,7 @@ use self::building::{Hit, Ray, Surface};
 use self::film::{HEIGHT, Lens, Seen, WIDTH};
 use self::irradiance::Irradiance;
 use self::light::Lamp;
+use self::sun::Sun;
 use crate::raster::{Image, Rgb};
 
 /// Brings the map to the mean radiance of the measured cathedral that it stands in for.
@@ -45,40 +47,25 @@ const FLAME: DVec3 = DVec3::new(22.0, 13.5, 5.0);
 /// The width of a pixel as an angle.
 const PIXEL: f64 = std::f64::consts::PI / HEIGHT as f64;
 
-struct Church {
+/// All light that falls on stone.
+struct Lighting {
     irradiance: Irradiance,
     lamps: Vec<Lamp>,
-    beams: Vec<DVec3>,
+    sun: Sun,
 }
 
 /// Renders the map, 1024 × 512.
 pub fn make() -> Image {
     let t0 = std::time::Instant::now();
-    let lamps = light::lamps();
-    let irradiance = Irradiance::new(|grid, hit| reflected(grid, &lamps, hit, 0.5));
-    let church = Church { irradiance, lamps, beams: light::beam_tints() };
+    let church = Lighting::new();
     eprintln!("vol {:?}", t0.elapsed());
     let lens = Lens::new();
     let mut image = lens.expose(|d| church.see(d));
     eprintln!("exp {:?}", t0.elapsed());
     church.add_flames(&lens, &mut image);
-    eprintln!("flames {:?}", t0.elapsed());
     film::glow(&mut image);
     eprintln!("glow {:?}", t0.elapsed());
     Image::from_pixels(WIDTH, HEIGHT, image.into_iter().map(|c| Rgb::from((c * EXPOSURE).as_vec3())).collect())
-}
-
-/// Radiance of lit stone under the given grid; glass counts as black.
-fn reflected(grid: &Irradiance, lamps: &[Lamp], hit: &Hit, width: f64) -> DVec3 {
-    if matches!(hit.surface, Surface::Glass(..)) {
-        return DVec3::ZERO;
-    }
-    stone_radiance(grid, lamps, hit, width)
-}
-
-fn stone_radiance(grid: &Irradiance, lamps: &[Lamp], hit: &Hit, width: f64) -> DVec3 {
-    let light = grid.at(hit.p, hit.n) + light::sun(hit.p, hit.n) + light::lamplight(lamps, hit.p, hit.n);
-    stone::albedo(hit, width) * light / std::f64::consts::PI
 }
 
 fn trace(ray: &Ray) -> Hit {
@@ -86,7 +73,27 @@ fn trace(ray: &Ray) -> Hit {
     columns::trace(ray, shell.t).unwrap_or(shell)
 }
 
-impl Church {
+impl Lighting {
+    fn new() -> Self {
+        let mut lighting = Self { irradiance: Irradiance::by_windows(), lamps: light::lamps(), sun: Sun::new() };
+        // Rays that carry light from stone to stone see it blurred.
+        const WIDTH: f64 = 0.5;
+        let bounce = lighting.irradiance.bounce(|hit| match hit.surface {
+            Surface::Glass(..) => DVec3::ZERO,
+            _ => lighting.stone(hit, WIDTH),
+        });
+        lighting.irradiance.add(&bounce);
+        lighting
+    }
+
+    /// Radiance of lit stone; `width` is that of the pixel there, in metres.
+    fn stone(&self, hit: &Hit, width: f64) -> DVec3 {
+        let light = self.irradiance.at(hit.p, hit.n)
+            + self.sun.irradiance(hit.p, hit.n)
+            + light::lamplight(&self.lamps, hit.p, hit.n);
+        stone::albedo(hit, width) * light / std::f64::consts::PI
+    }
+
     fn see(&self, d: DVec3) -> Seen {
         let ray = Ray { o: plan::EYE, d };
         let hit = trace(&ray);
@@ -96,7 +103,7 @@ impl Church {
             let image = trace(&mirrored);
             radiance += self.radiance(&mirrored, &image, hit.t + image.t) * polish(-d.y);
         }
-        radiance += light::beams(&ray, hit.t, &self.beams);
+        radiance += self.sun.beams(&ray, hit.t);
         (radiance, identity(&hit))
     }
 
@@ -108,19 +115,19 @@ impl Church {
             return shine;
         }
         let width = PIXEL * length / hit.n.dot(ray.d).abs().max(0.2).sqrt();
-        stone_radiance(&self.irradiance, &self.lamps, hit, width)
+        self.stone(hit, width)
     }
 
     fn add_flames(&self, lens: &Lens, image: &mut [DVec3]) {
         for flame in light::flames() {
-            let below = DVec3::new(flame.p.x, -flame.p.y, flame.p.z);
-            for (p, strength) in [(flame.p, 1.0), (below, 0.0)] {
+            let below = flame.p * DVec3::new(1.0, -1.0, 1.0);
+            for (p, mirrored) in [(flame.p, false), (below, true)] {
                 let way = p - plan::EYE;
-                let d = way.normalize();
+                let d = way / way.length();
                 let hit = trace(&Ray { o: plan::EYE, d });
-                let strength = if strength > 0.0 { strength } else { polish(-d.y) };
-                let seen = if p.y > 0.0 { hit.t > way.length() - 0.1 } else { hit.surface == Surface::Floor };
+                let seen = if mirrored { hit.surface == Surface::Floor } else { hit.t > way.length() - 0.1 };
                 if seen {
+                    let strength = if mirrored { polish(-d.y) } else { 1.0 };
                     let radius = (0.035 * flame.candles.sqrt() / way.length()).max(0.8 * PIXEL);
                     lens.spot(image, d, FLAME * strength, radius);
                 }

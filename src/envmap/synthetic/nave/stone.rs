@@ -6,12 +6,14 @@ use super::building::{Hit, Surface};
 use super::glass::chance;
 use super::plan::{self, ARCADE, AISLE_VAULT, CLERESTORY, END, NAVE_VAULT, Vault, WALL};
 
-const STONE: DVec3 = DVec3::new(0.30, 0.255, 0.195);
-const DRESSED: DVec3 = DVec3::new(0.34, 0.295, 0.23);
-const PLASTER: DVec3 = DVec3::new(0.10, 0.135, 0.24);
-const MARBLE: DVec3 = DVec3::new(0.27, 0.24, 0.195);
-const SLATE: DVec3 = DVec3::new(0.055, 0.053, 0.058);
-const PORPHYRY: DVec3 = DVec3::new(0.15, 0.045, 0.035);
+const STONE: DVec3 = DVec3::new(0.25, 0.22, 0.165);
+const DRESSED: DVec3 = DVec3::new(0.29, 0.26, 0.20);
+const PLASTER: DVec3 = DVec3::new(0.07, 0.11, 0.20);
+const MARBLE: DVec3 = DVec3::new(0.22, 0.20, 0.165);
+const SLATE: DVec3 = DVec3::new(0.075, 0.072, 0.076);
+const PORPHYRY: DVec3 = DVec3::new(0.125, 0.05, 0.04);
+/// Radius of the wheel in the middle of the floor.
+const ROSETTE: f64 = 2.45;
 const GILT: DVec3 = DVec3::new(0.60, 0.42, 0.14);
 const OAK: DVec3 = DVec3::new(0.10, 0.05, 0.026);
 
@@ -70,12 +72,12 @@ fn floor(p: DVec3, width: f64) -> DVec3 {
         return MARBLE * (0.55 + 0.25 * slab) * (1.0 - 0.5 * line(x, 0.8, 0.012, width));
     }
     let r = (x * x + z * z).sqrt();
-    if r < 2.45 && z < END {
+    if r < ROSETTE && z < END {
         return rosette(x, z, r, width);
     }
-    let (u, v) = ((x + z) / 0.9, (x - z) / 0.9);
-    let tile = chequer(u, v, width / 0.9);
-    let tone = 1.0 + 0.25 * (chance([u.floor() as i32, v.floor() as i32, 5]) - 0.5) * fade(0.9, width);
+    let (u, v) = ((x + z) / 0.7, (x - z) / 0.7);
+    let tile = chequer(u, v, width / 0.7);
+    let tone = 1.0 + 0.25 * (chance([u.floor() as i32, v.floor() as i32, 5]) - 0.5) * fade(0.7, width);
     let field = SLATE.lerp(MARBLE, tile) * tone;
     // A frame of porphyry and marble around each bay.
     let a = z - plan::bay_z(plan::bay(z));
@@ -84,23 +86,34 @@ fn floor(p: DVec3, width: f64) -> DVec3 {
     field.lerp(frame, 1.0 - ((edge - 0.45) / width + 0.5).clamp(0.0, 1.0))
 }
 
-/// The wheel in the middle bay: rings of porphyry, slate and marble around a star of sixteen rays.
+/// The wheel in the middle bay: rings of small chequers, roundels and plain bands around a star.
 fn rosette(x: f64, z: f64, r: f64, width: f64) -> DVec3 {
-    let turn = libm::atan2(z, x) / std::f64::consts::TAU * 16.0;
-    let ray = (turn - (turn + 0.5).floor()).abs() * 2.0;
-    let arc = (width * 16.0 / (std::f64::consts::PI * r.max(0.05))).max(1e-3);
+    let turn = libm::atan2(z, x) / std::f64::consts::TAU;
+    let arc = width / (std::f64::consts::TAU * r.max(0.05));
     let inside = |edge: f64| ((edge - r) / width + 0.5).clamp(0.0, 1.0);
-    let star = ((1.0 - ray - (r - 0.35) / 1.2) / arc + 0.5).clamp(0.0, 1.0);
-    let outer = chequer(turn * 2.0, (r - 1.85) / 0.2, (arc * 2.0).max(width / 0.2));
-    MARBLE
-        .lerp(PORPHYRY, inside(2.35))
-        .lerp(SLATE.lerp(MARBLE, outer), inside(2.25))
-        .lerp(PORPHYRY, inside(1.85))
-        .lerp(MARBLE * 0.9, inside(1.72))
-        .lerp(SLATE, inside(1.6))
-        .lerp(MARBLE, star * inside(1.6))
-        .lerp(PORPHYRY, inside(0.35))
-        .lerp(GILT, inside(0.14))
+    let ring = |from: f64, row: f64, count: f64| {
+        SLATE.lerp(MARBLE, chequer(turn * count, (r - from) / row, (arc * count).max(width / row)))
+    };
+    // How far the place is from the axis of the nearest of `count` equal sectors, in turns.
+    let off = |count: f64| (turn - (turn * count + 0.5).floor() / count).abs();
+    let star = ((1.0 - off(12.0) * 24.0 - (r - 0.18) / 0.3) / (arc * 24.0).max(1e-3) + 0.5).clamp(0.0, 1.0);
+    let (u, v) = (off(20.0) * std::f64::consts::TAU * r, r - 1.81);
+    let roundel = ((0.16 - (u * u + v * v).sqrt()) / width + 0.5).clamp(0.0, 1.0);
+    let plain = MARBLE * 0.85;
+    plain
+        .lerp(ring(2.12, 0.11, 96.0), inside(2.34))
+        .lerp(plain, inside(2.12))
+        .lerp(SLATE, inside(2.06))
+        .lerp(PORPHYRY, roundel * inside(2.06))
+        .lerp(plain, inside(1.56))
+        .lerp(PORPHYRY * 0.8, inside(1.5))
+        .lerp(ring(0.96, 0.135, 60.0), inside(1.365))
+        .lerp(plain, inside(0.96))
+        .lerp(SLATE, inside(0.9))
+        .lerp(plain, inside(0.54))
+        .lerp(PORPHYRY * 0.8, inside(0.48))
+        .lerp(plain, star * inside(0.48))
+        .lerp(PORPHYRY * 0.8, inside(0.18))
 }
 
 /// Coursed blocks with thin joints, mouldings at the floors of the elevation, rings of dressed stone around openings.
