@@ -44,9 +44,9 @@ const SHAFT_DRUMS: [Drum; 4] = [
 ];
 
 /// Chandeliers hang over the axis at these z.
-pub const CHANDELIERS: [f64; 4] = [-12.0, -6.0, 6.0, 12.0];
+pub const CHANDELIERS: [f64; 2] = [-4.0, 3.5];
 pub const CHANDELIER_RADIUS: f64 = 0.85;
-pub const CHANDELIER_HEIGHT: f64 = 5.3;
+pub const CHANDELIER_HEIGHT: f64 = 6.2;
 pub const CANDLES: usize = 10;
 /// Sine and cosine of the multiples of 36°, where the candles stand on the ring.
 pub const CIRCLE: [(f64, f64); CANDLES] = {

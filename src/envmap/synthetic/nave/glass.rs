@@ -15,8 +15,40 @@ const VIOLET: DVec3 = DVec3::new(0.42, 0.12, 0.62);
 const PEARL: DVec3 = DVec3::new(1.0, 0.93, 0.78);
 const LEAD: DVec3 = DVec3::new(0.006, 0.005, 0.005);
 
-/// Colours of the figures in the medallions.
-const ROBES: [DVec3; 8] = [RUBY, AMBER, EMERALD, PEARL, SKY, EMERALD, VIOLET, AMBER];
+/// What a glazier took from the shelf: grounds, and colours of the figures in the medallions.
+struct Shelf {
+    grounds: [DVec3; 4],
+    robes: [DVec3; 8],
+}
+
+/// As was the custom: cold colours towards the north, warm ones towards the sun, all of them at the ends.
+const COLD: Shelf = Shelf {
+    grounds: [COBALT, SKY, COBALT, VIOLET],
+    robes: [SKY, EMERALD, PEARL, COBALT, SKY, RUBY, VIOLET, EMERALD],
+};
+const WARM: Shelf = Shelf {
+    grounds: [AMBER, RUBY, EMERALD, RUBY],
+    robes: [AMBER, RUBY, PEARL, AMBER, EMERALD, AMBER, SKY, PEARL],
+};
+const MIXED: Shelf = Shelf {
+    grounds: [COBALT, COBALT, RUBY, COBALT],
+    robes: [RUBY, AMBER, EMERALD, PEARL, SKY, EMERALD, VIOLET, AMBER],
+};
+
+impl Shelf {
+    fn of(kind: Kind, number: i32) -> &'static Self {
+        match kind {
+            Kind::Clerestory | Kind::Aisle if number & 1 == 0 => &WARM,
+            Kind::Clerestory | Kind::Aisle => &COLD,
+            _ => &MIXED,
+        }
+    }
+
+    fn robe(&self, keys: [i32; 3]) -> DVec3 {
+        self.robes[(chance(keys) * 8.0) as usize]
+    }
+}
+
 /// Width of a lead came, with the paint along it.
 const CAME: f64 = 0.045;
 /// Width of the border of a light, between its cames.
@@ -36,13 +68,14 @@ pub fn chance(keys: [i32; 3]) -> f64 {
 /// Transmittance of the window at `q` (across, height); `None` where the stone of the tracery stands.
 pub fn transmittance(kind: Kind, number: i32, q: DVec2) -> Option<DVec3> {
     let seed = number + 16 * kind as i32;
+    let shelf = Shelf::of(kind, number);
     match kind {
         Kind::Clerestory => {
-            paired_lights(q, &Pointed::new(0.80, 12.9, 1.15), 0.90, 9.7, DVec2::new(0.0, 14.45), 0.66, seed)
+            paired_lights(q, &Pointed::new(0.80, 12.9, 1.15), 0.90, 9.7, DVec2::new(0.0, 14.45), 0.66, shelf, seed)
         }
-        Kind::Aisle => paired_lights(q, &Pointed::new(0.50, 4.1, 0.8), 0.58, 1.8, DVec2::new(0.0, 5.2), 0.38, seed),
-        Kind::Lancet => light(q, &Pointed::new(1.22, 10.8, 2.26), 3.6, seed),
-        Kind::Gallery => light(q, &Pointed::new(0.54, 6.9, 0.92), 5.36, seed),
+        Kind::Aisle => paired_lights(q, &Pointed::new(0.50, 4.1, 0.8), 0.58, 1.8, DVec2::new(0.0, 5.2), 0.38, shelf, seed),
+        Kind::Lancet => light(q, &Pointed::new(1.22, 8.9, 2.26), 3.4, shelf, seed),
+        Kind::Gallery => light(q, &Pointed::new(0.54, 6.9, 0.92), 5.36, shelf, seed),
         Kind::Rose => rose(q - DVec2::new(0.0, ROSE_HEIGHT)),
     }
 }
@@ -71,6 +104,7 @@ fn paired_lights(
     sill: f64,
     roundel: DVec2,
     radius: f64,
+    shelf: &Shelf,
     seed: i32,
 ) -> Option<DVec3> {
     let r = q - roundel;
@@ -78,11 +112,11 @@ fn paired_lights(
         return Some(flower(r / radius, radius, 6, seed));
     }
     let right = q.x >= 0.0;
-    light(DVec2::new(if right { q.x - offset } else { q.x + offset }, q.y), shape, sill, 2 * seed + i32::from(right))
+    light(DVec2::new(if right { q.x - offset } else { q.x + offset }, q.y), shape, sill, shelf, 2 * seed + i32::from(right))
 }
 
 /// One light: a border of beads around a column of medallions on a lattice ground.
-fn light(q: DVec2, shape: &Pointed, sill: f64, seed: i32) -> Option<DVec3> {
+fn light(q: DVec2, shape: &Pointed, sill: f64, shelf: &Shelf, seed: i32) -> Option<DVec3> {
     let edge = shape.depth(q.x, q.y).min(q.y - sill);
     if edge < 0.0 {
         return None;
@@ -90,7 +124,7 @@ fn light(q: DVec2, shape: &Pointed, sill: f64, seed: i32) -> Option<DVec3> {
     if edge < CAME || (edge > CAME + BORDER && edge < 2.0 * CAME + BORDER) {
         return Some(LEAD);
     }
-    let ground = [COBALT, COBALT, SKY, RUBY, COBALT, VIOLET, EMERALD, COBALT][(chance([seed, 1, 7]) * 8.0) as usize];
+    let ground = shelf.grounds[(chance([seed, 1, 7]) * 4.0) as usize];
     if edge < CAME + BORDER {
         let along = (q.y + 0.6 * q.x.abs()) / 0.26;
         let bead = libm::floor(along);
@@ -106,7 +140,7 @@ fn light(q: DVec2, shape: &Pointed, sill: f64, seed: i32) -> Option<DVec3> {
     let row = libm::floor(step);
     let r = DVec2::new(q.x, (step - row - 0.5) * pitch) / inner;
     if r.length_squared() < 1.0 {
-        return Some(medallion(r, inner, [seed, row as i32]));
+        return Some(medallion(r, inner, shelf, [seed, row as i32]));
     }
     let diagonal = DVec2::new(q.x + q.y, q.x - q.y) / 0.3;
     let cell = diagonal.floor();
@@ -117,7 +151,7 @@ fn light(q: DVec2, shape: &Pointed, sill: f64, seed: i32) -> Option<DVec3> {
 }
 
 /// A round picture: a ring of pearls around four quarters and a centre. `r` is relative to the radius.
-fn medallion(r: DVec2, radius: f64, key: [i32; 2]) -> DVec3 {
+fn medallion(r: DVec2, radius: f64, shelf: &Shelf, key: [i32; 2]) -> DVec3 {
     let came = CAME / radius;
     let rho = r.length();
     let quarter = i32::from(r.x > 0.0) + 2 * i32::from(r.y > 0.0);
@@ -126,12 +160,13 @@ fn medallion(r: DVec2, radius: f64, key: [i32; 2]) -> DVec3 {
     } else if rho > 0.80 {
         PEARL * (0.75 * vary([key[0], key[1], 40 + quarter]))
     } else if rho < 0.36 {
-        ROBES[(chance([key[0], key[1], 50]) * 8.0) as usize] * (1.3 * vary([key[0], key[1], 51]))
+        shelf.robe([key[0], key[1], 50]) * (1.3 * vary([key[0], key[1], 51]))
     } else if r.x.abs().min(r.y.abs()) < 0.5 * came {
         LEAD
     } else {
-        let robe = ROBES[(chance([key[0], key[1], 60 + (quarter ^ (quarter >> 1) & 1)]) * 8.0) as usize];
-        robe * vary([key[0], key[1], 70 + quarter])
+        // Opposite quarters match.
+        let pair = (quarter ^ (quarter >> 1)) & 1;
+        shelf.robe([key[0], key[1], 60 + pair]) * vary([key[0], key[1], 70 + quarter])
     }
 }
 

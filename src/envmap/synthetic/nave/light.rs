@@ -23,11 +23,11 @@ pub fn window(kind: Kind, number: i32, q: DVec2, view: DVec3) -> Option<DVec3> {
 pub fn sky(kind: Kind, number: i32) -> DVec3 {
     let south = number & 1 == 0;
     match kind {
-        Kind::Clerestory | Kind::Aisle if south => DVec3::new(0.60, 0.58, 0.60),
-        Kind::Clerestory => DVec3::new(0.32, 0.40, 0.58),
-        Kind::Aisle => DVec3::new(0.24, 0.31, 0.46),
+        Kind::Clerestory | Kind::Aisle if south => DVec3::new(0.64, 0.58, 0.50),
+        Kind::Clerestory => DVec3::new(0.50, 0.62, 0.98),
+        Kind::Aisle => DVec3::new(0.32, 0.40, 0.58),
         Kind::Lancet => DVec3::new(0.66, 0.70, 0.82),
-        Kind::Gallery | Kind::Rose => DVec3::new(0.46, 0.54, 0.72),
+        Kind::Gallery | Kind::Rose => DVec3::new(0.48, 0.60, 0.88),
     }
 }
 
@@ -50,11 +50,11 @@ pub fn lamps() -> Vec<Lamp> {
     all
 }
 
-/// A sconce on each free pier, on the side of the nave.
+/// A sconce on each free pier, on the side of the nave, and four on the outer walls.
 fn sconces() -> impl Iterator<Item = Lamp> {
-    [-9.0, -3.0, 3.0, 9.0]
+    [(-9.0, 5.5), (-3.0, 5.5), (3.0, 5.5), (9.0, 5.5), (-3.0, 11.2), (3.0, 11.2)]
         .into_iter()
-        .flat_map(|z| [-1.0, 1.0].map(|side| Lamp { p: DVec3::new(side * 5.5, 2.6, z), candles: 3.0 }))
+        .flat_map(|(z, x)| [-1.0, 1.0].map(|side| Lamp { p: DVec3::new(side * x, 2.6, z), candles: 3.0 }))
 }
 
 /// Every flame as seen by the camera.

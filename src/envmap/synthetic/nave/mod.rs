@@ -41,9 +41,9 @@ use self::sun::Sun;
 use crate::raster::{Image, Rgb};
 
 /// Brings the map to the mean radiance of the measured cathedral that it stands in for.
-const EXPOSURE: f64 = 1.0;
+const EXPOSURE: f64 = 0.78;
 /// Radiance in the middle of a flame, before the lens.
-const FLAME: DVec3 = DVec3::new(22.0, 13.5, 5.0);
+const FLAME: DVec3 = DVec3::new(27.0, 16.5, 6.0);
 /// The width of a pixel as an angle.
 const PIXEL: f64 = std::f64::consts::PI / HEIGHT as f64;
 
