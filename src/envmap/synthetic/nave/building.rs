@@ -143,7 +143,7 @@ fn nave(ray: &Ray, side: f64, from: f64) -> Step {
         if p.y < ARCADE.spring || ARCADE.contains(a, p.y) {
             return Step::Enter(Room::Arcade, t);
         }
-        let column = libm::floor(a / NICHE_SPACING + 0.5).clamp(-2.0, 2.0) * NICHE_SPACING;
+        let column = (a / NICHE_SPACING).round().clamp(-2.0, 2.0) * NICHE_SPACING;
         if CLERESTORY.contains(a, p.y) {
             let frame = side_wall(1.0, WALL, bay);
             Step::Hit(recess(ray, t, &frame, &CLERESTORY, |q| glass(Kind::Clerestory, plan::number(side, bay), q)))
@@ -262,7 +262,7 @@ fn apse(ray: &Ray, side: f64, from: f64) -> Step {
 fn west_front(ray: &Ray, side: f64, t: f64) -> Hit {
     let mut frame = west_wall();
     let q = frame.local(ray.at(t));
-    let place = libm::floor(q.x / GALLERY_SPACING + 0.5).clamp(-2.0, 2.0);
+    let place = (q.x / GALLERY_SPACING).round().clamp(-2.0, 2.0);
     if Kind::Rose.contains(q.x, q.y) {
         ray.hit(t, DVec3::Z, glass(Kind::Rose, 0, DVec2::new(q.x * side, q.y)))
     } else if GALLERY.contains(q.x - place * GALLERY_SPACING, q.y) {

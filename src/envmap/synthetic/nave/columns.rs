@@ -120,8 +120,8 @@ fn row(best: &mut Best, x: f64, reach: f64, heights: (f64, f64), drums: &[Drum])
     let Some(inside) = best.clip(1, heights.0, heights.1, best.whole()) else { return };
     let Some((start, end)) = best.clip(0, x - reach, x + reach, inside) else { return };
     let (z0, z1) = (best.ray.at(start).z, best.ray.at(end).z);
-    let first = libm::ceil((z0.min(z1) - reach + END) / BAY).max(0.0);
-    let last = libm::floor((z0.max(z1) + reach + END) / BAY).min(2.0 * END / BAY);
+    let first = ((z0.min(z1) - reach + END) / BAY).ceil().max(0.0);
+    let last = ((z0.max(z1) + reach + END) / BAY).min(2.0 * END / BAY);
     let mut border = first;
     while border <= last {
         group(best, x, BAY * border - END, drums);

@@ -1,6 +1,6 @@
 //! From radiance along a direction to an image: adaptive supersampling, flames as soft spots, the glow of the lens.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 pub const WIDTH: usize = 1024;
@@ -8,8 +8,8 @@ pub const HEIGHT: usize = 512;
 /// Sub-pixel positions per side; the samples of a divided pixel sit on some of them.
 const GRID: usize = 8;
 /// A pixel is divided in 2 × 2 or 4 × 4 when its corners differ by more than these parts of their sum.
-const CONTRAST: f64 = 0.09;
-const STRONG_CONTRAST: f64 = 0.4;
+const CONTRAST: f64 = 0.12;
+const STRONG_CONTRAST: f64 = 0.5;
 
 /// Radiance along a direction, and a number for what was met: pixels where it changes are divided.
 pub type Seen = (DVec3, u32);
@@ -103,65 +103,69 @@ fn contrast(corners: &[Seen; 4]) -> f64 {
 }
 
 /// What a real lens does to very bright spots: a small part of all light is spread over some degrees.
-pub fn glow(image: &mut [DVec3]) {
-    const NARROW: f64 = 0.10;
-    const WIDE: f64 = 0.05;
+pub fn glow(image: &[DVec3]) -> Vec<Vec3A> {
+    const NARROW: f32 = 0.10;
+    const WIDE: f32 = 0.05;
     const DOWN: usize = 4;
-    let narrow = blur(image, WIDTH, HEIGHT, 2.5);
+    let image: Vec<Vec3A> = image.iter().map(|c| c.as_vec3a()).collect();
+    let narrow = blur(&image, WIDTH, 2.5);
     let (w, h) = (WIDTH / DOWN, HEIGHT / DOWN);
-    let small: Vec<DVec3> = (0..w * h)
+    let small: Vec<Vec3A> = (0..w * h)
         .map(|i| {
             let (x, y) = (i % w * DOWN, i / w * DOWN);
             let block = (0..DOWN * DOWN).map(|k| image[(y + k / DOWN) * WIDTH + x + k % DOWN]);
-            block.sum::<DVec3>() / (DOWN * DOWN) as f64
+            block.sum::<Vec3A>() / (DOWN * DOWN) as f32
         })
         .collect();
-    let wide = blur(&small, w, h, 4.5);
-    image.par_iter_mut().enumerate().for_each(|(i, value)| {
-        // The small image is read with linear interpolation, around the seam and up to the poles.
-        let at = |p: usize| (p as f64 + 0.5) / DOWN as f64 - 0.5;
-        let (x, y) = (at(i % WIDTH), at(i / WIDTH).clamp(0.0, h as f64 - 1.0));
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let columns = [(x0 as isize).rem_euclid(w as isize) as usize, (x0 as isize + 1).rem_euclid(w as isize) as usize];
-        let rows = [y0 as usize, (y0 as usize + 1).min(h - 1)];
-        let row = |r: usize| wide[r * w + columns[0]].lerp(wide[r * w + columns[1]], fx);
-        *value = *value * (1.0 - NARROW - WIDE) + narrow[i] * NARROW + row(rows[0]).lerp(row(rows[1]), fy) * WIDE;
-    });
+    let wide = blur(&small, w, 4.5);
+    // The small image is read with linear interpolation, around the seam and up to the poles.
+    let place = |pixel: usize| (pixel as f32 + 0.5) / DOWN as f32 - 0.5;
+    let far = |x: usize, y: usize| {
+        let (x, y) = (place(x) + w as f32, place(y).clamp(0.0, h as f32 - 1.0));
+        let (x0, y0) = (x as usize, y as usize);
+        let row = |y: usize| wide[y * w + x0 % w].lerp(wide[y * w + (x0 + 1) % w], x - x0 as f32);
+        row(y0).lerp(row((y0 + 1).min(h - 1)), y - y0 as f32)
+    };
+    let keep = 1.0 - NARROW - WIDE;
+    let mix = |i: usize| image[i] * keep + narrow[i] * NARROW + far(i % WIDTH, i / WIDTH) * WIDE;
+    (0..image.len()).into_par_iter().with_min_len(WIDTH).map(mix).collect()
 }
 
-/// Gaussian blur on the sphere: `sigma` rows up and down, as far in angle to the sides.
-fn blur(image: &[DVec3], width: usize, height: usize, sigma: f64) -> Vec<DVec3> {
-    let columns: Vec<DVec3> = (0..width * height)
-        .into_par_iter()
-        .with_min_len(width)
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            let sine = libm::sin(std::f64::consts::PI * (y as f64 + 0.5) / height as f64);
-            let sigma = (sigma / sine).min(width as f64 / 8.0);
-            weighted(sigma, |k| image[y * width + (x as isize + k).rem_euclid(width as isize) as usize])
+/// Gaussian blur on the sphere: `sigma` rows up and down, as far in angle to the sides. `width` is a power of two.
+fn blur(image: &[Vec3A], width: usize, sigma: f32) -> Vec<Vec3A> {
+    let height = image.len() / width;
+    let sideways: Vec<Vec3A> = image
+        .par_chunks(width)
+        .enumerate()
+        .flat_map_iter(|(y, row)| {
+            let sine = libm::sin(std::f64::consts::PI * (y as f64 + 0.5) / height as f64) as f32;
+            let bell = bell((sigma / sine).min(width as f32 / 8.0));
+            let start = width - bell.len() / 2;
+            (0..width).map(move |x| {
+                bell.iter().enumerate().map(|(k, &weight)| row[(start + x + k) & (width - 1)] * weight).sum::<Vec3A>()
+            })
         })
         .collect();
-    (0..width * height)
+    let bell = bell(sigma);
+    let half = bell.len() / 2;
+    (0..height)
         .into_par_iter()
-        .with_min_len(width)
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            weighted(sigma, |k| columns[(y as isize + k).clamp(0, height as isize - 1) as usize * width + x])
+        .flat_map_iter(|y| {
+            let mut sum = vec![Vec3A::ZERO; width];
+            for (k, &weight) in bell.iter().enumerate() {
+                let from = (y + k).saturating_sub(half).min(height - 1) * width;
+                sum.iter_mut().zip(&sideways[from..from + width]).for_each(|(sum, &value)| *sum += value * weight);
+            }
+            sum
         })
         .collect()
 }
 
-/// Mean of `value(k)` under a bell of width `sigma`: the square of a parabola, which needs no exponential.
-fn weighted(sigma: f64, value: impl Fn(isize) -> DVec3) -> DVec3 {
+/// Weights of a bell of width `sigma`, odd in number: the square of a parabola, which needs no exponential.
+fn bell(sigma: f32) -> Vec<f32> {
     let reach = 2.6 * sigma;
-    let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-    let last = reach as isize;
-    for k in -last..=last {
-        let x = k as f64 / reach;
-        let w = (1.0 - x * x) * (1.0 - x * x);
-        sum += value(k) * w;
-        weight += w;
-    }
-    sum / weight
+    let last = reach as i32;
+    let weights: Vec<f32> = (-last..=last).map(|k| (1.0 - (k as f32 / reach) * (k as f32 / reach)).max(0.0)).collect();
+    let total: f32 = weights.iter().map(|w| w * w).sum();
+    weights.iter().map(|w| w * w / total).collect()
 }

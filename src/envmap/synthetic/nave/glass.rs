@@ -127,7 +127,7 @@ fn light(q: DVec2, shape: &Pointed, sill: f64, shelf: &Shelf, seed: i32) -> Opti
     let ground = shelf.grounds[(chance([seed, 1, 7]) * 4.0) as usize];
     if edge < CAME + BORDER {
         let along = (q.y + 0.6 * q.x.abs()) / 0.26;
-        let bead = libm::floor(along);
+        let bead = along.floor();
         if along - bead < CAME / 0.26 {
             return Some(LEAD);
         }
@@ -137,7 +137,7 @@ fn light(q: DVec2, shape: &Pointed, sill: f64, shelf: &Shelf, seed: i32) -> Opti
     let inner = shape.half - 2.0 * CAME - BORDER;
     let pitch = 2.0 * inner + 0.12;
     let step = (q.y - sill - 0.25) / pitch;
-    let row = libm::floor(step);
+    let row = step.floor();
     let r = DVec2::new(q.x, (step - row - 0.5) * pitch) / inner;
     if r.length_squared() < 1.0 {
         return Some(medallion(r, inner, shelf, [seed, row as i32]));
@@ -175,7 +175,7 @@ fn flower(r: DVec2, radius: f64, petals: u32, seed: i32) -> DVec3 {
     let came = CAME / radius;
     let rho = r.length();
     let turn = libm::atan2(r.y, r.x) / std::f64::consts::TAU + 0.5;
-    let petal = libm::floor(turn * f64::from(petals));
+    let petal = (turn * f64::from(petals)).floor();
     // Distance from the axis of the petal, in petal widths.
     let across = (turn * f64::from(petals) - petal - 0.5).abs() * 2.0;
     if rho > 1.0 - came || (rho - 0.3).abs() < 0.5 * came {
@@ -205,7 +205,7 @@ fn rose(q: DVec2) -> Option<DVec3> {
     }
     let turn = (libm::atan2(q.y, q.x) / std::f64::consts::TAU + 1.0) * PETALS;
     // Seen along the nearest border between two petals.
-    let border = libm::floor(turn + 0.5);
+    let border = (turn + 0.5).floor();
     let off = (turn - border) * std::f64::consts::TAU / PETALS;
     let roundel = DVec2::new(r * libm::cos(off) - 0.80 * ROSE_RADIUS, r * libm::sin(off)) / (0.125 * ROSE_RADIUS);
     let around = roundel.length();
@@ -215,8 +215,8 @@ fn rose(q: DVec2) -> Option<DVec3> {
     if around < 1.2 || (rho < 0.80 && off.abs() * r < BAR) {
         return None;
     }
-    let petal = libm::floor(turn) as i32 % 12;
-    let across = (turn - libm::floor(turn) - 0.5).abs() * std::f64::consts::TAU / PETALS * r;
+    let petal = turn.floor() as i32 % 12;
+    let across = (turn - turn.floor() - 0.5).abs() * std::f64::consts::TAU / PETALS * r;
     if rho > 0.80 {
         return Some(if (rho - 0.88).abs() < 0.01 { LEAD } else { COBALT * vary([petal, 3, 920]) });
     }

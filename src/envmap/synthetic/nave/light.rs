@@ -26,7 +26,7 @@ pub fn sky(kind: Kind, number: i32) -> DVec3 {
         Kind::Clerestory | Kind::Aisle if south => DVec3::new(0.64, 0.58, 0.50),
         Kind::Clerestory => DVec3::new(0.50, 0.62, 0.98),
         Kind::Aisle => DVec3::new(0.32, 0.40, 0.58),
-        Kind::Lancet => DVec3::new(0.66, 0.70, 0.82),
+        Kind::Lancet => DVec3::new(0.62, 0.70, 0.92),
         Kind::Gallery | Kind::Rose => DVec3::new(0.48, 0.60, 0.88),
     }
 }

@@ -96,7 +96,7 @@ impl Kind {
 
 /// The bay that holds `z`, counted from the middle one.
 pub fn bay(z: f64) -> i32 {
-    libm::floor(z / BAY + 0.5).clamp(-f64::from(OUTER_BAYS), f64::from(OUTER_BAYS)) as i32
+    ((z + END) / BAY).clamp(0.0, f64::from(2 * OUTER_BAYS)) as i32 - OUTER_BAYS
 }
 
 /// The z of the middle of a bay.
