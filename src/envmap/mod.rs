@@ -1,4 +1,4 @@
-//! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance.
+//! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance, built-in maps.
 
 pub mod cosine;
 pub mod cut;
@@ -8,5 +8,6 @@ pub mod latlong;
 pub mod report_model;
 pub mod sampler;
 mod sat;
+pub mod synthetic;
 
 pub use latlong::{Block, EnvMap, LatLong};
