@@ -227,7 +227,7 @@ impl SurfaceSampler for CosineSampler {
         }
         let g = self.map.geometry();
         let wi = g.direction_in_texel(x, y, u.clamp(1e-9, 1.0 - 1e-9), v.clamp(1e-9, 1.0 - 1e-9));
-        Some(EnvSample { wi, pdf: probability / g.solid_angle(y), radiance: self.map.texel(x, y), texel: (x, y) })
+        Some(EnvSample { wi, pdf: probability / g.solid_angle(y), radiance: self.map.texel(x, y) })
     }
 
     fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64 {

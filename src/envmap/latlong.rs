@@ -9,7 +9,7 @@
 //! edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact: (cos θ₀ − cos θ₁) Δφ.
 
 use crate::raster::{Image, Rgb};
-use crate::sampling::table::{BATCH, Draw2};
+use crate::sampling::batch::{BATCH, Batch};
 use crate::sampling::warp::{sin_cos_turns, turns};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -18,6 +18,7 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone)]
 pub struct LatLong {
     width: usize,
+    per_width: f64,
     rows: Vec<Row>,
 }
 
@@ -28,8 +29,9 @@ struct Row {
     start: f64,
     extent: f64,
     pole: f64,
-    /// Solid angle of one texel.
+    /// Solid angle of one texel, and one over it.
     solid_angle: f64,
+    density: f64,
 }
 
 impl LatLong {
@@ -43,9 +45,9 @@ impl LatLong {
             let north = 2 * y < height;
             let half = if north { libm::sin(0.5 * t0) } else { libm::cos(0.5 * t0) };
             let (pole, extent) = if north { (1.0, extent) } else { (-1.0, -extent) };
-            Row { start: 2.0 * half * half, extent, pole, solid_angle }
+            Row { start: 2.0 * half * half, extent, pole, solid_angle, density: 1.0 / solid_angle }
         };
-        Self { width, rows: (0..height).map(row).collect() }
+        Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
 
     #[inline]
@@ -67,28 +69,41 @@ impl LatLong {
         self.rows[y].solid_angle
     }
 
+    /// One over [`LatLong::solid_angle`].
+    #[inline]
+    #[must_use]
+    pub fn density(&self, y: usize) -> f64 {
+        self.rows[y].density
+    }
+
     /// The direction at `fx`, `fy` in (0, 1) inside texel (x, y); `fy` is uniform in solid angle, that is in cos θ.
     #[inline]
     #[must_use]
     pub fn direction_in_texel(&self, x: usize, y: usize, fx: f64, fy: f64) -> DVec3 {
         let row = &self.rows[y];
-        direction((x as f64 + fx) / self.width as f64, row.start + fy * row.extent, row.pole)
+        direction((x as f64 + fx) * self.per_width, row.start + fy * row.extent, row.pole)
     }
 
-    /// [`LatLong::direction_in_texel`] for up to [`BATCH`] draws, to the same bits.
+    /// [`LatLong::direction_in_texel`] for the first draws of a batch, as many as `out` has room for, to the same bits;
+    /// and their densities per solid angle.
     ///
-    /// The inputs are gathered first, so that the arithmetic runs over plain arrays and vectorizes.
-    #[inline]
-    pub fn directions_in_texels(&self, draws: &[Draw2], out: &mut [DVec3; BATCH]) {
-        let (mut turns, mut w, mut pole) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
-        for (i, draw) in draws.iter().enumerate().take(BATCH) {
-            let row = &self.rows[draw.y.cell];
-            turns[i] = (draw.x.cell as f64 + draw.x.offset) / self.width as f64;
-            w[i] = row.start + draw.y.offset * row.extent;
-            pole[i] = row.pole;
+    /// What depends on the row is gathered first, so that the arithmetic runs over plain arrays and vectorizes.
+    #[inline(always)]
+    pub fn directions_in_texels(&self, draws: &Batch, out: [&mut [f64]; 4]) {
+        let [dx, dy, dz, pdf] = out;
+        let n = dx.len().min(BATCH);
+        let (dx, dy, dz, pdf) = (&mut dx[..n], &mut dy[..n], &mut dz[..n], &mut pdf[..n]);
+        let (x, y, fx, fy, p) = (&draws.x[..n], &draws.y[..n], &draws.fx[..n], &draws.fy[..n], &draws.probability[..n]);
+        for i in 0..n {
+            let row = &self.rows[y[i] as usize];
+            dx[i] = row.start + fy[i] * row.extent;
+            dy[i] = row.pole;
+            pdf[i] = p[i] * row.density;
         }
-        for i in 0..BATCH {
-            out[i] = direction(turns[i], w[i], pole[i]);
+        for i in 0..n {
+            let turns = (f64::from(x[i]) + fx[i]) * self.per_width;
+            let d = direction(turns, dx[i], dy[i]);
+            (dx[i], dy[i], dz[i]) = (d.x, d.y, d.z);
         }
     }
 
@@ -169,7 +184,7 @@ pub struct Block {
 }
 
 /// The direction at φ = 2π `turns` and cos θ = `pole` (1 − `w`).
-#[inline]
+#[inline(always)]
 fn direction(turns: f64, w: f64, pole: f64) -> DVec3 {
     let sin_theta = (w * (2.0 - w)).max(0.0).sqrt();
     let (sin_phi, cos_phi) = sin_cos_turns(turns);

@@ -1,5 +1,6 @@
 //! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance, built-in maps.
 
+pub mod batch;
 pub mod cosine;
 pub mod cut;
 pub mod info;

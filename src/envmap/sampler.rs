@@ -1,8 +1,11 @@
 //! Importance sampling of a map: directions drawn in proportion to radiance, with the density per solid angle.
 
+use super::batch::{self, Batched, EnvSamples};
 use super::latlong::EnvMap;
 use crate::raster::Rgb;
-use crate::sampling::table::{AliasTable, BATCH, Draw2, Table2};
+use crate::sampling::alias::AliasTable;
+use crate::sampling::batch::Batch;
+use crate::sampling::table::Table2;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -15,8 +18,6 @@ pub struct EnvSample {
     pub pdf: f64,
     /// The map's radiance from there.
     pub radiance: Rgb,
-    /// The texel that was drawn.
-    pub texel: (usize, usize),
 }
 
 /// Draws directions towards a map's light.
@@ -24,9 +25,10 @@ pub trait DirectionSampler: Send + Sync {
     /// The direction for `u` in \[0, 1)²; `None` when the map is black.
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample>;
 
-    /// Appends the samples for all of `u`; nothing when the map is black.
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
-        out.extend(u.iter().filter_map(|&u| self.sample(u)));
+    /// Replaces `out` by the samples for all of `u`, which are none when the map is black.
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+        out.clear();
+        u.iter().filter_map(|&u| self.sample(u)).for_each(|s| out.push(s));
     }
 
     /// Density of [`DirectionSampler::sample`] per solid angle.
@@ -84,13 +86,7 @@ impl CdfSampler {
 
     #[inline]
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
-        self.table.probability(x, y) / self.map.geometry().solid_angle(y)
-    }
-
-    #[inline]
-    fn finish(&self, draw: &Draw2, wi: DVec3, radiance: Rgb) -> EnvSample {
-        let texel @ (_, y) = (draw.x.cell, draw.y.cell);
-        EnvSample { wi, pdf: draw.probability() / self.map.geometry().solid_angle(y), radiance, texel }
+        self.table.probability(x, y) * self.map.geometry().density(y)
     }
 
     /// The `u` that [`DirectionSampler::sample`] maps to `wi`.
@@ -101,27 +97,32 @@ impl CdfSampler {
     }
 }
 
+impl Batched for CdfSampler {
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    #[inline(always)]
+    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
+        self.table.draw_batch(u, self.map.image().pixels(), draws);
+    }
+}
+
 impl DirectionSampler for CdfSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
         let draw = self.table.draw(u)?;
         let (x, y) = (draw.x.cell, draw.y.cell);
-        let wi = self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset);
-        Some(self.finish(&draw, wi, self.map.texel(x, y)))
+        let g = self.map.geometry();
+        let wi = g.direction_in_texel(x, y, draw.x.offset, draw.y.offset);
+        Some(EnvSample { wi, pdf: draw.probability() * g.density(y), radiance: self.map.texel(x, y) })
     }
 
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
-        let mut draws = [Draw2::default(); BATCH];
-        let mut directions = [DVec3::ZERO; BATCH];
-        let mut radiance = [Rgb::ZERO; BATCH];
-        for u in u.chunks(BATCH) {
-            let n = self.table.draw_batch(u, &mut draws);
-            for (radiance, draw) in radiance.iter_mut().zip(&draws[..n]) {
-                *radiance = self.map.texel(draw.x.cell, draw.y.cell);
-            }
-            self.map.geometry().directions_in_texels(&draws[..n], &mut directions);
-            let parts = draws[..n].iter().zip(&directions).zip(&radiance);
-            out.extend(parts.map(|((draw, &wi), &radiance)| self.finish(draw, wi, radiance)));
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+        if self.table.total() > 0.0 {
+            batch::fill(self, u, out);
+        } else {
+            out.clear();
         }
     }
 
@@ -156,7 +157,18 @@ impl AliasSampler {
     #[inline]
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
         let g = self.map.geometry();
-        self.table.probability(y * g.width() + x) / g.solid_angle(y)
+        self.table.probability(y * g.width() + x) * g.density(y)
+    }
+}
+
+impl Batched for AliasSampler {
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    #[inline(always)]
+    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
+        self.table.draw_batch(u, self.map.geometry().width(), self.map.image().pixels(), draws);
     }
 }
 
@@ -167,7 +179,15 @@ impl DirectionSampler for AliasSampler {
         let g = self.map.geometry();
         let (x, y) = (draw.cell % g.width(), draw.cell / g.width());
         let wi = g.direction_in_texel(x, y, draw.offset, u[1].clamp(1e-9, 1.0 - 1e-9));
-        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y), texel: (x, y) })
+        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
+    }
+
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+        if self.table.total() > 0.0 {
+            batch::fill(self, u, out);
+        } else {
+            out.clear();
+        }
     }
 
     #[inline]
@@ -210,7 +230,7 @@ impl DirectionSampler for CompensatedSampler {
         self.0.sample(u)
     }
 
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut Vec<EnvSample>) {
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
         self.0.sample_many(u, out);
     }
 
@@ -261,6 +281,26 @@ mod tests {
     }
 
     #[test]
+    fn many_samples_are_the_single_ones_to_the_last_bit() {
+        for map in maps() {
+            let samplers: [Box<dyn DirectionSampler>; 3] = [
+                Box::new(CdfSampler::new(map.clone())),
+                Box::new(AliasSampler::new(map.clone())),
+                Box::new(CompensatedSampler::new(map.clone())),
+            ];
+            let numbers: Vec<[f64; 2]> = grid(60).chain([[0.0, 0.0], [1.0f64.next_down(); 2]]).collect();
+            let mut out = EnvSamples::default();
+            for sampler in &samplers {
+                for n in [1, 7, 64, 65, numbers.len()] {
+                    sampler.sample_many(&numbers[..n], &mut out);
+                    let singly: Vec<EnvSample> = numbers[..n].iter().filter_map(|&u| sampler.sample(u)).collect();
+                    assert_eq!(out.iter().collect::<Vec<_>>(), singly);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn densities_integrate_to_one() {
         for map in maps() {
             let samplers: [Box<dyn DirectionSampler>; 3] = [
@@ -300,6 +340,10 @@ mod tests {
         let compensated = CompensatedSampler::new(map);
         assert_eq!(compensated.sample([0.5, 0.5]), None);
         assert_eq!(compensated.pdf(DVec3::X), 0.0);
+        let mut out = EnvSamples::default();
+        out.push(EnvSample { wi: DVec3::X, pdf: 1.0, radiance: Rgb::ONE });
+        compensated.sample_many(&[[0.5, 0.5]], &mut out);
+        assert!(out.is_empty());
     }
 
     #[test]

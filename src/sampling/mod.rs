@@ -1,6 +1,9 @@
 //! Random numbers and what they are turned into: streams, warps, tables.
 
+pub mod alias;
+pub mod batch;
 mod hash;
+mod prefetch;
 pub mod stream;
 pub mod table;
 pub mod warp;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// Sine and cosine of `turns` · 2π for `turns` in \[0, 1\], to about 10⁻¹⁶.
 ///
 /// Straight-line arithmetic: a loop over it vectorizes, and it gives the same bits on every machine.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // Adding 1.5 · 2⁵² rounds to an integer, which then stands in the lowest bits of the sum.
@@ -14,17 +14,18 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     let rounded = 4.0 * turns + ROUND;
     let quarter = rounded.to_bits();
     let x = (turns - 0.25 * (rounded - ROUND)) * (2.0 * PI);
-    // Taylor series, |x| ≤ π/4; the first terms left out are below 10⁻¹⁶.
+    // Taylor series, |x| ≤ π/4; the first terms left out are below 10⁻¹⁶. Summed by halves (Estrin's scheme), which
+    // leaves the processor more to do at once than Horner's chain.
     let x2 = x * x;
-    let mut sin = -1.0 / 1_307_674_368_000.0;
-    for term in [6_227_020_800.0, -39_916_800.0, 362_880.0, -5040.0, 120.0, -6.0, 1.0] {
-        sin = sin * x2 + 1.0 / term;
-    }
+    let x4 = x2 * x2;
+    let x8 = x4 * x4;
+    let term = |even: f64, odd: f64| 1.0 / even + x2 * (1.0 / odd);
+    let sin = (term(1.0, -6.0) + x4 * term(120.0, -5040.0))
+        + x8 * (term(362_880.0, -39_916_800.0) + x4 * term(6_227_020_800.0, -1_307_674_368_000.0));
     let sin = sin * x;
-    let mut cos = 1.0 / 20_922_789_888_000.0;
-    for term in [-87_178_291_200.0, 479_001_600.0, -3_628_800.0, 40_320.0, -720.0, 24.0, -2.0, 1.0] {
-        cos = cos * x2 + 1.0 / term;
-    }
+    let cos = (term(1.0, -2.0) + x4 * term(24.0, -720.0))
+        + x8 * (term(40_320.0, -3_628_800.0)
+            + x4 * (term(479_001_600.0, -87_178_291_200.0) + x4 * (1.0 / 20_922_789_888_000.0)));
     // Turn by the quarters: swap the two in odd ones, change the signs as they go round.
     let swap = 0u64.wrapping_sub(quarter & 1);
     let (s, c) = (sin.to_bits(), cos.to_bits());

@@ -1,0 +1,104 @@
+//! Many samples at once: drawn in small batches whose memory accesses overlap and whose arithmetic vectorizes.
+
+use super::latlong::EnvMap;
+use super::sampler::EnvSample;
+use crate::raster::Rgb;
+use crate::sampling::batch::{BATCH, Batch};
+use glam::DVec3;
+
+/// Samples of a map, component by component; all parts have the same length.
+#[derive(Debug, Clone, Default)]
+pub struct EnvSamples {
+    /// Components of the unit directions towards the light.
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
+    pub z: Vec<f64>,
+    /// Densities per solid angle.
+    pub pdf: Vec<f64>,
+    /// The map's radiance from there.
+    pub radiance: Vec<Rgb>,
+}
+
+impl EnvSamples {
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pdf.len()
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pdf.is_empty()
+    }
+
+    pub fn clear(&mut self) {
+        self.resize(0);
+    }
+
+    pub fn push(&mut self, sample: EnvSample) {
+        self.x.push(sample.wi.x);
+        self.y.push(sample.wi.y);
+        self.z.push(sample.wi.z);
+        self.pdf.push(sample.pdf);
+        self.radiance.push(sample.radiance);
+    }
+
+    /// All samples in turn.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = EnvSample> + '_ {
+        (0..self.len()).map(|i| EnvSample {
+            wi: DVec3::new(self.x[i], self.y[i], self.z[i]),
+            pdf: self.pdf[i],
+            radiance: self.radiance[i],
+        })
+    }
+
+    fn resize(&mut self, len: usize) {
+        for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
+            part.resize(len, 0.0);
+        }
+        self.radiance.resize(len, Rgb::ZERO);
+    }
+}
+
+/// A sampler of texels by a table.
+pub(super) trait Batched {
+    fn map(&self) -> &EnvMap;
+
+    /// Draws a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
+    /// instruction set.
+    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch);
+}
+
+/// Replaces `out` by the samples for all of `u`, drawn from a map that is not black.
+///
+/// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
+/// so every machine gets the same bits.
+pub(super) fn fill<S: Batched>(sampler: &S, u: &[[f64; 2]], out: &mut EnvSamples) {
+    out.resize(u.len());
+    pulp::Arch::new().dispatch(Fill { sampler, u, out });
+}
+
+struct Fill<'a, S> {
+    sampler: &'a S,
+    u: &'a [[f64; 2]],
+    out: &'a mut EnvSamples,
+}
+
+impl<S: Batched> pulp::WithSimd for Fill<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
+        let Self { sampler, u, out } = self;
+        let (geometry, pixels) = (sampler.map().geometry(), sampler.map().image().pixels());
+        let mut draws = Batch::default();
+        for (i, u) in u.chunks(BATCH).enumerate() {
+            let part = i * BATCH..i * BATCH + u.len();
+            sampler.draw_batch(u, &mut draws);
+            let [x, y, z, pdf] = [&mut out.x, &mut out.y, &mut out.z, &mut out.pdf].map(|v| &mut v[part.clone()]);
+            geometry.directions_in_texels(&draws, [x, y, z, pdf]);
+            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&draws.cell) {
+                *radiance = pixels[cell];
+            }
+        }
+    }
+}

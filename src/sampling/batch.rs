@@ -1,0 +1,36 @@
+//! Draws of several cells at once, component by component.
+
+/// How many draws are made at once: enough to overlap their memory accesses, and their arrays fit the nearest cache.
+pub const BATCH: usize = 64;
+
+/// Draws of up to [`BATCH`] cells of a grid.
+#[derive(Debug, Clone)]
+pub struct Batch {
+    /// Number of the cell, counted row by row.
+    pub cell: [usize; BATCH],
+    pub x: [u32; BATCH],
+    pub y: [u32; BATCH],
+    /// Position inside the cell, in (0, 1)².
+    pub fx: [f64; BATCH],
+    pub fy: [f64; BATCH],
+    /// Probability of the cell.
+    pub probability: [f64; BATCH],
+    /// Between two steps of a draw: the cells in question, and the probability of the column in its row.
+    pub(super) bracket: [[u16; 2]; BATCH],
+    pub(super) column: [f64; BATCH],
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            cell: [0; BATCH],
+            x: [0; BATCH],
+            y: [0; BATCH],
+            fx: [0.0; BATCH],
+            fy: [0.0; BATCH],
+            probability: [0.0; BATCH],
+            bracket: [[0; 2]; BATCH],
+            column: [0.0; BATCH],
+        }
+    }
+}
