@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::building::{Hit, Ray, Surface};
 use super::plan::{BAY, END, WALL};
+use super::ray::{Hit, Ray, Surface};
 
 /// An upright cylinder with flat ends.
 struct Drum {
@@ -54,18 +54,7 @@ pub const CIRCLE: [(f64, f64); CANDLES] = {
     const C1: f64 = 0.809_016_994_374_947_5;
     const S2: f64 = 0.951_056_516_295_153_5;
     const C2: f64 = 0.309_016_994_374_947_45;
-    [
-        (0.0, 1.0),
-        (S1, C1),
-        (S2, C2),
-        (S2, -C2),
-        (S1, -C1),
-        (0.0, -1.0),
-        (-S1, -C1),
-        (-S2, -C2),
-        (-S2, C2),
-        (-S1, C1),
-    ]
+    [(0.0, 1.0), (S1, C1), (S2, C2), (S2, -C2), (S1, -C1), (0.0, -1.0), (-S1, -C1), (-S2, -C2), (-S2, C2), (-S1, C1)]
 };
 
 /// Half the size of the altar, its middle along z, its height.
