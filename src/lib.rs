@@ -25,5 +25,7 @@ pub mod raster;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod stats;
+pub mod study;
 
 pub use error::{Error, Result};
