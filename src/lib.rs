@@ -23,6 +23,7 @@ pub mod import;
 pub mod optics;
 pub mod raster;
 pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod stats;

@@ -97,9 +97,8 @@ impl<'a> MedianCut<'a> {
         let g = map.geometry();
         let table = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| SummedArea::new(g.width(), g.height(), value);
         let energy_of = |x: usize, y: usize| map.intensity(x, y) * g.solid_angle(y);
-        let moments = (split == Split::Variance).then(|| {
-            [0, 1, 2].map(|axis| table(&|x, y| energy_of(x, y) * g.diblockion_in_texel(x, y, 0.5, 0.5)[axis]))
-        });
+        let moments = (split == Split::Variance)
+            .then(|| [0, 1, 2].map(|axis| table(&|x, y| energy_of(x, y) * g.direction_in_texel(x, y, 0.5, 0.5)[axis])));
         Self { map, energy: table(&energy_of), moments, sides }
     }
 
@@ -240,7 +239,7 @@ fn halving(energies: &[f64], total: f64) -> f64 {
     energies.len() as f64 * 0.5
 }
 
-/// The diblockion along which a region is divided.
+/// The direction along which a region is divided.
 #[derive(Debug, Clone, Copy)]
 enum Axis {
     X,
