@@ -15,6 +15,7 @@
 //! | 0 | [`error`], [`files`] | what every room needs |
 
 pub mod bsdf;
+pub mod cli;
 pub mod envmap;
 pub mod error;
 pub mod figure;

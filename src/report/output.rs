@@ -54,6 +54,12 @@ pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
     path.into()
 }
 
+/// A name without anything that a file name cannot hold.
+#[must_use]
+pub fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
+}
+
 /// Rows as CSV text, with the field names of `T` as header.
 pub fn table<T: Serialize>(rows: &[T]) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
