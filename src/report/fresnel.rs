@@ -44,7 +44,9 @@ pub fn dielectric(curves: &fresnel::Curves) -> Drawing {
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
 #[must_use]
 pub fn metal(curves: &metal::Curves) -> Drawing {
-    let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c)).collect();
+    // Panels of one row share a legend; the second row need not repeat it.
+    let mut panels: Vec<Panel> =
+        curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
     panels.push(errors(curves));
     let rows: Vec<Drawing> =
         panels.chunks(2).map(|pair| Plot::new(pair.to_vec()).frame_size(350.0, 240.0).draw()).collect();
@@ -60,7 +62,8 @@ pub fn metal(curves: &metal::Curves) -> Drawing {
     sheet
 }
 
-fn channel(metal: &str, c: &metal::Channel) -> Panel {
+fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
+    let label = |text: &'static str| if legend { text } else { "" };
     let of = |f: fn(&metal::Row) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
     // Metals reflect most of the light: show the part of the axis where something happens.
     let lowest = of(|r| r.r_parallel.min(r.r_parallel_approximate)).iter().map(|p| p[1]).fold(1.0, f64::min);
@@ -71,13 +74,13 @@ fn channel(metal: &str, c: &metal::Channel) -> Panel {
     };
     Panel::new(angle_axis(), Axis::linear("reflectance").range((lowest * 10.0).floor() / 10.0, 1.0))
         .title(title)
-        .line("/{R}_{∥}", stroke(theme::BLUE, theme::SOLID), of(|r| r.r_parallel))
-        .line("/{R}_{⊥}", stroke(theme::VERMILION, theme::SOLID), of(|r| r.r_perpendicular))
-        .line("/{F}", stroke(theme::BLACK, theme::SOLID), of(|r| r.r_unpolarized))
-        .line("/{R}_{∥} approximate", stroke(theme::BLUE, theme::DOTTED), of(|r| r.r_parallel_approximate))
-        .line("/{R}_{⊥} approximate", stroke(theme::VERMILION, theme::DOTTED), of(|r| r.r_perpendicular_approximate))
-        .line("/{F} approximate", stroke(theme::BLACK, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
-        .line("Schlick", stroke(theme::ORANGE, theme::DASHED), of(|r| r.r_schlick))
+        .line(label("/{R}_{∥}"), stroke(theme::BLUE, theme::SOLID), of(|r| r.r_parallel))
+        .line(label("/{R}_{⊥}"), stroke(theme::VERMILION, theme::SOLID), of(|r| r.r_perpendicular))
+        .line(label("/{F}"), stroke(theme::BLACK, theme::SOLID), of(|r| r.r_unpolarized))
+        .line(label("/{R}_{∥} approximate"), stroke(theme::BLUE, theme::DOTTED), of(|r| r.r_parallel_approximate))
+        .line(label("/{R}_{⊥} approximate"), stroke(theme::VERMILION, theme::DOTTED), of(|r| r.r_perpendicular_approximate))
+        .line(label("/{F} approximate"), stroke(theme::BLACK, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
+        .line(label("Schlick"), stroke(theme::ORANGE, theme::DASHED), of(|r| r.r_schlick))
         .vertical(c.pseudo_brewster_deg, format!("{:.1}°", c.pseudo_brewster_deg))
 }
 

@@ -35,7 +35,8 @@ const PAGE: [usize; 2] = [512, 2048];
 impl Display {
     #[must_use]
     pub fn new(map: &EnvMap, look: Look) -> Self {
-        let stops = look.exposure.unwrap_or_else(|| auto_exposure(map.image()));
+        // Darker than usual, so that lamps and windows keep their colours and marks stand out.
+        let stops = look.exposure.unwrap_or_else(|| auto_exposure(map.image()) - 1.5);
         let tone = look.gamma.map_or(ToneMap::Srgb { stops }, |gamma| ToneMap::Gamma { gamma, stops });
         let (width, height) = (map.image().width(), map.image().height());
         let (enlarge, reduce) =

@@ -1,6 +1,6 @@
 //! Drawing of the proposal experiment.
 
-use crate::figure::{Axis, Colour, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::proposal::Proposal;
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
@@ -16,20 +16,20 @@ pub fn drawing(result: &Proposal) -> Drawing {
     let highest = result.bins.iter().map(|b| b.target.max(b.uniform).max(b.gaussian)).fold(0.0, f64::max);
     let target: Vec<Point> =
         result.bins.iter().flat_map(|b| [[b.theta_from_deg, b.target], [b.theta_to_deg, b.target]]).collect();
-    let panel = |title: String, label: &str, colour: Colour, shares: Vec<f64>| {
+    let panel = |title: String, shares: Vec<f64>| {
         Panel::new(
             Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0),
             Axis::linear("share of the draws").range(0.0, highest * 1.08),
         )
         .title(title)
-        .bars(label, colour, edges.clone(), shares)
+        .bars("draws", theme::SKY_BLUE, edges.clone(), shares)
         .line("target: energy of the rows", Stroke::solid(theme::BLACK, theme::LINE), target.clone())
     };
     let share = |f: fn(&crate::study::proposal::Bin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
-        panel(format!("uniform numbers: {}", p(result.uniform.p)), "uniform", theme::SKY_BLUE, share(|b| b.uniform)),
-        panel(format!("Gaussian numbers: {}", p(result.gaussian.p)), "Gaussian", theme::ORANGE, share(|b| b.gaussian)),
+        panel(format!("uniform numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
+        panel(format!("Gaussian numbers: {}", p(result.gaussian.p)), share(|b| b.gaussian)),
     ])
     .draw()
 }

@@ -8,7 +8,7 @@ use crate::study::sphere::{Row, Shot};
 /// The render and its relative error, side by side.
 pub fn shot(shot: &Shot) -> Result<Drawing> {
     let image = &shot.rendered.image;
-    let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 0.0 }));
+    let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let limit = 0.05;
     let errors = Heatmap::new(image.width(), shot.relative_error.clone(), Shading::Diverging, "relative error")?
         .range(-limit, limit)
@@ -18,8 +18,8 @@ pub fn shot(shot: &Shot) -> Result<Drawing> {
         &format!("{} samples per pixel, {} light samples each", row.spp, row.light_samples),
         2,
         &[
-            ("rendered".into(), picture),
-            (format!("relative error, −5 % blue to +5 % red; relative RMSE {:.2} %", 100.0 * row.rel_rmse), errors),
+            ("rendered, shown one stop brighter".into(), picture),
+            (format!("relative error, ±5 %; RMSE {:.2} %", 100.0 * row.rel_rmse), errors),
         ],
     ))
 }
