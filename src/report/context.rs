@@ -48,7 +48,7 @@ impl Context {
         self.exact.get_or_init(|| Exact::new(&self.source.map, f64::from(builtin::SPHERE_ENV_SCALE), size))
     }
 
-    /// The sphere at `spp` samples per pixel by a strategy of [`STRATEGIES`]; rendered once.
+    /// The sphere at `spp` samples per pixel by a strategy of the error figure, by its number; rendered once.
     pub fn shot(&self, strategy: usize, spp: u32) -> Result<Arc<Shot>> {
         let exact = self.exact();
         let mut shots = self.shots.lock().unwrap_or_else(PoisonError::into_inner);

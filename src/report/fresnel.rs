@@ -78,7 +78,11 @@ fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
         .line(label("/{R}_{⊥}"), stroke(theme::VERMILION, theme::SOLID), of(|r| r.r_perpendicular))
         .line(label("/{F}"), stroke(theme::BLACK, theme::SOLID), of(|r| r.r_unpolarized))
         .line(label("/{R}_{∥} approximate"), stroke(theme::BLUE, theme::DOTTED), of(|r| r.r_parallel_approximate))
-        .line(label("/{R}_{⊥} approximate"), stroke(theme::VERMILION, theme::DOTTED), of(|r| r.r_perpendicular_approximate))
+        .line(
+            label("/{R}_{⊥} approximate"),
+            stroke(theme::VERMILION, theme::DOTTED),
+            of(|r| r.r_perpendicular_approximate),
+        )
         .line(label("/{F} approximate"), stroke(theme::BLACK, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
         .line(label("Schlick"), stroke(theme::ORANGE, theme::DASHED), of(|r| r.r_schlick))
         .vertical(c.pseudo_brewster_deg, format!("{:.1}°", c.pseudo_brewster_deg))

@@ -11,13 +11,16 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Makes a figure's content.
+pub(super) type Make = Box<dyn Fn(&Context) -> Result<Made> + Send + Sync>;
+
 /// A figure: what it shows, what it answers, and how it is made.
 pub struct Entry {
     pub id: &'static str,
     pub title: &'static str,
     /// The part of a report that it reproduces.
     pub answers: &'static str,
-    pub(super) make: Box<dyn Fn(&Context) -> Result<Made> + Send + Sync>,
+    pub(super) make: Make,
 }
 
 /// A figure's content.

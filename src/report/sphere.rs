@@ -37,7 +37,8 @@ pub const PBRT: [(u32, f64); 4] = [(8, 0.107), (16, 0.066), (32, 0.047), (64, 0.
 #[must_use]
 pub fn errors(series: &[Series<'_>], with_pbrt: bool) -> Drawing {
     let axis = || Axis::log("relative RMSE");
-    let mut by_samples = Panel::new(Axis::log("samples per pixel"), axis()).title("error against samples");
+    let mut by_samples =
+        Panel::new(Axis::log("samples per pixel").at([8.0, 16.0, 32.0, 64.0]), axis()).title("error against samples");
     let mut by_time = Panel::new(Axis::log("render time (s)"), axis()).title("error against time");
     for (i, s) in series.iter().enumerate() {
         let stroke = theme::series(i);
