@@ -1,7 +1,7 @@
 //! The first report's figures: how each is made and what it must meet.
 
 use super::check::Check;
-use super::context::{Context, STRATEGIES};
+use super::context::{Context, STRATEGIES, Size};
 use super::map::{Display, Look};
 use super::registry::{Entry, Made};
 use super::{fresnel as fresnel_view, output, proposal as proposal_view, sphere as sphere_view};
@@ -158,7 +158,7 @@ fn cut(context: &Context, n: usize, draw: impl Fn(&Display, &[median_cut::Row]) 
 }
 
 fn sphere(context: &Context, spp: u32) -> Result<Made> {
-    let shot = context.shot(0, spp)?;
+    let shot = context.shot(Size::Full, 0, spp)?;
     let pbrt = sphere_view::PBRT.iter().find(|(n, _)| *n == spp).map_or(f64::NAN, |(_, e)| *e);
     Ok(Made {
         drawing: sphere_view::shot(&shot)?,
@@ -186,7 +186,8 @@ fn sphere_error(context: &Context) -> Result<Made> {
     let mut series = Vec::new();
     let mut lines = Vec::new();
     for (i, (label, ..)) in STRATEGIES.iter().enumerate() {
-        let rows = SPP.iter().map(|&spp| Ok(context.shot(i, spp)?.row)).collect::<Result<Vec<Row>>>()?;
+        let rows =
+            SPP.iter().map(|&spp| Ok(context.shot(Size::Measuring, i, spp)?.row)).collect::<Result<Vec<Row>>>()?;
         lines.extend(rows.iter().map(|r| Line {
             strategy: label,
             spp: r.spp,
