@@ -18,10 +18,18 @@ pub struct Look {
     pub gamma: Option<f32>,
 }
 
+impl Look {
+    /// The tone mapping, with the exposure of `automatic` if none was chosen.
+    fn tone(&self, automatic: impl FnOnce() -> f32) -> ToneMap {
+        let stops = self.exposure.unwrap_or_else(automatic);
+        self.gamma.map_or(ToneMap::Srgb { stops }, |gamma| ToneMap::Gamma { gamma, stops })
+    }
+}
+
 /// A map made ready to be drawn on.
 pub struct Display {
     base: Rgb8,
-    tone: ToneMap,
+    look: Look,
     /// Texels of the map.
     width: usize,
     height: usize,
@@ -36,14 +44,13 @@ impl Display {
     #[must_use]
     pub fn new(map: &EnvMap, look: Look) -> Self {
         // Darker than usual, so that lamps and windows keep their colours and marks stand out.
-        let stops = look.exposure.unwrap_or_else(|| auto_exposure(map.image()) - 1.5);
-        let tone = look.gamma.map_or(ToneMap::Srgb { stops }, |gamma| ToneMap::Gamma { gamma, stops });
+        let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
         let (width, height) = (map.image().width(), map.image().height());
         let (enlarge, reduce) =
             (PAGE[0].div_ceil(width).min(PAGE[0] / height.min(PAGE[0])).max(1), width.div_ceil(PAGE[1]));
         let image = map.image().enlarged(enlarge).reduced(reduce);
         let base = Rgb8::new(image.width(), image.height(), to_rgb8(&image, &tone));
-        Self { base, tone, width, height, scale: enlarge as f64 / reduce as f64 }
+        Self { base, look, width, height, scale: enlarge as f64 / reduce as f64 }
     }
 
     fn black(&self) -> Drawing {
@@ -69,11 +76,6 @@ impl Display {
         }
     }
 
-    fn colour(&self, radiance: Rgb) -> Colour {
-        let bytes = to_rgb8(&Image::from_pixels(1, 1, vec![radiance]), &self.tone);
-        Colour::rgb(bytes[0], bytes[1], bytes[2])
-    }
-
     /// The map with a blue window at each sample.
     #[must_use]
     pub fn samples(&self, rows: &[map_samples::Row], window: usize) -> Drawing {
@@ -84,12 +86,19 @@ impl Display {
         drawing
     }
 
-    /// Black but for a window at each sample, in the colour seen there.
+    /// Black but for a window at each sample, in the colour seen there; exposed for the samples, which are far
+    /// brighter than the map on the whole.
     #[must_use]
     pub fn samples_only(&self, rows: &[map_samples::Row], window: usize) -> Drawing {
         let mut drawing = self.black();
-        for r in rows {
-            self.window(&mut drawing, (r.x, r.y), window, self.colour(Rgb::new(r.r, r.g, r.b)));
+        if rows.is_empty() {
+            return drawing;
+        }
+        let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
+        let seen = Image::from_pixels(rows.len(), 1, colours);
+        let bytes = to_rgb8(&seen, &self.look.tone(|| auto_exposure(&seen)));
+        for (r, rgb) in rows.iter().zip(bytes.chunks_exact(3)) {
+            self.window(&mut drawing, (r.x, r.y), window, Colour::rgb(rgb[0], rgb[1], rgb[2]));
         }
         drawing
     }
