@@ -2,7 +2,7 @@
 
 use super::console::{Console, files_written};
 use super::map_file::{self, MapOptions};
-use super::{Global, Verdict};
+use super::{Global, Model, Verdict};
 use crate::envmap::cut;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
@@ -115,12 +115,6 @@ fn finite(text: &str) -> std::result::Result<f32, String> {
 
 fn gamma(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Model {
-    Exact,
-    Report,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,11 +1,11 @@
 //! `etalon fresnel`: reflectance curves.
 
 use super::console::{Console, files_written};
-use super::{Global, Verdict};
+use super::{Global, Model, Verdict};
 use crate::error::{Error, Result};
 use crate::report::{fresnel as view, output};
 use crate::study::{fresnel, metal};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -34,12 +34,6 @@ pub struct Fresnel {
     /// beside the critical angle), curves ended at the critical angle
     #[arg(long, value_enum, default_value_t = Model::Exact)]
     model: Model,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Model {
-    Exact,
-    Report,
 }
 
 /// The JSON object: the study's numbers and the files.

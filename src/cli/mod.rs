@@ -9,7 +9,7 @@ mod render;
 mod reproduce;
 
 use crate::error::Result;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use console::Console;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -66,6 +66,15 @@ enum Command {
     Compare(compare::Compare),
     /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
+}
+
+/// Which formulas a command uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// The right ones
+    Exact,
+    /// The reports', mistakes included
+    Report,
 }
 
 /// What a command that ran to its end has to say to the shell.
