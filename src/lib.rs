@@ -15,6 +15,7 @@
 //! | 0 | [`error`], [`files`] | what every room needs |
 
 pub mod bsdf;
+pub mod cli;
 pub mod envmap;
 pub mod error;
 pub mod figure;
@@ -23,7 +24,10 @@ pub mod import;
 pub mod optics;
 pub mod raster;
 pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;
+pub mod stats;
+pub mod study;
 
 pub use error::{Error, Result};

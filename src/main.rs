@@ -1,1 +1,5 @@
-fn main() {}
+//! The `etalon` program: everything is in the library.
+
+fn main() -> std::process::ExitCode {
+    etalon::cli::main()
+}

@@ -37,7 +37,7 @@ pub enum SideRule {
 /// A region and the light that stands for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    pub rect: Block,
+    pub block: Block,
     /// Energy centroid, continuous texel coordinates.
     pub centroid: (f64, f64),
     /// The column and the row at which the region's energy halves, continuous texel coordinates (the first report's
@@ -53,7 +53,7 @@ pub struct Region {
 struct Candidate {
     priority: f64,
     solid_angle: f64,
-    rect: Block,
+    block: Block,
 }
 
 impl Candidate {
@@ -61,7 +61,7 @@ impl Candidate {
         self.priority
             .total_cmp(&other.priority)
             .then(self.solid_angle.total_cmp(&other.solid_angle))
-            .then((other.rect.y0, other.rect.x0).cmp(&(self.rect.y0, self.rect.x0)))
+            .then((other.block.y0, other.block.x0).cmp(&(self.block.y0, self.block.x0)))
     }
 }
 
@@ -112,43 +112,43 @@ impl<'a> MedianCut<'a> {
         let mut done = Vec::new();
         let mut heap = BinaryHeap::from([self.candidate(Block { x0: 0, y0: 0, x1: width, y1: height })]);
         while done.len() + heap.len() < n {
-            let Some(Candidate { rect, .. }) = heap.pop() else { break };
-            match self.cut(rect) {
+            let Some(Candidate { block, .. }) = heap.pop() else { break };
+            match self.cut(block) {
                 Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),
-                None => done.push(rect),
+                None => done.push(block),
             }
         }
-        done.extend(heap.into_iter().map(|c| c.rect));
+        done.extend(heap.into_iter().map(|c| c.block));
         done.sort_by_key(|r| (r.y0, r.x0));
-        Ok(done.into_iter().map(|rect| self.region(rect)).collect())
+        Ok(done.into_iter().map(|block| self.region(block)).collect())
     }
 
-    fn candidate(&self, rect: Block) -> Candidate {
+    fn candidate(&self, block: Block) -> Candidate {
         let g = self.map.geometry();
-        let column: f64 = (rect.y0..rect.y1).map(|y| g.solid_angle(y)).sum();
-        let priority = if self.moments.is_some() { self.variance(rect) } else { self.energy.sum(rect) };
-        Candidate { priority, solid_angle: column * (rect.x1 - rect.x0) as f64, rect }
+        let column: f64 = (block.y0..block.y1).map(|y| g.solid_angle(y)).sum();
+        let priority = if self.moments.is_some() { self.variance(block) } else { self.energy.sum(block) };
+        Candidate { priority, solid_angle: column * (block.x1 - block.x0) as f64, block }
     }
 
     /// The two halves of a region; `None` for a single texel.
-    fn cut(&self, rect: Block) -> Option<[Block; 2]> {
-        if self.moments.is_some() { self.cut_by_variance(rect) } else { self.cut_by_energy(rect) }
+    fn cut(&self, block: Block) -> Option<[Block; 2]> {
+        if self.moments.is_some() { self.cut_by_variance(block) } else { self.cut_by_energy(block) }
     }
 
-    fn cut_by_energy(&self, rect: Block) -> Option<[Block; 2]> {
-        let across = self.longer_side(rect);
-        let axis = if across.candidates(rect).is_empty() { across.other() } else { across };
-        let places = axis.candidates(rect);
+    fn cut_by_energy(&self, block: Block) -> Option<[Block; 2]> {
+        let across = self.longer_side(block);
+        let axis = if across.candidates(block).is_empty() { across.other() } else { across };
+        let places = axis.candidates(block);
         let (first, last) = (places.start, places.end.checked_sub(1)?);
         if places.is_empty() {
             return None;
         }
-        let total = self.energy.sum(rect);
+        let total = self.energy.sum(block);
         if total <= 0.0 {
-            return Some(axis.split(rect, (first + last).div_ceil(2)));
+            return Some(axis.split(block, (first + last).div_ceil(2)));
         }
         // The first cut with at least half of the energy before it, or the one before that if it is closer to half.
-        let before = |at: usize| self.energy.sum(axis.split(rect, at)[0]);
+        let before = |at: usize| self.energy.sum(axis.split(block, at)[0]);
         let (mut low, mut high) = (first, last);
         while low < high {
             let middle = low + (high - low) / 2;
@@ -156,74 +156,74 @@ impl<'a> MedianCut<'a> {
         }
         let imbalance = |at: usize| (before(at) * 2.0 - total).abs();
         let at = if low > first && imbalance(low - 1) <= imbalance(low) { low - 1 } else { low };
-        Some(axis.split(rect, at))
+        Some(axis.split(block, at))
     }
 
-    fn cut_by_variance(&self, rect: Block) -> Option<[Block; 2]> {
+    fn cut_by_variance(&self, block: Block) -> Option<[Block; 2]> {
         let worse = |halves: &[Block; 2]| self.variance(halves[0]).max(self.variance(halves[1]));
         let best = [Axis::X, Axis::Y]
             .into_iter()
-            .flat_map(|axis| axis.candidates(rect).map(move |at| axis.split(rect, at)))
+            .flat_map(|axis| axis.candidates(block).map(move |at| axis.split(block, at)))
             .min_by(|a, b| worse(a).total_cmp(&worse(b)))?;
         // Without light every cut is as good as any other: take the middle.
-        if self.energy.sum(rect) <= 0.0 { self.cut_by_energy(rect) } else { Some(best) }
+        if self.energy.sum(block) <= 0.0 { self.cut_by_energy(block) } else { Some(best) }
     }
 
     /// M₀ − |M₁|²/M₀, at least 0.
-    fn variance(&self, rect: Block) -> f64 {
+    fn variance(&self, block: Block) -> f64 {
         let Some(moments) = &self.moments else { return 0.0 };
-        let m0 = self.energy.sum(rect);
+        let m0 = self.energy.sum(block);
         if m0 <= 0.0 {
             return 0.0;
         }
-        let m1 = DVec3::from_array([0, 1, 2].map(|axis: usize| moments[axis].sum(rect)));
+        let m1 = DVec3::from_array([0, 1, 2].map(|axis: usize| moments[axis].sum(block)));
         (m0 - m1.length_squared() / m0).max(0.0)
     }
 
-    fn longer_side(&self, rect: Block) -> Axis {
+    fn longer_side(&self, block: Block) -> Axis {
         let g = self.map.geometry();
-        let (w, h) = ((rect.x1 - rect.x0) as f64, (rect.y1 - rect.y0) as f64);
+        let (w, h) = ((block.x1 - block.x0) as f64, (block.y1 - block.y0) as f64);
         let wide = match self.sides {
             SideRule::Texels => w >= h,
             SideRule::Sphere => {
-                let theta = 0.5 * PI * (rect.y0 + rect.y1) as f64 / g.height() as f64;
+                let theta = 0.5 * PI * (block.y0 + block.y1) as f64 / g.height() as f64;
                 w * 2.0 * PI / g.width() as f64 * theta.sin() >= h * PI / g.height() as f64
             }
         };
         if wide { Axis::X } else { Axis::Y }
     }
 
-    /// Sums a region's texels directly, so that the regions' fluxes add up to the map's.
-    fn region(&self, rect: Block) -> Region {
+    /// Sums a region's texels diblockly, so that the regions' fluxes add up to the map's.
+    fn region(&self, block: Block) -> Region {
         let g = self.map.geometry();
         let mut flux = DVec3::ZERO;
         let (mut energy, mut moment_x, mut moment_y) = (0.0, 0.0, 0.0);
-        let mut columns = vec![0.0; rect.x1 - rect.x0];
-        let mut rows = vec![0.0; rect.y1 - rect.y0];
-        for y in rect.y0..rect.y1 {
+        let mut columns = vec![0.0; block.x1 - block.x0];
+        let mut rows = vec![0.0; block.y1 - block.y0];
+        for y in block.y0..block.y1 {
             let solid_angle = g.solid_angle(y);
             let mut row = DVec3::ZERO;
-            for x in rect.x0..rect.x1 {
+            for x in block.x0..block.x1 {
                 row += self.map.texel(x, y).as_dvec3();
                 let e = self.map.intensity(x, y) * solid_angle;
                 moment_x += e * (x as f64 + 0.5);
                 moment_y += e * (y as f64 + 0.5);
-                columns[x - rect.x0] += e;
-                rows[y - rect.y0] += e;
+                columns[x - block.x0] += e;
+                rows[y - block.y0] += e;
                 energy += e;
             }
             flux += row * solid_angle;
         }
-        let middle = (0.5 * (rect.x0 + rect.x1) as f64, 0.5 * (rect.y0 + rect.y1) as f64);
+        let middle = (0.5 * (block.x0 + block.x1) as f64, 0.5 * (block.y0 + block.y1) as f64);
         let (centroid, median) = if energy > 0.0 {
             (
                 (moment_x / energy, moment_y / energy),
-                (rect.x0 as f64 + halving(&columns, energy), rect.y0 as f64 + halving(&rows, energy)),
+                (block.x0 as f64 + halving(&columns, energy), block.y0 as f64 + halving(&rows, energy)),
             )
         } else {
             (middle, middle)
         };
-        Region { rect, centroid, median, flux, energy }
+        Region { block, centroid, median, flux, energy }
     }
 }
 
@@ -302,14 +302,14 @@ mod tests {
                         assert_eq!(regions.len(), n, "any number can be asked for");
                         let mut covered = vec![0; w * h];
                         for r in &regions {
-                            for y in r.rect.y0..r.rect.y1 {
-                                for x in r.rect.x0..r.rect.x1 {
+                            for y in r.block.y0..r.block.y1 {
+                                for x in r.block.x0..r.block.x1 {
                                     covered[y * w + x] += 1;
                                 }
                             }
                             for (cx, cy) in [r.centroid, r.median] {
-                                assert!(cx >= r.rect.x0 as f64 && cx <= r.rect.x1 as f64);
-                                assert!(cy >= r.rect.y0 as f64 && cy <= r.rect.y1 as f64);
+                                assert!(cx >= r.block.x0 as f64 && cx <= r.block.x1 as f64);
+                                assert!(cy >= r.block.y0 as f64 && cy <= r.block.y1 as f64);
                             }
                         }
                         assert!(covered.iter().all(|&c| c == 1));
@@ -333,7 +333,7 @@ mod tests {
     fn a_constant_map_is_cut_in_the_middle() {
         let map = &maps()[2];
         let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(4).unwrap();
-        let corners: Vec<_> = regions.iter().map(|r| (r.rect.x0, r.rect.y0)).collect();
+        let corners: Vec<_> = regions.iter().map(|r| (r.block.x0, r.block.y0)).collect();
         // The sphere rule cuts the 2:1 map across, then each square half across its middle row's longer side.
         assert!(corners.contains(&(0, 0)) && corners.contains(&(32, 0)), "{corners:?}");
         let energy: f64 = regions.iter().map(|r| r.energy).sum();
@@ -353,7 +353,7 @@ mod tests {
         let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(lamp(x, y))));
         let pieces = |split| {
             let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(2).unwrap();
-            regions.iter().filter(|r| r.rect.x0 < 24 && r.rect.x1 > 20).count()
+            regions.iter().filter(|r| r.block.x0 < 24 && r.block.x1 > 20).count()
         };
         assert_eq!(pieces(Split::Energy), 2);
         assert_eq!(pieces(Split::Variance), 1);

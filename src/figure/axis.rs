@@ -17,13 +17,14 @@ pub struct Axis {
     pub(super) scale: Scale,
     range: Option<(f64, f64)>,
     every: Option<f64>,
+    at: Vec<f64>,
 }
 
 impl Axis {
     /// A linear axis that shows all the data. `label` may carry the markup of [`super::text`].
     #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None, every: None }
+        Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new() }
     }
 
     /// A logarithmic axis that shows all positive data.
@@ -44,6 +45,12 @@ impl Axis {
         Self { every: Some(step), ..self }
     }
 
+    /// Puts labelled ticks at these whole numbers and no others.
+    #[must_use]
+    pub fn at(self, places: impl Into<Vec<f64>>) -> Self {
+        Self { at: places.into(), ..self }
+    }
+
     /// The range asked for, or `from` to `to`.
     pub(super) fn span_or(&self, from: f64, to: f64) -> Span {
         let (from, to) = self.range.unwrap_or((from, to));
@@ -60,6 +67,9 @@ impl Axis {
 
     /// At most about `most` ticks on `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
+        if !self.at.is_empty() {
+            return ticks::at(span.lo(), span.hi(), &self.at);
+        }
         match (self.scale, self.every) {
             (Scale::Log10, _) => ticks::log(span.lo(), span.hi(), most),
             (Scale::Linear, Some(step)) => ticks::every(span.lo(), span.hi(), step),

@@ -55,6 +55,14 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     steps(lo, hi, step, decimals, parts.unwrap_or(1))
 }
 
+/// Ticks at given whole numbers, as far as they lie in the range.
+#[must_use]
+pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
+    let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
+    let major = inside.map(|&at| Tick { at, label: number(at, 0) }).collect();
+    Ticks { major, ..Ticks::default() }
+}
+
 /// Multiples of `step`, each divided into `parts`; labels need `decimals` (negative: trailing zeros).
 fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
     let largest = lo.abs().max(hi.abs());
@@ -81,7 +89,7 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
 pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);
     if last <= first {
-        return Ticks { minor: Vec::new(), ..linear(lo, hi, most.min(6)) };
+        return within_two_decades(lo, hi).unwrap_or(Ticks { minor: Vec::new(), ..linear(lo, hi, most.min(6)) });
     }
     let least = (last - first + 1).unsigned_abs().div_ceil(most.max(2) as u32) as i32;
     let stride = [1, 2, 3, 5, 10, 20, 50, 100, 200].into_iter().find(|&n| n >= least).unwrap_or(500);
@@ -98,6 +106,26 @@ pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
         (first..=last).filter(|n| !labelled(n)).map(ten).collect()
     };
     Ticks { major, minor, exponent: 0 }
+}
+
+/// 1, 2 and 5 times the powers of ten, if at least three of them lie in the range and they can be written out.
+fn within_two_decades(lo: f64, hi: f64) -> Option<Ticks> {
+    let first = (lo.log10() + 1e-9).floor() as i32;
+    if !(-4..4).contains(&first) || hi / lo > 1000.0 {
+        return None;
+    }
+    let inside = |v: f64| (lo * (1.0 - 1e-9)..=hi * (1.0 + 1e-9)).contains(&v);
+    let all = (first..first + 3).flat_map(|n| (1..10).map(move |m| (m, n)));
+    let (mut major, mut minor) = (Vec::new(), Vec::new());
+    for (m, n) in all.filter(|&(m, n)| inside(f64::from(m) * ten(n))) {
+        let at = f64::from(m) * ten(n);
+        if [1, 2, 5].contains(&m) {
+            major.push(Tick { at, label: number(at, n.min(0).unsigned_abs() as usize) });
+        } else {
+            minor.push(at);
+        }
+    }
+    (major.len() >= 3).then_some(Ticks { major, minor, exponent: 0 })
 }
 
 /// Ten to the power `n`.
@@ -152,6 +180,11 @@ mod tests {
     }
 
     #[test]
+    fn given_places() {
+        assert_eq!(labels(&at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0])), ["8", "16", "32"]);
+    }
+
+    #[test]
     fn decades() {
         let ticks = log(1e-3, 1.0, 8);
         assert_eq!(labels(&ticks), ["10^{−3}", "10^{−2}", "10^{−1}", "10^{0}"]);
@@ -159,6 +192,10 @@ mod tests {
         assert_eq!(labels(&log(1e-30, 1.0, 4)), ["10^{−30}", "10^{−20}", "10^{−10}", "10^{0}"].as_slice());
         // No two decades inside: plain round values.
         assert_eq!(labels(&log(2.0, 8.0, 6)), ["2", "4", "6", "8"]);
+        // One decade inside: round steps of the logarithm.
+        let ticks = log(0.12, 2.8, 6);
+        assert_eq!(labels(&ticks), ["0.2", "0.5", "1", "2"]);
+        assert_eq!(ticks.minor.len(), 6);
     }
 
     #[test]

@@ -177,7 +177,7 @@ mod tests {
                 .collect();
             for bits in 0..=6 {
                 let (columns, rows) = (1usize << bits, 1usize << (6 - bits));
-                let mut hit = vec![false; 64];
+                let mut hit = [false; 64];
                 for [x, y] in &points {
                     let cell = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
                     assert!(!std::mem::replace(&mut hit[cell], true), "two points in a {columns}x{rows} cell");

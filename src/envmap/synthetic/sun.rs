@@ -56,8 +56,8 @@ fn background(d: DVec3, sun: DVec3) -> DVec3 {
         let glow = 2.2 * libm::exp(-angle / 0.06) + 0.30 * libm::exp(-angle / 0.35);
         ZENITH.lerp(HORIZON, haze) + GLOW * glow
     } else {
-        // Seen more from the side of the sun, the ground is a little brighter: its grains hide their shadows.
-        let opposite = 0.5 * (1.0 + d.dot(DVec3::new(-sun.x, sun.y, -sun.z)));
+        // With the sun behind the eye the ground is a little brighter: its grains hide their shadows.
+        let opposite = 0.5 * (1.0 - d.dot(sun));
         (GROUND * (0.8 + 0.5 * opposite)).lerp(HORIZON * 0.8, libm::exp(d.y / 0.02))
     }
 }

@@ -28,13 +28,6 @@ impl Pointed {
         self.spring + self.rise
     }
 
-    /// The same arch cut back by `d` on both sides, arcs concentric.
-    pub fn inset(&self, d: f64) -> Self {
-        let (half, radius) = (self.half - d, self.radius - d);
-        let offset = radius - half;
-        Self { half, radius, rise: (radius * radius - offset * offset).max(0.0).sqrt(), ..*self }
-    }
-
     /// Distance to the jambs and arcs, positive inside.
     pub fn depth(&self, a: f64, b: f64) -> f64 {
         if b <= self.spring {
@@ -172,17 +165,13 @@ mod tests {
     #[test]
     fn a_line_leaves_the_arch_on_its_outline() {
         let arch = Pointed::new(2.3, 4.5, 3.0);
-        for i in 0..360 {
+        for i in (0..360).filter(|&i| i != 270) {
             let angle = f64::from(i).to_radians();
             let (p, d) = (DVec2::new(0.4, 4.2), DVec2::new(libm::cos(angle), libm::sin(angle)));
             let exit = arch.exit(p, d);
-            if exit.t.is_finite() {
-                let q = p + d * exit.t;
-                assert!(arch.depth(q.x, q.y).abs() < 1e-9, "{i}°");
-                assert!((exit.normal.length() - 1.0).abs() < 1e-9 && exit.normal.dot(d) < 0.0, "{i}°");
-            } else {
-                assert!((260..=280).contains(&i), "{i}°");
-            }
+            let q = p + d * exit.t;
+            assert!(exit.t > 0.0 && arch.depth(q.x, q.y).abs() < 1e-9, "{i}°");
+            assert!((exit.normal.length() - 1.0).abs() < 1e-9 && exit.normal.dot(d) < 0.0, "{i}°");
         }
     }
 }

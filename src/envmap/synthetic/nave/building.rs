@@ -5,70 +5,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::arch::{Met, Recess};
+use super::arch::{Frame, Met, Recess};
 use super::plan::{self, *};
-
-/// What a ray met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Surface {
-    Floor,
-    Wall,
-    /// Dressed stone: soffits, ribs, reveals.
-    Dressed,
-    Vault,
-    AisleVault,
-    ApseVault,
-    Column,
-    Niche,
-    Door,
-    Iron,
-    Wax,
-    Altar,
-    /// Window kind and number, and the place in it: across, height.
-    Glass(Kind, i32, DVec2),
-}
-
-#[derive(Debug, Clone, Copy)]
-pub struct Hit {
-    pub t: f64,
-    pub p: DVec3,
-    /// Towards the side that the ray came from.
-    pub n: DVec3,
-    pub surface: Surface,
-}
-
-/// A straight line from `o`; `d` is unit.
-#[derive(Debug, Clone, Copy)]
-pub struct Ray {
-    pub o: DVec3,
-    pub d: DVec3,
-}
-
-impl Ray {
-    pub fn at(&self, t: f64) -> DVec3 {
-        self.o + self.d * t
-    }
-
-    pub fn hit(&self, t: f64, n: DVec3, surface: Surface) -> Hit {
-        Hit { t, p: self.at(t), n, surface }
-    }
-
-    /// Where the coordinate `axis` reaches `value`, if that lies ahead.
-    fn reach(&self, axis: usize, value: f64) -> f64 {
-        let d = self.d[axis];
-        if d == 0.0 { f64::INFINITY } else { (value - self.o[axis]) / d }
-    }
-
-    /// Where the ray leaves the slab `low..high` of coordinate `axis`.
-    fn leave(&self, axis: usize, low: f64, high: f64) -> f64 {
-        self.reach(axis, if self.d[axis] < 0.0 { low } else { high })
-    }
-
-    fn mirrored(&self, side: f64) -> Self {
-        let m = DVec3::new(side, 1.0, 1.0);
-        Self { o: self.o * m, d: self.d * m }
-    }
-}
+use super::ray::{Hit, Ray, Surface};
+use super::vault;
 
 #[derive(Debug, Clone, Copy)]
 enum Room {
@@ -122,16 +62,16 @@ fn nave(ray: &Ray, side: f64, from: f64) -> Step {
     let end = ray.leave(2, -END, END);
     let mut t = wall.min(floor).min(end).max(from);
     let spring = NAVE_VAULT.across.spring;
-    let mut vault = None;
+    let mut over = None;
     if ray.at(from).y.max(ray.at(t).y) > spring {
-        vault = vault_exit(&NAVE_VAULT, ray, from, t);
-        t = vault.map_or(t, |(t, _)| t);
-        if let Some((at, n)) = rib(ray, from, t) {
+        over = vault::exit(&NAVE_VAULT, ray, from, t);
+        t = over.map_or(t, |(t, _)| t);
+        if let Some((at, n)) = vault::rib(ray, from, t) {
             return Step::Hit(ray.hit(at, n, Surface::Dressed));
         }
     }
     let p = ray.at(t);
-    if let Some((_, n)) = vault {
+    if let Some((_, n)) = over {
         Step::Hit(ray.hit(t, n, Surface::Vault))
     } else if t == floor {
         Step::Hit(ray.hit(t, DVec3::Y, Surface::Floor))
@@ -192,7 +132,7 @@ fn aisle(ray: &Ray, side: f64, from: f64) -> Step {
     let end = ray.leave(2, -END, END);
     let t = wall.min(floor).min(end).max(from);
     if ray.at(from).y.max(ray.at(t).y) > AISLE_VAULT.across.spring
-        && let Some((t, n)) = vault_exit(&AISLE_VAULT, ray, from, t)
+        && let Some((t, n)) = vault::exit(&AISLE_VAULT, ray, from, t)
     {
         return Step::Hit(ray.hit(t, n, Surface::AisleVault));
     }
@@ -280,62 +220,13 @@ fn glass(kind: Kind, number: i32, q: DVec2) -> Surface {
 }
 
 /// Continues into a recess entered at `t`; `back` says what its back is at (across, height).
-fn recess(ray: &Ray, t: f64, frame: &super::arch::Frame, shape: &Recess, back: impl Fn(DVec2) -> Surface) -> Hit {
+fn recess(ray: &Ray, t: f64, frame: &Frame, shape: &Recess, back: impl Fn(DVec2) -> Surface) -> Hit {
     let (q, d) = (frame.local(ray.at(t)), frame.local_direction(ray.d));
     let (more, met) = shape.trace(q, d);
     match met {
         Met::Reveal(n) => ray.hit(t + more, frame.world_direction(n), Surface::Dressed),
         Met::Back => ray.hit(t + more, -frame.out, back((q + d * more).truncate())),
     }
-}
-
-/// Where the ray leaves the union of the vault's tunnels between `from` and `to`, with the surface's normal there.
-fn vault_exit(vault: &Vault, ray: &Ray, from: f64, to: f64) -> Option<(f64, DVec3)> {
-    const PROGRESS: f64 = 1e-7;
-    let (mut t, mut n) = (from, DVec3::NEG_Y);
-    while t < to {
-        let p = ray.at(t);
-        let long = vault.across.exit(DVec2::new(p.x - vault.centre, p.y), DVec2::new(ray.d.x, ray.d.y));
-        if vault.across.contains(p.x - vault.centre, p.y) && long.t > PROGRESS {
-            t += long.t;
-            n = DVec3::new(long.normal.x, long.normal.y, 0.0);
-            continue;
-        }
-        let a = p.z - bay_z(bay(p.z));
-        let cross = vault.along.exit(DVec2::new(a, p.y), DVec2::new(ray.d.z, ray.d.y));
-        if vault.along.contains(a, p.y) && cross.t > PROGRESS {
-            t += cross.t;
-            n = DVec3::new(0.0, cross.normal.y, cross.normal.x);
-            continue;
-        }
-        return Some((t, n));
-    }
-    None
-}
-
-/// The first transverse rib of the nave vault between `from` and `to`.
-fn rib(ray: &Ray, from: f64, to: f64) -> Option<(f64, DVec3)> {
-    let (z0, z1) = (ray.at(from).z, ray.at(to).z);
-    let forward = ray.d.z >= 0.0;
-    for i in 0..=2 * OUTER_BAYS + 1 {
-        let place = f64::from(if forward { i } else { 2 * OUTER_BAYS + 1 - i });
-        let z = place * BAY - END;
-        if z + RIB_HALF < z0.min(z1) || z - RIB_HALF > z0.max(z1) {
-            continue;
-        }
-        let (near, far) = (ray.reach(2, z - RIB_HALF), ray.reach(2, z + RIB_HALF));
-        let (enter, leave) = if ray.d.z == 0.0 { (from, to) } else { (near.min(far).max(from), near.max(far).min(to)) };
-        let p = ray.at(enter);
-        if p.y > RIB.spring && !RIB.contains(p.x, p.y) {
-            return Some((enter, if forward { DVec3::NEG_Z } else { DVec3::Z }));
-        }
-        let exit = RIB.exit(DVec2::new(p.x, p.y), DVec2::new(ray.d.x, ray.d.y));
-        let at = enter + exit.t.max(0.0);
-        if at < leave && ray.at(at).y > RIB.spring {
-            return Some((at, DVec3::new(exit.normal.x, exit.normal.y, 0.0)));
-        }
-    }
-    None
 }
 
 /// Whether a point lies in the air of the church, piers and furniture not counted.
@@ -358,5 +249,59 @@ pub fn contains(p: DVec3) -> bool {
         p.y < ARCADE.spring || ARCADE.contains(a, p.y)
     } else {
         x < OUTER_WALL && under(&AISLE_VAULT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions spread evenly over the sphere.
+    fn directions(count: u32) -> impl Iterator<Item = DVec3> {
+        (0..count).map(move |i| {
+            let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let (s, c) = libm::sincos(2.4 * f64::from(i));
+            DVec3::new(s * (1.0 - y * y).sqrt(), y, c * (1.0 - y * y).sqrt())
+        })
+    }
+
+    #[test]
+    fn rays_stop_where_the_air_ends_and_not_before() {
+        for o in [EYE, DVec3::new(-9.0, 2.0, 4.0), DVec3::new(8.8, 5.0, -11.0), DVec3::new(1.0, 9.0, 17.0)] {
+            for d in directions(20_000) {
+                let hit = trace(&Ray { o, d });
+                assert!((hit.n.length() - 1.0).abs() < 1e-9 && hit.n.dot(d) < 1e-9, "{o} {d} {hit:?}");
+                // The way up to the surface is air, but for ribs (in front of the vault) and recesses (behind walls).
+                let solid = |t: f64| !contains(o + d * t);
+                let recessed = matches!(hit.surface, Surface::Glass(..) | Surface::Niche | Surface::Door);
+                if recessed || hit.surface == Surface::Dressed {
+                    continue;
+                }
+                // Behind the end of an aisle lies the outermost corner of the apse.
+                assert!(solid(hit.t + 1e-3) || (hit.p.z - END).abs() < 1e-6, "{o} {d} {hit:?}");
+                for k in 1..20 {
+                    let t = (hit.t - 1e-3) * f64::from(k) / 19.0;
+                    assert!(!solid(t), "{o} {d} {hit:?} at {t}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_camera_sees_every_kind_of_window_and_a_mirrored_church() {
+        let mut seen = Vec::new();
+        for d in directions(20_000) {
+            if let Surface::Glass(kind, _, q) = trace(&Ray { o: EYE, d }).surface {
+                assert!(kind.contains(q.x, q.y), "{kind:?} {q}");
+                if !seen.contains(&kind) {
+                    seen.push(kind);
+                }
+            }
+            let o = DVec3::new(1.0, 2.0, 3.0);
+            let m = DVec3::new(-1.0, 1.0, 1.0);
+            let (a, b) = (trace(&Ray { o, d }), trace(&Ray { o: o * m, d: d * m }));
+            assert!((a.p * m - b.p).length() < 1e-6, "{d}: {} {}", a.p, b.p);
+        }
+        assert_eq!(seen.len(), 5, "{seen:?}");
     }
 }

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::arch::Pointed;
 use super::plan::{Kind, ROSE_HEIGHT, ROSE_RADIUS, Window};
 
-/// Pot-metal glass, as linear RGB transmittance.
+/// Pot-metal glass: linear RGB transmittance of a sheet of middling thickness, so that thin ones let through more.
 const COBALT: DVec3 = DVec3::new(0.03, 0.15, 0.95);
 const SKY: DVec3 = DVec3::new(0.16, 0.50, 0.95);
 const RUBY: DVec3 = DVec3::new(0.85, 0.035, 0.03);
@@ -66,12 +66,8 @@ pub fn transmittance(kind: Kind, number: i32, q: DVec2) -> Option<DVec3> {
     let seed = number + 16 * kind as i32;
     let shelf = Shelf::of(kind, number);
     match kind {
-        Kind::Clerestory => {
-            paired_lights(q, &Pointed::new(0.80, 12.9, 1.15), 0.90, 9.7, DVec2::new(0.0, 14.45), 0.66, shelf, seed)
-        }
-        Kind::Aisle => {
-            paired_lights(q, &Pointed::new(0.50, 4.1, 0.8), 0.58, 1.8, DVec2::new(0.0, 5.2), 0.38, shelf, seed)
-        }
+        Kind::Clerestory => paired_lights(q, &CLERESTORY_TRACERY, shelf, seed),
+        Kind::Aisle => paired_lights(q, &AISLE_TRACERY, shelf, seed),
         Kind::Lancet => light(q, &Pointed::new(1.22, 8.9, 2.26), 3.4, shelf, seed),
         Kind::Gallery => light(q, &Pointed::new(0.54, 6.9, 0.92), 5.36, shelf, seed),
         Kind::Rose => rose(q - DVec2::new(0.0, ROSE_HEIGHT)),
@@ -94,29 +90,28 @@ pub fn mean_transmittance(window: &Window) -> DVec3 {
     sum / count
 }
 
-/// Two lights side by side and a roundel over them.
-fn paired_lights(
-    q: DVec2,
-    shape: &Pointed,
+/// Two lights side by side, their axes at ±`offset`, and a roundel over them.
+struct Tracery {
+    shape: Pointed,
     offset: f64,
     sill: f64,
-    roundel: DVec2,
+    roundel: f64,
     radius: f64,
-    shelf: &Shelf,
-    seed: i32,
-) -> Option<DVec3> {
-    let r = q - roundel;
-    if r.length_squared() < radius * radius {
-        return Some(flower(r / radius, radius, 6, seed));
+}
+
+const CLERESTORY_TRACERY: Tracery =
+    Tracery { shape: Pointed::new(0.80, 12.9, 1.15), offset: 0.90, sill: 9.7, roundel: 14.45, radius: 0.66 };
+const AISLE_TRACERY: Tracery =
+    Tracery { shape: Pointed::new(0.50, 4.1, 0.8), offset: 0.58, sill: 1.8, roundel: 5.2, radius: 0.38 };
+
+fn paired_lights(q: DVec2, tracery: &Tracery, shelf: &Shelf, seed: i32) -> Option<DVec3> {
+    let r = (q - DVec2::new(0.0, tracery.roundel)) / tracery.radius;
+    if r.length_squared() < 1.0 {
+        return Some(flower(r, tracery.radius, 6, seed));
     }
     let right = q.x >= 0.0;
-    light(
-        DVec2::new(if right { q.x - offset } else { q.x + offset }, q.y),
-        shape,
-        sill,
-        shelf,
-        2 * seed + i32::from(right),
-    )
+    let across = if right { q.x - tracery.offset } else { q.x + tracery.offset };
+    light(DVec2::new(across, q.y), &tracery.shape, tracery.sill, shelf, 2 * seed + i32::from(right))
 }
 
 /// One light: a border of beads around a column of medallions on a lattice ground.
@@ -251,7 +246,7 @@ fn rose(q: DVec2) -> Option<DVec3> {
     })
 }
 
-/// Hand-blown sheets differ: a factor between a half and one and a half, mostly near one.
+/// Hand-blown sheets differ in thickness: a factor from 0.55 to 1.65, more often small than large.
 fn vary(keys: [i32; 3]) -> f64 {
     let x = chance(keys);
     0.55 + 0.9 * x * x + 0.2 * x

@@ -6,9 +6,9 @@
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::building::{self, Hit, Ray};
 use super::plan::{Window, windows};
-use super::{columns, glass, light};
+use super::ray::{Hit, Ray};
+use super::{building, columns, glass, light};
 
 const ORIGIN: DVec3 = DVec3::new(-10.8, 0.4, -14.4);
 const STEP: DVec3 = DVec3::new(1.2, 1.7, 1.74);
@@ -197,5 +197,30 @@ fn gather(p: DVec3, reflected: impl Fn(&Hit) -> DVec3) -> [DVec3; 6] {
 fn add(cube: &mut [DVec3; 6], d: DVec3, light: DVec3) {
     for axis in 0..3 {
         cube[2 * axis + usize::from(d[axis] < 0.0)] += light * d[axis].abs();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_light_the_walls_that_face_them() {
+        let light = Irradiance::by_windows();
+        let at = |p: [f64; 3], n: DVec3| light.at(DVec3::from_array(p), n).element_sum();
+        // The north wall of the nave faces the south clerestory; a floor sees more window than a vault does.
+        assert!(at([5.9, 9.0, 0.0], DVec3::NEG_X) > 0.0);
+        assert!(at([0.0, 0.0, 0.0], DVec3::Y) > 2.0 * at([0.0, 0.5, 0.0], DVec3::NEG_Y));
+        // Before the apse, what faces its tall windows is brighter than what turns its back on them.
+        assert!(at([0.0, 3.0, 11.0], DVec3::Z) > 2.0 * at([0.0, 3.0, 11.0], DVec3::NEG_Z));
+    }
+
+    #[test]
+    fn stone_of_even_radiance_gives_even_light() {
+        // Inside a closed room of radiance 1 the irradiance is π on every side.
+        let cube = gather(DVec3::new(0.0, 3.0, 0.0), |_| DVec3::ONE);
+        for face in cube {
+            assert!((face.x / std::f64::consts::PI - 1.0).abs() < 0.03, "{face}");
+        }
     }
 }

@@ -24,9 +24,9 @@ pub fn sky(kind: Kind, number: i32) -> DVec3 {
     let south = number & 1 == 0;
     match kind {
         Kind::Clerestory | Kind::Aisle if south => DVec3::new(0.64, 0.58, 0.50),
-        Kind::Clerestory => DVec3::new(0.50, 0.62, 0.98),
-        Kind::Aisle => DVec3::new(0.32, 0.40, 0.58),
-        Kind::Lancet => DVec3::new(0.62, 0.70, 0.92),
+        Kind::Clerestory => DVec3::new(0.58, 0.76, 1.35),
+        Kind::Aisle => DVec3::new(0.34, 0.46, 0.80),
+        Kind::Lancet => DVec3::new(0.58, 0.72, 1.05),
         Kind::Gallery | Kind::Rose => DVec3::new(0.48, 0.60, 0.88),
     }
 }

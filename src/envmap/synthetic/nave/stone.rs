@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::building::{Hit, Surface};
 use super::glass::chance;
 use super::plan::{self, AISLE_VAULT, ARCADE, CLERESTORY, END, NAVE_VAULT, Vault, WALL};
+use super::ray::{Hit, Surface};
 
 const STONE: DVec3 = DVec3::new(0.25, 0.22, 0.165);
 const DRESSED: DVec3 = DVec3::new(0.29, 0.26, 0.20);
@@ -208,4 +208,33 @@ fn noise(p: DVec3) -> f64 {
     let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
     let edge = |j: i32, k: i32| mix(chance([i, j, k]), chance([i + 1, j, k]), f.x);
     mix(mix(edge(j, k), edge(j + 1, k), f.y), mix(edge(j, k + 1), edge(j + 1, k + 1), f.y), f.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filtered_patterns_keep_their_mean_and_sharpen_to_the_pattern() {
+        let cell = |u: f64, v: f64| chequer(u, v, 1e-3);
+        assert!((cell(0.5, 0.5) - cell(1.5, 1.5)).abs() < 1e-9);
+        assert!((cell(0.5, 0.5) - cell(1.5, 0.5)).abs() > 1.0 - 1e-9);
+        assert!((chequer(0.3, 0.7, 1e6) - 0.5).abs() < 1e-3);
+        for width in [0.01, 0.1, 0.4] {
+            let mean = (0..10_000).map(|i| line(f64::from(i) * 1e-3, 1.0, 0.05, width)).sum::<f64>() / 1e4;
+            assert!((mean - 0.1).abs() < 1e-3, "{width}: {mean}");
+        }
+    }
+
+    #[test]
+    fn no_stone_sends_back_more_light_than_it_gets() {
+        let surfaces = [Surface::Floor, Surface::Wall, Surface::Vault, Surface::AisleVault, Surface::ApseVault];
+        for (i, surface) in surfaces.into_iter().cycle().take(5000).enumerate() {
+            let at = |k: i32| chance([i as i32, k, 99]);
+            let p = DVec3::new(12.0 * at(0) - 6.0, 18.0 * at(1), 35.0 * at(2) - 15.0);
+            let n = if i & 1 == 0 { DVec3::X } else { DVec3::Z };
+            let albedo = albedo(&Hit { t: 1.0, p, n, surface }, 0.01 + at(3));
+            assert!(albedo.min_element() > 0.0 && albedo.max_element() < 1.0, "{surface:?} {p}: {albedo}");
+        }
+    }
 }

@@ -3,9 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::arch::Recess;
-use super::building::Ray;
 use super::glass;
 use super::plan::{self, AISLE_WINDOW, CLERESTORY, Kind, OUTER_BAYS, OUTER_WALL, WALL};
+use super::ray::Ray;
 
 /// Towards the sun: before noon, and so high that its patches reach the floor of the nave.
 const DIRECTION: DVec3 = DVec3::new(-0.66, 1.0, 0.32);
@@ -134,5 +134,30 @@ impl Slide {
         let i = base.y as usize * self.width + base.x as usize;
         let row = |i: usize| self.cells[i].lerp(self.cells[i + 1], f.x);
         row(i).lerp(row(i + self.width), f.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sun_lays_coloured_patches_on_the_floor_and_nothing_behind_the_north_wall() {
+        let sun = Sun::new();
+        let (mut lit, mut coloured, mut total) = (0, 0, 0);
+        for i in 0..100 {
+            for j in 0..100 {
+                let p = DVec3::new(-5.5 + 0.11 * f64::from(i), 0.0, -14.0 + 0.28 * f64::from(j));
+                let light = sun.irradiance(p, DVec3::Y);
+                assert!(light.min_element() >= 0.0 && light.max_element() < 5.0, "{p}: {light}");
+                total += 1;
+                lit += i32::from(light.max_element() > 0.05);
+                coloured += i32::from(light.max_element() > 0.05 && light.max_element() > 2.0 * light.min_element());
+            }
+        }
+        assert!(lit * 20 > total && lit * 2 < total, "{lit} of {total}");
+        assert!(coloured * 2 > lit, "{coloured} of {lit}");
+        assert_eq!(sun.irradiance(DVec3::new(8.0, 0.0, 0.0), DVec3::Y), DVec3::ZERO);
+        assert_eq!(sun.irradiance(DVec3::new(2.0, 1.0, 0.0), DVec3::NEG_Y), DVec3::ZERO);
     }
 }

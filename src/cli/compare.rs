@@ -1,0 +1,70 @@
+//! `etalon compare`: the difference of two images, in numbers and in colour.
+
+use super::console::{Console, files_written};
+use super::map_file::short_name;
+use super::{Global, Verdict};
+use crate::error::Result;
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::raster::{self, Comparison, Image, ReadOptions};
+use crate::report::output::Target;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Compare two images of the same size: B is the reference
+#[derive(Args)]
+#[command(after_help = "mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), over all channel values. Writes \
+                        A-vs-B.{png,svg,pdf}: the difference of the intensities in false colour.\n\nExample:\n  etalon \
+                        compare render.exr reference.exr")]
+pub struct Compare {
+    a: PathBuf,
+    b: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Output {
+    #[serde(flatten)]
+    numbers: Comparison,
+    files: Vec<PathBuf>,
+}
+
+impl Compare {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        // Pictures of any kind may be compared, 8-bit ones too.
+        let read = |path| raster::read(path, ReadOptions { allow_ldr: true });
+        let (a, b) = (read(&self.a)?, read(&self.b)?);
+        let numbers = raster::compare(&a, &b)?;
+        let name = format!("{}-vs-{}", short_name(&self.a.to_string_lossy()), short_name(&self.b.to_string_lossy()));
+        let files = difference(&a, &b)?.write(&Target::new(global.out.as_deref()).stem(&name, ""))?;
+        if numbers.non_finite > 0 {
+            console.warn(&format!("{} pixels are not finite and were left out", numbers.non_finite));
+        }
+        let output = Output { numbers, files };
+        console.result(&output, || {
+            let n = &output.numbers;
+            format!(
+                "mse      {:.6e}\nrmse     {:.6e}\nrel_mse  {:.6e}\nmax_abs  {:.6e}\nmean_a   {:.6e}\nmean_b   {:.6e}\n{}",
+                n.mse,
+                n.rmse,
+                n.rel_mse,
+                n.max_abs,
+                n.mean_a,
+                n.mean_b,
+                files_written(&output.files)
+            )
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+/// Difference of the intensities, diverging colours around 0.
+fn difference(a: &Image, b: &Image) -> Result<Drawing> {
+    let values: Vec<f64> =
+        a.pixels().iter().zip(b.pixels()).map(|(p, q)| (p.as_dvec3() - q.as_dvec3()).element_sum() / 3.0).collect();
+    let map = Heatmap::new(a.width(), values, Shading::Diverging, "(R + G + B)/3 of A − B")?;
+    let (width, height) = (a.width() as f64, a.height() as f64);
+    let panel =
+        Panel::new(Axis::linear("column").range(0.0, width), Axis::linear("row").range(height, 0.0)).heatmap(map);
+    let longer = 480.0 / width.max(height);
+    Ok(Plot::new([panel]).frame_size(width * longer, height * longer).draw())
+}

@@ -1,0 +1,63 @@
+//! What the program says, and where: results to standard output, the rest to standard error.
+
+use crate::error::Error;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+
+/// The two streams, and who wants what on them.
+pub struct Console {
+    json: bool,
+    quiet: bool,
+}
+
+impl Console {
+    pub fn new(json: bool, quiet: bool) -> Self {
+        Self { json, quiet }
+    }
+
+    /// A result: `value` as JSON if that was asked for, `human` otherwise.
+    pub fn result(&self, value: &impl Serialize, human: impl FnOnce() -> String) {
+        let text = if self.json {
+            serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}"))
+        } else {
+            human()
+        };
+        // A reader that has gone away is no reason to fail: the files are written.
+        let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+    }
+
+    /// Something that the user should know but that does not stop the work.
+    pub fn warn(&self, text: &str) {
+        if !self.quiet {
+            let _ = writeln!(std::io::stderr(), "warning: {text}");
+        }
+    }
+
+    /// Why the program stops.
+    pub fn error(&self, error: &Error) {
+        let mut stderr = std::io::stderr();
+        let _ = writeln!(stderr, "error: {error}");
+        if let Some(hint) = error.hint() {
+            let _ = writeln!(stderr, "hint: {hint}");
+        }
+    }
+
+    /// A progress bar on standard error, if that is a terminal and nobody asked for quiet.
+    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {per_sec}  {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message(what.to_owned());
+        bar
+    }
+}
+
+/// The closing lines of a human report: the files that were written.
+pub fn files_written(files: &[PathBuf]) -> String {
+    files.iter().map(|f| format!("wrote {}\n", f.display())).collect()
+}

@@ -1,0 +1,367 @@
+//! `etalon envmap`: inspecting, sampling, cutting and making environment maps.
+
+use super::console::{Console, files_written};
+use super::map_file::{self, MapOptions};
+use super::{Global, Model, Verdict};
+use crate::envmap::cut;
+use crate::envmap::info::Info;
+use crate::envmap::synthetic::Synthetic;
+use crate::error::{Error, Result};
+use crate::raster::{self, Metadata, Precision, WriteOptions};
+use crate::report::map::{Display, Look};
+use crate::report::{output, proposal as proposal_view};
+use crate::study::map_samples::{self, Method};
+use crate::study::{median_cut, proposal};
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Subcommand)]
+pub enum Envmap {
+    /// Print a map's size, range, flux and contrast
+    Info(InfoArgs),
+    /// Draw importance samples over a map
+    Sample(SampleArgs),
+    /// Divide a map by median cut
+    Cut(CutArgs),
+    /// Compare uniform with Gaussian numbers as proposals for inversion
+    Proposal(ProposalArgs),
+    /// Write a built-in map
+    Make(MakeArgs),
+}
+
+impl Envmap {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        match self {
+            Envmap::Info(args) => args.run(console),
+            Envmap::Sample(args) => args.run(global, console),
+            Envmap::Cut(args) => args.run(global, console),
+            Envmap::Proposal(args) => args.run(global, console),
+            Envmap::Make(args) => args.run(global, console),
+        }
+    }
+}
+
+const MAP_HELP: &str = "A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black";
+
+#[derive(Args)]
+pub struct InfoArgs {
+    #[arg(help = MAP_HELP)]
+    map: String,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+impl InfoArgs {
+    fn run(&self, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        let info = Info::of(&source.map);
+        map_file::warn_upside_down(&info, &self.map, console);
+        console.result(&info, || {
+            let number = |v: Option<f32>| v.map_or("none".into(), |v| format!("{v:.6e}"));
+            let rgb = |v: [f64; 3]| format!("{:.6e} {:.6e} {:.6e}", v[0], v[1], v[2]);
+            format!(
+                "size                      {} x {}\nrange                     {} to {}\nmean over texels (RGB)    {}\n\
+                 mean over the sphere      {}\nflux (radiance x sr)      {}\npeak / mean               {:.1}\n\
+                 effective texels          {:.1} of {}\nbrightest texel           ({}, {}), {:.1}° above the horizon, \
+                 {:.2} % of the energy within 2°\nfrom above the horizon    {:.1} % of the energy\n\
+                 non-finite, negative      {}, {} texels\n",
+                info.width,
+                info.height,
+                number(info.min),
+                number(info.max),
+                rgb(info.mean_rgb),
+                rgb(info.solid_angle_mean_rgb),
+                rgb(info.flux_rgb),
+                info.peak_to_mean,
+                info.effective_texels,
+                info.width * info.height,
+                info.peak.0,
+                info.peak.1,
+                info.peak_elevation_deg,
+                100.0 * info.peak_share,
+                100.0 * info.upper_share,
+                info.nonfinite,
+                info.negative
+            )
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+/// How a map is shown.
+#[derive(Args)]
+struct LookArgs {
+    /// Exposure of the picture in stops (default: chosen from the map)
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = finite)]
+    exposure: Option<f32>,
+    /// Pure power law 1/GAMMA instead of the sRGB curve
+    #[arg(long, value_name = "GAMMA", value_parser = gamma)]
+    gamma: Option<f32>,
+    /// Side of the windows that mark samples, in texels
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    window: u32,
+}
+
+impl LookArgs {
+    fn look(&self) -> Look {
+        Look { exposure: self.exposure, gamma: self.gamma }
+    }
+}
+
+fn finite(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
+}
+
+fn gamma(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SamplerName {
+    Cdf,
+    Alias,
+}
+
+#[derive(Args)]
+#[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue window at each sample) and \
+                        MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
+                        etalon envmap sample grace.exr --flip -n 64,256,1024")]
+pub struct SampleArgs {
+    #[arg(help = MAP_HELP)]
+    map: String,
+    /// Numbers of samples
+    #[arg(short, value_name = "N,...", value_delimiter = ',', default_value = "64,256,1024")]
+    n: Vec<usize>,
+    /// Row CDF then column CDF, or one alias table
+    #[arg(long, value_enum, default_value_t = SamplerName::Cdf)]
+    sampler: SamplerName,
+    /// Draw from the MIS-compensated density (0 where the map is dimmer than its mean: of use only within MIS)
+    #[arg(long, conflicts_with_all = ["sampler", "model"])]
+    compensated: bool,
+    /// `report` draws as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
+    /// corners, half a texel off
+    #[arg(long, value_enum, default_value_t = Model::Exact, conflicts_with = "sampler")]
+    model: Model,
+    #[command(flatten)]
+    look: LookArgs,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+#[derive(Serialize)]
+struct SampleOutput {
+    n: usize,
+    flux_estimate: f64,
+    files: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Outputs<T> {
+    map: String,
+    results: Vec<T>,
+}
+
+impl SampleArgs {
+    fn method(&self) -> Method {
+        match (self.model, self.sampler) {
+            _ if self.compensated => Method::Compensated,
+            (Model::Report, _) => Method::Report,
+            (Model::Exact, SamplerName::Cdf) => Method::Cdf,
+            (Model::Exact, SamplerName::Alias) => Method::Alias,
+        }
+    }
+
+    fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        map_file::warn_upside_down(&Info::of(&source.map), &self.map, console);
+        let display = Display::new(&source.map, self.look.look());
+        let target = output::Target::new(global.out.as_deref());
+        let name = map_file::short_name(&self.map);
+        let mut results = Vec::new();
+        for &n in &self.n {
+            let samples = map_samples::draw(&source.map, self.method(), n, global.seed)?;
+            if samples.rows.is_empty() {
+                console.warn(&format!("{}: no texel of this map can be drawn, so there are no samples", self.map));
+            }
+            let window = self.look.window as usize;
+            let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"));
+            let mut files =
+                output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
+            let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"));
+            files.extend(display.samples_only(&samples.rows, window).write(&only)?);
+            results.push(SampleOutput { n, flux_estimate: samples.flux_estimate, files });
+        }
+        let outputs = Outputs { map: self.map.clone(), results };
+        console.result(&outputs, || {
+            let line = |r: &SampleOutput| {
+                format!("{} samples; flux estimated from them {:.6}\n{}", r.n, r.flux_estimate, files_written(&r.files))
+            };
+            outputs.results.iter().map(line).collect()
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SplitName {
+    Energy,
+    Variance,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CentroidName {
+    Energy,
+    Median,
+}
+
+#[derive(Args)]
+#[command(after_help = "Writes MAP-cut-N.{csv,svg,png,pdf} (the map with the regions and their centroids) and \
+                        MAP-cut-lights-N.{svg,png,pdf} (the centroids alone, in the colour of their region's flux).\n\n\
+                        Example:\n  etalon envmap cut nave -n 2,4,16,64")]
+pub struct CutArgs {
+    #[arg(help = MAP_HELP)]
+    map: String,
+    /// Numbers of regions: any, not only powers of two
+    #[arg(short, value_name = "N,...", value_delimiter = ',', default_value = "2,4,16,64")]
+    n: Vec<usize>,
+    /// Cut where the energy halves, or where the larger variance of the two halves is smallest
+    #[arg(long, value_enum, default_value_t = SplitName::Energy)]
+    split: SplitName,
+    /// Put a region's light at its energy centroid, or at the first report's median pixel
+    #[arg(long, value_enum, default_value_t = CentroidName::Energy)]
+    centroid: CentroidName,
+    /// `report` tells a region's longer side in texels, without regard to how narrow they are near the poles
+    #[arg(long, value_enum, default_value_t = Model::Exact)]
+    model: Model,
+    #[command(flatten)]
+    look: LookArgs,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+#[derive(Serialize)]
+struct CutOutput {
+    n: usize,
+    flux_error: f64,
+    imbalance: f64,
+    files: Vec<PathBuf>,
+}
+
+impl CutArgs {
+    fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        let info = Info::of(&source.map);
+        map_file::warn_upside_down(&info, &self.map, console);
+        let split = if self.split == SplitName::Energy { cut::Split::Energy } else { cut::Split::Variance };
+        let sides = if self.model == Model::Exact { cut::SideRule::Sphere } else { cut::SideRule::Texels };
+        let centroid = match self.centroid {
+            CentroidName::Energy => median_cut::Centroid::Energy,
+            CentroidName::Median => median_cut::Centroid::Median,
+        };
+        let cuts = median_cut::cut(&source.map, &self.n, split, sides, centroid)?;
+        let display = Display::new(&source.map, self.look.look());
+        let target = output::Target::new(global.out.as_deref());
+        let name = map_file::short_name(&self.map);
+        let mut results = Vec::new();
+        for (&n, rows) in self.n.iter().zip(&cuts) {
+            let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"));
+            let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
+            let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"));
+            files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
+            results.push(CutOutput {
+                n,
+                flux_error: median_cut::flux_error(rows, info.flux_rgb),
+                imbalance: median_cut::imbalance(rows),
+                files,
+            });
+        }
+        let outputs = Outputs { map: self.map.clone(), results };
+        console.result(&outputs, || {
+            let line = |r: &CutOutput| {
+                format!(
+                    "{} regions: flux off by {:.1e}, most energetic one {:.3} times the mean\n{}",
+                    r.n,
+                    r.flux_error,
+                    r.imbalance,
+                    files_written(&r.files)
+                )
+            };
+            outputs.results.iter().map(line).collect()
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  etalon envmap proposal nave -n 100000")]
+pub struct ProposalArgs {
+    #[arg(help = MAP_HELP)]
+    map: String,
+    /// Number of draws with each kind of number
+    #[arg(short, value_name = "N", default_value_t = 100_000)]
+    n: usize,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+impl ProposalArgs {
+    fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        #[derive(Serialize)]
+        struct Output {
+            #[serde(flatten)]
+            result: proposal::Proposal,
+            files: Vec<PathBuf>,
+        }
+        let source = map_file::load(&self.map, self.options, console)?;
+        let result = proposal::compare(&source.map, self.n, global.seed)?;
+        let stem = output::Target::new(global.out.as_deref())
+            .stem(&format!("{}-proposal", map_file::short_name(&self.map)), "");
+        let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
+        let output = Output { result, files };
+        console.result(&output, || {
+            let line = |name: &str, t: &crate::stats::chi_square::ChiSquare| {
+                format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
+            };
+            line("uniform numbers ", &output.result.uniform)
+                + &line("Gaussian numbers", &output.result.gaussian)
+                + &files_written(&output.files)
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  etalon envmap make nave -o envmaps")]
+pub struct MakeArgs {
+    /// nave, sun, constant, onehot or black
+    name: String,
+}
+
+impl MakeArgs {
+    fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        #[derive(Serialize)]
+        struct Output {
+            name: &'static str,
+            width: usize,
+            height: usize,
+            files: Vec<PathBuf>,
+        }
+        let Some(synthetic) = Synthetic::from_name(&self.name) else {
+            let known: Vec<_> = Synthetic::ALL.iter().map(|s| format!("{} ({})", s.name(), s.description())).collect();
+            return Err(Error::parameter("NAME", format!("there is no built-in map \"{}\"", self.name))
+                .with_hint(format!("built-in maps: {}", known.join("; "))));
+        };
+        let image = synthetic.make();
+        let stem = output::Target::new(global.out.as_deref()).stem(synthetic.name(), "");
+        let asked = global.out.as_deref().and_then(|p| p.extension()).and_then(|e| e.to_str());
+        let path =
+            output::with_extension(&stem, asked.filter(|e| ["hdr", "pfm", "png", "ppm"].contains(e)).unwrap_or("exr"));
+        let metadata = Metadata::default().with("map", synthetic.name());
+        let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
+        raster::write_with(&path, &image, &metadata, options)?;
+        let output = Output { name: synthetic.name(), width: image.width(), height: image.height(), files: vec![path] };
+        console.result(&output, || files_written(&output.files));
+        Ok(Verdict::Good)
+    }
+}

@@ -1,0 +1,121 @@
+//! `etalon fresnel`: reflectance curves.
+
+use super::console::{Console, files_written};
+use super::{Global, Model, Verdict};
+use crate::error::{Error, Result};
+use crate::report::{fresnel as view, output};
+use crate::study::{fresnel, metal};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
+/// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
+#[derive(Args)]
+#[command(after_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
+                        --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
+pub struct Fresnel {
+    /// Index of refraction on the side that the light comes from
+    #[arg(long, value_name = "ETA", default_value_t = 1.0)]
+    eta_i: f64,
+    /// Index of refraction on the other side
+    #[arg(long, value_name = "ETA", default_value_t = 1.45)]
+    eta_t: f64,
+    /// A metal: Ag, Al, Au, Cu or Fe, at 614, 549 and 466 nm
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["k", "eta_i", "eta_t"])]
+    metal: Option<String>,
+    /// Extinction coefficient: makes the other side a conductor of index ETA + iK
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    k: Option<f64>,
+    /// Number of angles from 0 to 90 degrees
+    #[arg(long, value_name = "N", default_value_t = 901)]
+    points: usize,
+    /// `report` draws what the first report drew: Schlick with the incident cosine on the exit side (off by up to 0.97
+    /// beside the critical angle), curves ended at the critical angle
+    #[arg(long, value_enum, default_value_t = Model::Exact)]
+    model: Model,
+}
+
+/// The JSON object: the study's numbers and the files.
+#[derive(Serialize)]
+struct Output<'a, T> {
+    #[serde(flatten)]
+    curves: &'a T,
+    files: &'a [PathBuf],
+}
+
+impl Fresnel {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        match (&self.metal, self.k) {
+            (Some(name), _) => self.metal(&metal::by_name(name, self.points)?, name, global, console),
+            (None, Some(k)) => {
+                let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
+                self.metal(&curves, "index", global, console)
+            }
+            (None, None) => self.dielectric(global, console),
+        }
+    }
+
+    fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let model = if self.model == Model::Report { fresnel::Model::Report } else { fresnel::Model::Exact };
+        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, model)?;
+        let stem = output::Target::new(global.out.as_deref()).stem("fresnel", "");
+        let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
+        console.result(&Output { curves: &curves, files: &files }, || {
+            let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
+            format!(
+                "eta {} -> {}\nreflectance at normal incidence  {:.9} (both components)\nBrewster angle                   {}\n\
+                 critical angle                   {}\nSchlick's largest absolute error {:.6} at {:.2}°\n\
+                 Schlick's largest relative error {:.6} at {:.2}°\n{}",
+                curves.eta_i,
+                curves.eta_t,
+                curves.r_normal,
+                angle(curves.brewster_deg),
+                angle(curves.critical_deg),
+                curves.schlick_max_abs_error,
+                curves.schlick_max_abs_error_deg,
+                curves.schlick_max_rel_error,
+                curves.schlick_max_rel_error_deg,
+                files_written(&files)
+            )
+        });
+        Ok(Verdict::Good)
+    }
+
+    fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.model == Model::Report {
+            return Err(Error::parameter("--model", "the first report draws no metals")
+                .with_hint("the second report's approximation is always drawn beside the exact curves"));
+        }
+        let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
+        let stem = output::Target::new(global.out.as_deref()).stem(&format!("fresnel-{name}"), "");
+        let files = output::write(&stem, &view::metal(curves), &output::table(&rows)?)?;
+        if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
+            console.warn(&format!(
+                "{}: the second report's approximation is unusable for eta² + k² = {:.1} < 5",
+                c.name,
+                c.eta * c.eta + c.k * c.k
+            ));
+        }
+        console.result(&Output { curves, files: &files }, || {
+            let mut text = format!("{}\n", curves.metal);
+            for c in &curves.channels {
+                text += &format!(
+                    "{}: eta {} k {}, reflectance at normal incidence {:.6}, pseudo-Brewster angle {:.3}°,\n  \
+                     approximation off by up to {:.5} at {:.1}°, Schlick by up to {:.5} at {:.1}°\n",
+                    c.name,
+                    c.eta,
+                    c.k,
+                    c.r_normal,
+                    c.pseudo_brewster_deg,
+                    c.approximate_max_abs_error,
+                    c.approximate_max_abs_error_deg,
+                    c.schlick_max_abs_error,
+                    c.schlick_max_abs_error_deg
+                );
+            }
+            text + &files_written(&files)
+        });
+        Ok(Verdict::Good)
+    }
+}

@@ -1,0 +1,58 @@
+//! Loading the environment map that a command names: a built-in one or a file.
+
+use super::console::Console;
+use crate::envmap::EnvMap;
+use crate::envmap::info::Info;
+use crate::envmap::synthetic::Synthetic;
+use crate::error::{Error, Result};
+use crate::raster::{self, ReadOptions};
+use crate::report::MapSource;
+use clap::Args;
+use std::path::Path;
+use std::sync::Arc;
+
+/// How a map file is to be understood.
+#[derive(Args, Clone, Copy, Default)]
+pub struct MapOptions {
+    /// Turn the map upside-down: for files that store the floor in row 0
+    #[arg(long)]
+    pub flip: bool,
+    /// Accept 8-bit images (PNG, JPEG, PPM) although their lights are clipped
+    #[arg(long)]
+    pub ldr: bool,
+}
+
+/// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).
+pub fn load(name: &str, options: MapOptions, console: &Console) -> Result<MapSource> {
+    let path = Path::new(name);
+    let image = match Synthetic::from_name(name) {
+        Some(synthetic) => synthetic.make(),
+        None if !path.exists() && path.extension().is_none() => {
+            let known: Vec<_> = Synthetic::ALL.iter().map(|s| s.name()).collect();
+            return Err(Error::parameter("MAP", format!("there is no file and no built-in map \"{name}\""))
+                .with_hint(format!("built-in maps: {}", known.join(", "))));
+        }
+        None => raster::read(path, ReadOptions { allow_ldr: options.ldr })?,
+    };
+    let map = EnvMap::new(if options.flip { image.flipped_vertically() } else { image });
+    let found = map.found();
+    if found.nonfinite + found.negative > 0 {
+        console.warn(&format!(
+            "{name}: {} texels with NaN or infinite values and {} with negative values; such values count as 0",
+            found.nonfinite, found.negative
+        ));
+    }
+    Ok(MapSource { map: Arc::new(map), name: name.to_owned() })
+}
+
+/// Warns about a map that is known to be stored upside-down.
+pub fn warn_upside_down(info: &Info, name: &str, console: &Console) {
+    if let Some(why) = info.upside_down() {
+        console.warn(&format!("{name} is probably stored upside-down: {why}; --flip turns it"));
+    }
+}
+
+/// The name of a map without folders and extension, for the names of results.
+pub fn short_name(name: &str) -> String {
+    Path::new(name).file_stem().map_or_else(|| "map".into(), |s| s.to_string_lossy().into_owned())
+}

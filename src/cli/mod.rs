@@ -1,0 +1,122 @@
+//! The command line: one file per subcommand, each parsing, calling and printing.
+
+mod compare;
+mod console;
+mod envmap;
+mod fresnel;
+mod map_file;
+mod render;
+mod reproduce;
+
+use crate::error::Result;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use console::Console;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// A bench for light-transport samplers.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 good, 1 a check was rejected, 2 usage or bad input, 3 inconclusive (too few samples).
+
+Examples:
+  etalon reproduce                      all figures, from built-in data, into figures/
+  etalon fresnel --eta-i 1.45 --eta-t 1 leaving glass
+  etalon envmap sample nave -n 256      importance samples of the built-in map
+  etalon render sphere-env -s 64        the lit sphere";
+
+/// Flags that every subcommand takes.
+#[derive(Args)]
+struct Global {
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long, global = true)]
+    json: bool,
+    /// Seed of all random numbers
+    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Worker threads (default: one per core)
+    #[arg(short, long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
+    /// No progress bars and no warnings
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take
+    #[arg(short, long, global = true, value_name = "PATH")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Plot the reflectance of a dielectric or a metal over the angle of incidence
+    Fresnel(fresnel::Fresnel),
+    /// Inspect, sample and cut environment maps
+    #[command(subcommand)]
+    Envmap(envmap::Envmap),
+    /// Render a scene
+    Render(render::Render),
+    /// Compare two images
+    Compare(compare::Compare),
+    /// Make every figure and check it against the reports' numbers
+    Reproduce(reproduce::Reproduce),
+}
+
+/// Which formulas a command uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// The right ones
+    Exact,
+    /// The reports', mistakes included
+    Report,
+}
+
+/// What a command that ran to its end has to say to the shell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Good,
+    Rejected,
+}
+
+/// Runs the program on the process's arguments.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let console = Console::new(cli.global.json, cli.global.quiet);
+    match run(&cli, &console) {
+        Ok(Verdict::Good) => ExitCode::SUCCESS,
+        Ok(Verdict::Rejected) => ExitCode::from(1),
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
+    let threads = cli.global.threads.map_or(0, |n| n as usize);
+    // Fails only if a pool exists already, which then does the work.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    match &cli.command {
+        Command::Fresnel(args) => args.run(&cli.global, console),
+        Command::Envmap(command) => command.run(&cli.global, console),
+        Command::Render(args) => args.run(&cli.global, console),
+        Command::Compare(args) => args.run(&cli.global, console),
+        Command::Reproduce(args) => args.run(&cli.global, console),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_arguments_are_consistent() {
+        use clap::CommandFactory;
+        super::Cli::command().debug_assert();
+    }
+}

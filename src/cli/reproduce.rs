@@ -1,0 +1,119 @@
+//! `etalon reproduce`: all figures, with their checks.
+
+use super::console::Console;
+use super::map_file::{self, MapOptions};
+use super::{Global, Verdict};
+use crate::envmap::info::Info;
+use crate::error::Result;
+use crate::report::{self, Context, Reproduced};
+use clap::Args;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// Make every figure from built-in data (or from a map of your own) and check it
+#[derive(Args)]
+#[command(
+    after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) and checks.csv into figures/, or \
+                        into the folder given with -o. Exit code 1 if a check fails.\n\nExamples:\n  etalon reproduce\n  \
+                        etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr"
+)]
+pub struct Reproduce {
+    /// Smaller pictures: a quick check of everything
+    #[arg(long)]
+    quick: bool,
+    /// Only these figures
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    only: Vec<String>,
+    /// The environment map to use instead of the built-in nave
+    #[arg(long, value_name = "MAP", default_value = "nave")]
+    envmap: String,
+    #[command(flatten)]
+    options: MapOptions,
+    /// List the figures and stop
+    #[arg(long)]
+    list: bool,
+}
+
+#[derive(Serialize)]
+struct Output<'a> {
+    figures: &'a [Reproduced],
+    passed: usize,
+    failed: usize,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    id: &'static str,
+    title: &'static str,
+    answers: &'static str,
+}
+
+impl Reproduce {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.list {
+            let list: Vec<Listed> =
+                report::registry().iter().map(|e| Listed { id: e.id, title: e.title, answers: e.answers }).collect();
+            #[derive(Serialize)]
+            struct List<'a> {
+                figures: &'a [Listed],
+            }
+            console.result(&List { figures: &list }, || {
+                list.iter().map(|l| format!("{:<24} {} ({})\n", l.id, l.title, l.answers)).collect()
+            });
+            return Ok(Verdict::Good);
+        }
+        let start = Instant::now();
+        let context = self.context(global, console)?;
+        let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
+        let count = if self.only.is_empty() { report::registry().len() } else { self.only.len() };
+        let bar = console.progress(count as u64, "reproduce");
+        let figures = report::reproduce(&context, &self.only, folder, &mut |entry| {
+            bar.set_message(entry.id);
+            bar.inc(1);
+        })?;
+        bar.finish_and_clear();
+        let passed = figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass).count();
+        let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
+        let output = Output { figures: &figures, passed, failed, seconds: start.elapsed().as_secs_f64() };
+        console.result(&output, || human(&output, folder));
+        Ok(if failed == 0 { Verdict::Good } else { Verdict::Rejected })
+    }
+
+    /// Loads the map; the Grace probe, whose file is known to be upside-down, is turned without being asked.
+    fn context(&self, global: &Global, console: &Console) -> Result<Context> {
+        let source = map_file::load(&self.envmap, self.options, console)?;
+        let info = Info::of(&source.map);
+        if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
+            console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", self.envmap));
+            let turned = map_file::load(&self.envmap, MapOptions { flip: true, ..self.options }, console)?;
+            return Ok(Context::new(turned, global.seed, self.quick));
+        }
+        map_file::warn_upside_down(&info, &self.envmap, console);
+        Ok(Context::new(source, global.seed, self.quick))
+    }
+}
+
+/// A table of checks.
+fn human(output: &Output<'_>, folder: &Path) -> String {
+    let mut text = String::new();
+    for figure in output.figures {
+        text += &format!("{} ({:.2} s)\n", figure.id, figure.seconds);
+        for c in &figure.checks {
+            let verdict = if c.pass { "pass" } else { "FAIL" };
+            text += &format!(
+                "  {verdict}  {:<58} expected {:<12.6} got {:<12.6} tolerance {:.1e}\n",
+                c.name, c.expected, c.got, c.tolerance
+            );
+        }
+    }
+    text + &format!(
+        "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",
+        output.figures.len(),
+        folder.display(),
+        output.passed,
+        output.failed,
+        output.seconds
+    )
+}

@@ -1,0 +1,3 @@
+//! Statistics: tests of counts against densities.
+
+pub mod chi_square;

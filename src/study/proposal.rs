@@ -1,0 +1,121 @@
+//! Why inversion wants uniform numbers: the first report's rows drawn with uniform and with Gaussian proposals.
+
+use crate::envmap::EnvMap;
+use crate::error::{Error, Result};
+use crate::sampling::stream::CounterRng;
+use crate::sampling::table::Table1;
+use crate::stats::chi_square::{ChiSquare, chi_square};
+use rand::RngExt;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// One bin of rows. Field names are the CSV columns.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bin {
+    pub theta_from_deg: f64,
+    pub theta_to_deg: f64,
+    /// Share of the map's energy in these rows.
+    pub target: f64,
+    /// Shares of the draws.
+    pub uniform: f64,
+    pub gaussian: f64,
+}
+
+/// Both histograms and their tests against the target.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Proposal {
+    pub draws: usize,
+    pub uniform: ChiSquare,
+    pub gaussian: ChiSquare,
+    #[serde(skip)]
+    pub bins: Vec<Bin>,
+}
+
+/// Standard deviation of the Gaussian proposals around ½; draws outside \[0, 1) are repeated.
+pub const SIGMA: f64 = 1.0 / 6.0;
+
+/// Draws rows of `map` by inverting its row CDF, `draws` times with each kind of number.
+pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Proposal> {
+    let too_few = || {
+        Error::parameter("-n", format!("{draws} draws are too few for a test, or the map has no light in two rows"))
+            .with_hint("use at least 1000 draws and a map with light")
+    };
+    if draws > 1 << 28 {
+        return Err(Error::parameter("-n", format!("{draws} draws are too many")));
+    }
+    let g = map.geometry();
+    let energies: Vec<f64> =
+        (0..g.height()).map(|y| (0..g.width()).map(|x| map.intensity(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
+    let table = Table1::new(&energies);
+    let count = |number: &mut dyn FnMut() -> f64| -> Vec<u64> {
+        let mut counts = vec![0; energies.len()];
+        for _ in 0..draws {
+            if let Some(draw) = table.draw(number()) {
+                counts[draw.cell] += 1;
+            }
+        }
+        counts
+    };
+    let mut rng = CounterRng::new(seed, 0);
+    let uniform = count(&mut || rng.random::<f64>());
+    let normal = Normal::new(0.5, SIGMA).map_err(|_| too_few())?;
+    let mut rng = CounterRng::new(seed, 1);
+    let gaussian = count(&mut || {
+        loop {
+            let z = normal.inverse_cdf(rng.random::<f64>());
+            if (0.0..1.0).contains(&z) {
+                return z;
+            }
+        }
+    });
+    let expected: Vec<f64> = (0..energies.len()).map(|y| table.probability(y) * draws as f64).collect();
+    let test = |counts: &[u64]| chi_square(counts, &expected).ok_or_else(too_few);
+    Ok(Proposal {
+        draws,
+        uniform: test(&uniform)?,
+        gaussian: test(&gaussian)?,
+        bins: bins(&energies, &uniform, &gaussian, draws),
+    })
+}
+
+/// Rows gathered into at most 64 bins for the eye; the tests use single rows.
+fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<Bin> {
+    let height = energies.len();
+    let total: f64 = energies.iter().sum();
+    let per_bin = height.div_ceil(64);
+    (0..height)
+        .step_by(per_bin)
+        .map(|y0| {
+            let rows = y0..(y0 + per_bin).min(height);
+            let share = |counts: &[u64]| counts[rows.clone()].iter().sum::<u64>() as f64 / draws as f64;
+            Bin {
+                theta_from_deg: 180.0 * rows.start as f64 / height as f64,
+                theta_to_deg: 180.0 * rows.end as f64 / height as f64,
+                target: energies[rows.clone()].iter().sum::<f64>() / total,
+                uniform: share(uniform),
+                gaussian: share(gaussian),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::synthetic::Synthetic;
+
+    #[test]
+    fn uniform_numbers_fit_and_gaussian_ones_do_not() {
+        let result = compare(&EnvMap::new(Synthetic::Constant.make()), 20_000, 1).unwrap();
+        assert!(result.uniform.p > 1e-4, "{:?}", result.uniform);
+        assert!(result.gaussian.p < 1e-12, "{:?}", result.gaussian);
+        let sums = result.bins.iter().fold([0.0; 3], |s, b| [s[0] + b.target, s[1] + b.uniform, s[2] + b.gaussian]);
+        assert!(sums.iter().all(|s| (s - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn too_little_to_test_is_an_error() {
+        assert!(compare(&EnvMap::new(Synthetic::Constant.make()), 3, 1).is_err());
+        assert!(compare(&EnvMap::new(Synthetic::Black.make()), 1000, 1).is_err());
+    }
+}
