@@ -1,6 +1,7 @@
 //! Samples of an environment map: where they fall, with which density, seeing what.
 
 use crate::envmap::EnvMap;
+use crate::envmap::batch::EnvSamples;
 use crate::envmap::report_model::ReportSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample};
 use crate::error::{Error, Result};
@@ -63,8 +64,9 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
         Method::Report => Box::new(ReportSampler::new(map.clone())),
     };
     let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
-    let mut samples = Vec::with_capacity(n);
-    sampler.sample_many(&numbers, &mut samples);
+    let mut drawn = EnvSamples::default();
+    sampler.sample_many(&numbers, &mut drawn);
+    let samples: Vec<EnvSample> = drawn.iter().collect();
     let estimate = |s: &EnvSample| f64::from(s.radiance.x + s.radiance.y + s.radiance.z) / 3.0 / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
