@@ -11,7 +11,7 @@
 //! moments in place of wavelet products are this project's own.
 
 use super::latlong::{Block, EnvMap};
-use super::sampler::{EnvSample, SurfaceSampler};
+use super::sampler::{Complete, EnvSample, SurfaceSampler};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -252,6 +252,8 @@ impl SurfaceSampler for CosineSampler {
         probability / g.solid_angle(ty)
     }
 }
+
+impl Complete for CosineSampler {}
 
 /// Sums blocks two by two in both directions; the new number of columns and the blocks.
 fn halved(columns: usize, blocks: &[Vec4]) -> (usize, Vec<Vec4>) {

@@ -56,8 +56,8 @@ impl<T: DirectionSampler> SurfaceSampler for T {
     }
 }
 
-/// A sampler whose density is positive wherever the map shines, so that it may be used alone.
-pub trait Complete: DirectionSampler {}
+/// A sampler whose density is positive wherever the surface receives light, so that it may be used alone.
+pub trait Complete: SurfaceSampler {}
 
 /// The report's scheme done exactly: the row by the marginal table, the column by the row's own, a uniform position
 /// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.

@@ -5,49 +5,18 @@
 //! material also carries the path on. `OCCLUSION` says whether rays that leave a surface can meet another one at all;
 //! where they cannot, neither shadow rays nor further bounces exist in the compiled loop.
 
+use super::strategies::Strategies;
 use crate::bsdf::diffuse;
-use crate::envmap::sampler::SurfaceSampler;
 use crate::raster::Rgb;
 use crate::sampling::stream::Stream;
-use crate::sampling::warp;
 use crate::scene::{Environment, Hit, Material, Ray, Request, Scene};
 use glam::{DVec3, Vec3};
 
 /// A scene made ready for rendering.
 pub struct Integrator<'a> {
     pub scene: &'a Scene,
-    /// Draws directions towards the environment by its light, if that strategy is in use.
-    pub light: Option<&'a dyn SurfaceSampler>,
-    /// Draws directions without regard to the light, if such a strategy is in use.
-    pub scatter: Option<Scatter>,
+    pub strategies: &'a Strategies,
     pub request: &'a Request,
-}
-
-/// A strategy that chooses directions by the surface alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scatter {
-    /// By the material's density.
-    Bsdf,
-    /// Uniformly over the hemisphere.
-    Hemisphere,
-}
-
-impl Scatter {
-    #[inline]
-    fn sample(self, u: [f64; 2]) -> DVec3 {
-        match self {
-            Scatter::Bsdf => diffuse::sample(u),
-            Scatter::Hemisphere => warp::uniform_hemisphere(u),
-        }
-    }
-
-    #[inline]
-    fn pdf(self, cos: f64) -> f64 {
-        match self {
-            Scatter::Bsdf => diffuse::pdf(cos),
-            Scatter::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
-        }
-    }
 }
 
 /// Pairs of random numbers that each hit of a path draws from, after the one for the film position.
@@ -132,25 +101,25 @@ impl Integrator<'_> {
         let visible = |wi: DVec3| !OCCLUSION || !self.scene.occluded(&surface.hit.ray_towards(wi.as_vec3()));
         let map_normal = environment.to_map(surface.normal);
         let mut sum = Rgb::ZERO;
-        if let Some(sampler) = self.light {
+        if let Some(sampler) = self.strategies.light() {
             for i in 0..n {
                 let u = stream.pair_of(dimensions.light, i, n);
                 let Some(light) = sampler.sample_for(u, map_normal) else { continue };
                 let wi = environment.to_world * light.wi;
                 let cos = surface.normal.dot(wi);
                 if cos > 0.0 && visible(wi) {
-                    let other = self.scatter.map_or(0.0, |scatter| scatter.pdf(cos));
+                    let other = self.strategies.scatter().map_or(0.0, |scatter| scatter.pdf(cos));
                     sum += light.radiance * (cos * balance_heuristic(light.pdf, other)) as f32;
                 }
             }
         }
-        if let Some(scatter) = self.scatter {
+        if let Some(scatter) = self.strategies.scatter() {
             for i in 0..n {
                 let local = scatter.sample(stream.pair_of(dimensions.bsdf, i, n));
                 let (wi, pdf) = (surface.to_world(local), scatter.pdf(local.z));
                 if pdf > 0.0 && visible(wi) {
                     let map_wi = environment.to_map(wi);
-                    let other = self.light.map_or(0.0, |light| light.pdf_for(map_wi, map_normal));
+                    let other = self.strategies.light().map_or(0.0, |light| light.pdf_for(map_wi, map_normal));
                     sum += environment.map.radiance(map_wi) * (local.z * balance_heuristic(pdf, other)) as f32;
                 }
             }

@@ -3,18 +3,18 @@
 mod film;
 mod integrator;
 mod needs;
+mod strategies;
 
 pub use film::Dropped;
 
-use crate::envmap::cosine::CosineSampler;
-use crate::envmap::sampler::{CdfSampler, CompensatedSampler, SurfaceSampler};
 use crate::error::{Error, Result};
 use crate::raster::Image;
 use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
 use crate::scene::{Request, Scene};
-use integrator::{Integrator, Scatter};
+use integrator::Integrator;
 use needs::Needs;
 use std::time::Instant;
+use strategies::Strategies;
 
 /// How directions towards the light are chosen at a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,23 +53,6 @@ pub struct Settings {
     pub general: bool,
 }
 
-impl Settings {
-    /// The strategies in use: whether directions are drawn by the light, and how else.
-    ///
-    /// The density radiance × cosine already holds all of a diffuse surface's integrand. BSDF samples beside it would
-    /// only add noise (almost three times the error on the first report's scene), so combining then means leaving
-    /// them out.
-    fn strategies(&self) -> (bool, Option<Scatter>) {
-        match self.sampling {
-            Sampling::Light => (true, None),
-            Sampling::Mis if self.density == LightDensity::Cosine => (true, None),
-            Sampling::Mis => (true, Some(Scatter::Bsdf)),
-            Sampling::Bsdf => (false, Some(Scatter::Bsdf)),
-            Sampling::Hemisphere => (false, Some(Scatter::Hemisphere)),
-        }
-    }
-}
-
 /// A finished picture and how it came about.
 #[derive(Debug, Clone)]
 pub struct Rendered {
@@ -87,21 +70,11 @@ pub struct Rendered {
 /// The picture depends on the scene, the request and the settings alone, to the last bit: not on the number of
 /// threads, and not on what was left out.
 pub fn render(scene: &Scene, request: &Request, settings: &Settings, row_done: &(dyn Fn() + Sync)) -> Result<Rendered> {
-    check(request, settings)?;
+    check(request)?;
     let start = Instant::now();
     let needs = if settings.general { Needs::ALL } else { Needs::of(scene, request, settings) };
-    let sampler = scene.environment.as_ref().filter(|_| needs.environment_table).map(|e| {
-        let map = e.map.clone();
-        let sampler: Box<dyn SurfaceSampler> = match settings.density {
-            LightDensity::Cosine => Box::new(CosineSampler::new(map)),
-            LightDensity::Map => Box::new(CdfSampler::new(map)),
-            LightDensity::Compensated => Box::new(CompensatedSampler::new(map)),
-        };
-        sampler
-    });
-    let (by_light, scatter) = settings.strategies();
-    let light = sampler.as_deref().filter(|_| by_light);
-    let integrator = Integrator { scene, light, scatter, request };
+    let strategies = Strategies::new(scene, settings, &needs)?;
+    let integrator = Integrator { scene, strategies: &strategies, request };
     let run = Run { integrator, request, seed: settings.seed, row_done };
     let (image, dropped) = match (settings.stream, needs.occlusion) {
         (StreamKind::Sobol, true) => run.film::<Sobol, true>(),
@@ -136,7 +109,7 @@ impl Run<'_> {
 /// Largest number of pixels that a render may ask for.
 const MAX_PIXELS: usize = 1 << 28;
 
-fn check(request: &Request, settings: &Settings) -> Result<()> {
+fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, .. } = *request;
     if width == 0 || height == 0 || width.saturating_mul(height) > MAX_PIXELS {
         return Err(Error::parameter("-r", format!("cannot render {width}x{height} pixels"))
@@ -151,10 +124,6 @@ fn check(request: &Request, settings: &Settings) -> Result<()> {
             format!("{spp} samples with {light_samples} light samples each are too many"),
         )
         .with_hint("the random sequences repeat after 2^32 draws per pixel"));
-    }
-    if settings.density == LightDensity::Compensated && settings.sampling == Sampling::Light {
-        return Err(Error::parameter("--light-density", "the compensated density is 0 where the map is dim")
-            .with_hint("it is correct only together with BSDF sampling: use --sampling mis"));
     }
     Ok(())
 }

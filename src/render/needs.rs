@@ -1,6 +1,6 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::Settings;
+use super::{Sampling, Settings};
 use crate::scene::{Projection, Request, Scene};
 
 /// The parts of the renderer that a scene can do without.
@@ -19,7 +19,7 @@ impl Needs {
     /// Looks at a scene once.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
-        let (by_light, _) = settings.strategies();
+        let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
         Self {
             environment_table: by_light && request.max_depth > 0 && scene.environment.is_some(),
             occlusion: !lone_convex_from_outside(scene),
@@ -69,7 +69,7 @@ mod tests {
         let (mut scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
         let needs = |scene: &Scene| Needs::of(scene, &request, &Settings::default());
         assert!(!needs(&scene).occlusion && needs(&scene).environment_table);
-        let bsdf = Settings { sampling: crate::render::Sampling::Bsdf, ..Settings::default() };
+        let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
         assert!(!Needs::of(&scene, &request, &bsdf).environment_table);
         scene.camera.position = DVec3::ZERO;
         assert!(needs(&scene).occlusion, "from inside every ray meets the sphere again");

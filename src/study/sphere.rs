@@ -3,7 +3,6 @@
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
 use crate::error::Result;
-use crate::raster::{Image, Rgb};
 use crate::render::{Rendered, Settings, render};
 use crate::scene::{Environment, Request, builtin};
 use glam::DVec3;
@@ -35,12 +34,6 @@ impl Exact {
             })
             .collect();
         Self { size, pixels }
-    }
-
-    /// The picture as an image, black off the disc.
-    #[must_use]
-    pub fn image(&self) -> Image {
-        Image::from_fn(self.size, self.size, |x, y| self.pixels[y * self.size + x].map_or(Rgb::ZERO, |p| p.as_vec3()))
     }
 }
 
