@@ -90,15 +90,15 @@ fn numbers_out_of_range() {
         ("envmap cut onehot --window 0", &["--window"]),
         ("envmap proposal onehot -n 0", &["-n: 0 ", "hint: "]),
         ("envmap proposal onehot -n 99999999999", &["-n: 99999999999 "]),
-        ("render sphere-env -s 0", &["-s: "]),
-        ("render sphere-env -l 0", &["-l: "]),
-        ("render sphere-env -r 0 0", &["-r: ", "0x0", "hint: "]),
-        ("render sphere-env -r 99999999 99999999", &["-r: ", "hint: "]),
-        ("render sphere-env -r 18446744073709551615 2", &["-r: ", "hint: "]),
-        ("render sphere-env -r 64", &["-r"]),
-        ("render sphere-env --threads 0", &["--threads"]),
-        ("render sphere-env --seed -1", &["-1"]),
-        ("render sphere-env --sampling luck", &["--sampling", "luck", "hemisphere"]),
+        ("render sphere-env --envmap black -s 0", &["-s: "]),
+        ("render sphere-env --envmap black -l 0", &["-l: "]),
+        ("render sphere-env --envmap black -r 0 0", &["-r: ", "0x0", "hint: "]),
+        ("render sphere-env --envmap black -r 99999999 99999999", &["-r: ", "hint: "]),
+        ("render sphere-env --envmap black -r 18446744073709551615 2", &["-r: ", "hint: "]),
+        ("render sphere-env --envmap black -r 64", &["-r"]),
+        ("render sphere-env --envmap black --threads 0", &["--threads"]),
+        ("render sphere-env --envmap black --seed -1", &["-1"]),
+        ("render sphere-env --envmap black --sampling luck", &["--sampling", "luck", "hemisphere"]),
     ]);
 }
 
@@ -146,7 +146,7 @@ fn files_that_are_not_what_they_seem() {
         // A file stands where a folder should be made.
         ("fresnel -o text.exr/new", &["text.exr"]),
         ("envmap make black -o map.png/new.exr", &["map.png"]),
-        ("render sphere-env -s 1 -r 4 4 -o map.pfm/new", &["map.pfm"]),
+        ("render sphere-env --envmap black -s 1 -r 4 4 -o map.pfm/new", &["map.pfm"]),
         ("reproduce --only fresnel-enter -o syntax.pbrt", &["syntax.pbrt"]),
     ]);
 }
