@@ -107,13 +107,13 @@ impl Run<'_> {
 }
 
 /// Largest number of pixels that a render may ask for.
-const MAX_PIXELS: usize = 1 << 28;
+const MAX_PIXELS: usize = 1 << 26;
 
 fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, .. } = *request;
     if width == 0 || height == 0 || width.saturating_mul(height) > MAX_PIXELS {
         return Err(Error::parameter("-r", format!("cannot render {width}x{height} pixels"))
-            .with_hint("ask for at least 1x1 and at most 2^28 pixels"));
+            .with_hint("ask for at least 1x1 and at most 2^26 pixels"));
     }
     if spp == 0 || light_samples == 0 {
         return Err(Error::parameter(if spp == 0 { "-s" } else { "-l" }, "must be at least 1"));
