@@ -1,20 +1,28 @@
 //! What the program says, and where: results to standard output, the rest to standard error.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
+use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The two streams, and who wants what on them.
 pub struct Console {
     json: bool,
     quiet: bool,
+    /// The first error of standard output.
+    lost: OnceCell<std::io::Error>,
 }
 
 impl Console {
     pub fn new(json: bool, quiet: bool) -> Self {
-        Self { json, quiet }
+        Self { json, quiet, lost: OnceCell::new() }
+    }
+
+    /// An error if a result could not be written to standard output, for example because its disk is full.
+    pub fn check(self) -> Result<()> {
+        self.lost.into_inner().map_or(Ok(()), |e| Err(Error::io(Path::new("standard output"), e)))
     }
 
     /// A result: `value` as JSON if that was asked for, `human` otherwise.
@@ -24,8 +32,14 @@ impl Console {
         } else {
             human()
         };
+        let mut stdout = std::io::stdout();
+        let written = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
         // A reader that has gone away is no reason to fail: the files are written.
-        let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+        if let Err(e) = written
+            && e.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            let _ = self.lost.set(e);
+        }
     }
 
     /// Something that the user should know but that does not stop the work.
@@ -36,7 +50,7 @@ impl Console {
     }
 
     /// Why the program stops.
-    pub fn error(&self, error: &Error) {
+    pub fn error(error: &Error) {
         let mut stderr = std::io::stderr();
         let _ = writeln!(stderr, "error: {error}");
         if let Some(hint) = error.hint() {

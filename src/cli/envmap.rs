@@ -152,7 +152,9 @@ pub struct SampleArgs {
 #[derive(Serialize)]
 struct SampleOutput {
     n: usize,
-    flux_estimate: f64,
+    drawn: usize,
+    /// Not for densities that miss a part of the light on purpose.
+    flux_estimate: Option<f64>,
     files: Vec<PathBuf>,
 }
 
@@ -190,12 +192,15 @@ impl SampleArgs {
                 output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"));
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
-            results.push(SampleOutput { n, flux_estimate: samples.flux_estimate, files });
+            let complete = self.method() != Method::Compensated && !samples.rows.is_empty();
+            let flux_estimate = complete.then_some(samples.flux_estimate);
+            results.push(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, files });
         }
         let outputs = Outputs { map: self.map.clone(), results };
         console.result(&outputs, || {
             let line = |r: &SampleOutput| {
-                format!("{} samples; flux estimated from them {:.6}\n{}", r.n, r.flux_estimate, files_written(&r.files))
+                let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
+                format!("{} samples{flux}\n{}", r.drawn, files_written(&r.files))
             };
             outputs.results.iter().map(line).collect()
         });
@@ -314,7 +319,9 @@ impl ProposalArgs {
             files: Vec<PathBuf>,
         }
         let source = map_file::load(&self.map, self.options, console)?;
-        let result = proposal::compare(&source.map, self.n, global.seed)?;
+        let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
+            return Err(Error::parameter("MAP", format!("{} has light in too few rows for this test", self.map)));
+        };
         let stem = output::Target::new(global.out.as_deref())
             .stem(&format!("{}-proposal", map_file::short_name(&self.map)), "");
         let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
@@ -354,9 +361,7 @@ impl MakeArgs {
         };
         let image = synthetic.make();
         let stem = output::Target::new(global.out.as_deref()).stem(synthetic.name(), "");
-        let asked = global.out.as_deref().and_then(|p| p.extension()).and_then(|e| e.to_str());
-        let path =
-            output::with_extension(&stem, asked.filter(|e| ["hdr", "pfm", "png", "ppm"].contains(e)).unwrap_or("exr"));
+        let path = output::with_extension(&stem, output::image_format(global.out.as_deref())?.unwrap_or("exr"));
         let metadata = Metadata::default().with("map", synthetic.name());
         let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
         raster::write_with(&path, &image, &metadata, options)?;

@@ -16,10 +16,10 @@ use std::path::PathBuf;
                         --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
 pub struct Fresnel {
     /// Index of refraction on the side that the light comes from
-    #[arg(long, value_name = "ETA", default_value_t = 1.0)]
+    #[arg(long, value_name = "ETA", default_value_t = 1.0, allow_negative_numbers = true)]
     eta_i: f64,
     /// Index of refraction on the other side
-    #[arg(long, value_name = "ETA", default_value_t = 1.45)]
+    #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
     eta_t: f64,
     /// A metal: Ag, Al, Au, Cu or Fe, at 614, 549 and 466 nm
     #[arg(long, value_name = "NAME", conflicts_with_all = ["k", "eta_i", "eta_t"])]

@@ -89,11 +89,12 @@ enum Verdict {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let console = Console::new(cli.global.json, cli.global.quiet);
-    match run(&cli, &console) {
+    let verdict = run(&cli, &console);
+    match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
         Ok(Verdict::Good) => ExitCode::SUCCESS,
         Ok(Verdict::Rejected) => ExitCode::from(1),
         Err(error) => {
-            console.error(&error);
+            Console::error(&error);
             ExitCode::from(2)
         }
     }

@@ -106,6 +106,7 @@ impl Render {
             light_samples: self.light_samples.unwrap_or(asked.light_samples),
             max_depth: self.max_depth.unwrap_or(asked.max_depth),
         };
+        let scene = Scene { camera: scene.camera.fitted([asked.width, asked.height], [width, height]), ..scene };
         let bar = console.progress(height as u64, &scene.name);
         let rendered = render::render(&scene, &request, &self.settings(global.seed), &|| bar.inc(1))?;
         bar.finish_and_clear();
@@ -113,7 +114,9 @@ impl Render {
         if rendered.dropped.total() > 0 {
             console.warn(&format!(
                 "{} samples were not finite and {} negative; they count as black (first at pixel {:?})",
-                rendered.dropped.nonfinite, rendered.dropped.negative, rendered.dropped.first_pixel
+                rendered.dropped.nonfinite,
+                rendered.dropped.negative,
+                rendered.dropped.first_pixel.unwrap_or_default()
             ));
         }
         let output = Output {
@@ -207,12 +210,10 @@ impl Render {
             .with("droppedNonfinite", rendered.dropped.nonfinite)
             .with("droppedNegative", rendered.dropped.negative);
         let stem = Target::new(global.out.as_deref()).stem(&output::file_name(&scene.name), "");
-        let asked =
-            global.out.as_deref().and_then(|p| p.extension()).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let formats: Vec<&str> = match asked.as_deref() {
+        let formats: Vec<&str> = match output::image_format(global.out.as_deref())? {
             Some("png") => vec!["png"],
-            Some(format @ ("exr" | "pfm" | "ppm" | "hdr")) => vec![format, "png"],
-            _ => vec!["exr", "pfm", "ppm", "png"],
+            Some(format) => vec![format, "png"],
+            None => vec!["exr", "pfm", "ppm", "png"],
         };
         formats
             .into_iter()

@@ -99,7 +99,8 @@ impl Info {
                 "this is the Grace Cathedral probe as distributed in EXR form, with the floor in row 0".into(),
             );
         }
-        (self.peak_share > 0.1 && self.peak_elevation_deg < -5.0).then(|| {
+        // On a coarse map a single texel is no sun.
+        (self.height >= 32 && self.peak_share > 0.1 && self.peak_elevation_deg < -5.0).then(|| {
             format!(
                 "{:.0} % of the light comes from one spot {:.0}° below the horizon, where no sun stands",
                 100.0 * self.peak_share,

@@ -126,7 +126,14 @@ fn samples(
 }
 
 fn proposal_figure(context: &Context) -> Result<Made> {
-    let result = proposal::compare(&context.source.map, 100_000, context.seed)?;
+    let Some(result) = proposal::compare(&context.source.map, 100_000, context.seed)? else {
+        return Ok(Made {
+            drawing: proposal_view::nothing_to_test(),
+            table: output::table::<proposal::Bin>(&[])?,
+            image: None,
+            checks: vec![Check::near("the map has light in rows enough for a test", 1.0, 0.0, 0.0)],
+        });
+    };
     Ok(Made {
         drawing: proposal_view::drawing(&result),
         table: output::table(&result.bins)?,
@@ -173,7 +180,7 @@ fn sphere(context: &Context, spp: u32) -> Result<Made> {
 }
 
 fn sphere_error(context: &Context) -> Result<Made> {
-    #[derive(serde::Serialize)]
+    #[derive(Default, serde::Serialize)]
     struct Line {
         strategy: &'static str,
         spp: u32,

@@ -60,8 +60,30 @@ pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
 }
 
-/// Rows as CSV text, with the field names of `T` as header.
-pub fn table<T: Serialize>(rows: &[T]) -> Result<Vec<u8>> {
+/// The image format that a path names, if it names a file; an error if that is no image.
+pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
+    let extension = out.and_then(Path::extension).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let Some(known) = FILE_EXTENSIONS.iter().find(|known| extension.as_deref() == Some(**known)) else {
+        return Ok(None);
+    };
+    if IMAGES.contains(known) {
+        return Ok(Some(known));
+    }
+    Err(Error::parameter("-o", format!("an image cannot be written as .{known}"))
+        .with_hint(format!("image formats: {}", IMAGES.join(", "))))
+}
+
+/// Formats that images are written in.
+const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
+
+/// Rows as CSV text, with the field names of `T` as header, which stands there even without rows.
+pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
+    if rows.is_empty() {
+        let mut text = table(&[T::default()])?;
+        let header = text.iter().position(|b| *b == b'\n').map_or(text.len(), |end| end + 1);
+        text.truncate(header);
+        return Ok(text);
+    }
     let mut writer = csv::Writer::from_writer(Vec::new());
     let bad = |e: String| Error::io(Path::new("table"), std::io::Error::other(e));
     for row in rows {
@@ -96,10 +118,11 @@ mod tests {
 
     #[test]
     fn tables_have_their_field_names_as_header() {
-        #[derive(Serialize)]
+        #[derive(Default, Serialize)]
         struct Row {
             theta_deg: f64,
         }
         assert_eq!(table(&[Row { theta_deg: 0.5 }]).unwrap(), b"theta_deg\n0.5\n");
+        assert_eq!(table::<Row>(&[]).unwrap(), b"theta_deg\n");
     }
 }

@@ -34,6 +34,15 @@ pub fn drawing(result: &Proposal) -> Drawing {
     .draw()
 }
 
+/// What stands in place of the experiment for a map that cannot show it.
+#[must_use]
+pub fn nothing_to_test() -> Drawing {
+    let axis = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
+    Plot::new([Panel::new(axis, Axis::linear("share of the draws").range(0.0, 1.0))
+        .title("this map has light in too few rows for the experiment")])
+    .draw()
+}
+
 /// "≈ 10^{−17}", or "< 10^{−300}" for what a double cannot hold.
 fn power_of_ten(p: f64) -> String {
     if p > 0.0 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }

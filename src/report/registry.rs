@@ -98,7 +98,7 @@ pub fn write_image(stem: &Path, image: &Image, metadata: &Metadata) -> Result<Ve
 }
 
 fn checks_table(figures: &[Reproduced]) -> Result<Vec<u8>> {
-    #[derive(Serialize)]
+    #[derive(Default, Serialize)]
     struct Row<'a> {
         figure: &'a str,
         name: &'a str,

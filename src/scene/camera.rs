@@ -38,6 +38,32 @@ impl Camera {
         Some(Self { position, right, up: right.cross(forward), forward, projection })
     }
 
+    /// The camera for an image of another size: where its shape differs, the shorter side shows what the shorter side
+    /// showed before, and the longer one more or less, so that nothing is stretched.
+    #[must_use]
+    pub fn fitted(&self, from: [usize; 2], to: [usize; 2]) -> Self {
+        let aspect = to[0] as f64 / to[1] as f64;
+        // Also when a side is 0: such a size is refused elsewhere.
+        if aspect == from[0] as f64 / from[1] as f64 || !(aspect > 0.0 && aspect.is_finite()) {
+            return *self;
+        }
+        let fit = |width: f64, height: f64| {
+            let shorter = width.min(height);
+            [shorter * aspect.max(1.0), shorter * (1.0 / aspect).max(1.0)]
+        };
+        let projection = match self.projection {
+            Projection::Orthographic { half_width, half_height } => {
+                let [half_width, half_height] = fit(half_width, half_height);
+                Projection::Orthographic { half_width, half_height }
+            }
+            Projection::Perspective { tan_half_width, tan_half_height } => {
+                let [tan_half_width, tan_half_height] = fit(tan_half_width, tan_half_height);
+                Projection::Perspective { tan_half_width, tan_half_height }
+            }
+        };
+        Self { projection, ..*self }
+    }
+
     /// The ray through film position (x, y): (0, 0) is the top left corner of the image, (1, 1) the bottom right.
     #[inline]
     #[must_use]
@@ -72,6 +98,17 @@ mod tests {
         let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, perspective).unwrap();
         let corner = camera.ray(1.0, 0.0).direction;
         assert!((corner - Vec3::new(1.0, 0.5, -1.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn other_shapes_do_not_stretch() {
+        let square = Projection::Orthographic { half_width: 1.0, half_height: 1.0 };
+        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, square).unwrap();
+        assert_eq!(camera.fitted([511, 511], [64, 64]), camera);
+        let wide = camera.fitted([511, 511], [400, 200]).projection;
+        assert_eq!(wide, Projection::Orthographic { half_width: 2.0, half_height: 1.0 });
+        let tall = camera.fitted([511, 511], [100, 200]).projection;
+        assert_eq!(tall, Projection::Orthographic { half_width: 1.0, half_height: 2.0 });
     }
 
     #[test]

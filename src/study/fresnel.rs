@@ -16,7 +16,7 @@ pub enum Model {
 }
 
 /// One angle of incidence. Field names are the CSV columns.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
     pub theta_deg: f64,
     pub r_parallel: f64,
@@ -122,7 +122,8 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, model: Model) -> Result<Cur
         schlick_max_abs_error_deg: abs_at,
         schlick_max_rel_error: rel_max,
         schlick_max_rel_error_deg: rel_at,
-        rows: angles(points)?.filter(|theta| *theta <= end).map(row).collect(),
+        // A curve that ends before 90° ends exactly where it is said to.
+        rows: angles(points)?.filter(|theta| *theta < end).chain([end]).map(row).collect(),
     })
 }
 
@@ -156,7 +157,11 @@ mod tests {
         assert!((exit.critical_deg.unwrap() - 43.602_818_972_703_62).abs() < 1e-11);
         assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.r_parallel == 1.0 && r.r_schlick == 1.0));
         let report = curves(1.45, 1.0, 91, Model::Report).unwrap();
-        assert_eq!(report.rows.last().unwrap().theta_deg, 43.0, "the report's curve ends at the critical angle");
+        assert_eq!(
+            report.rows.last().unwrap().theta_deg,
+            report.critical_deg.unwrap(),
+            "the report's curve ends there"
+        );
         assert!(report.schlick_max_abs_error > 0.9, "it misses total internal reflection");
     }
 

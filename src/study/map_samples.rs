@@ -2,6 +2,7 @@
 
 use crate::envmap::EnvMap;
 use crate::envmap::batch::EnvSamples;
+use crate::envmap::latlong::intensity;
 use crate::envmap::report_model::ReportSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample};
 use crate::error::{Error, Result};
@@ -24,7 +25,7 @@ pub enum Method {
 }
 
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
     pub x: f64,
     pub y: f64,
@@ -48,7 +49,7 @@ pub struct MapSamples {
 }
 
 /// Largest number of samples that can be asked for at once.
-pub const MAX_SAMPLES: usize = 1 << 24;
+pub const MAX_SAMPLES: usize = 1 << 16;
 
 /// Draws `n` samples with independent random numbers.
 pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<MapSamples> {
@@ -67,7 +68,7 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
     let mut drawn = EnvSamples::default();
     sampler.sample_many(&numbers, &mut drawn);
     let samples: Vec<EnvSample> = drawn.iter().collect();
-    let estimate = |s: &EnvSample| f64::from(s.radiance.x + s.radiance.y + s.radiance.z) / 3.0 / s.pdf;
+    let estimate = |s: &EnvSample| intensity(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
         Row {

@@ -18,7 +18,7 @@ pub enum Centroid {
 
 /// One region. Field names are the CSV columns: its texels are \[x0, x1) × \[y0, y1), the centroid is in continuous
 /// texel coordinates, the direction is the centroid's, the flux is ∫ L dω and the energy its mean over R, G, B.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
     pub x0: usize,
     pub y0: usize,

@@ -6,7 +6,7 @@ use crate::optics::{conductor, metals, schlick};
 use serde::Serialize;
 
 /// One angle of incidence in one channel. Field names are the CSV columns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
     pub channel: String,
     pub theta_deg: f64,

@@ -47,7 +47,7 @@ fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 
 /// Errors of one render. Field names are the CSV columns; intensity is (R + G + B) / 3, and errors are taken over
 /// the ring of the disc described in the module.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
     pub spp: u32,
     pub light_samples: u32,
