@@ -3,12 +3,14 @@
 use super::console::Console;
 use super::map_file::{self, MapOptions};
 use super::{Global, Verdict};
+use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
-use crate::report::{self, Context, Reproduced};
+use crate::report::{self, Context, MapSource, Reproduced};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Make every figure from built-in data (or from a map of your own) and check it
@@ -87,8 +89,8 @@ impl Reproduce {
         let info = Info::of(&source.map);
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
             console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", self.envmap));
-            let turned = map_file::load(&self.envmap, MapOptions { flip: true, ..self.options }, console)?;
-            return Ok(Context::new(turned, global.seed, self.quick));
+            let map = Arc::new(EnvMap::new(source.map.image().flipped_vertically()));
+            return Ok(Context::new(MapSource { map, ..source }, global.seed, self.quick));
         }
         map_file::warn_upside_down(&info, &self.envmap, console);
         Ok(Context::new(source, global.seed, self.quick))

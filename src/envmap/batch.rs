@@ -63,16 +63,23 @@ impl EnvSamples {
 pub(super) trait Batched {
     fn map(&self) -> &EnvMap;
 
+    /// Sum of the table's weights; 0 when nothing can be drawn.
+    fn total(&self) -> f64;
+
     /// Draws a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
     /// instruction set.
     fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch);
 }
 
-/// Replaces `out` by the samples for all of `u`, drawn from a map that is not black.
+/// Replaces `out` by the samples for all of `u`; by none when nothing can be drawn.
 ///
 /// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
 /// so every machine gets the same bits.
 pub(super) fn fill<S: Batched>(sampler: &S, u: &[[f64; 2]], out: &mut EnvSamples) {
+    if sampler.total() <= 0.0 {
+        out.clear();
+        return;
+    }
     out.resize(u.len());
     pulp::Arch::new().dispatch(Fill { sampler, u, out });
 }

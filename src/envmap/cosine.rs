@@ -198,9 +198,8 @@ impl CosineSampler {
     fn texels(&self, bx: usize, by: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let g = self.map.geometry();
         let (x0, y0) = (bx * self.side, by * self.side);
-        (y0..(y0 + self.side).min(g.height())).flat_map(move |y| {
-            (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.map.intensity(x, y) * g.solid_angle(y)))
-        })
+        (y0..(y0 + self.side).min(g.height()))
+            .flat_map(move |y| (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.map.energy(x, y))))
     }
 }
 

@@ -96,7 +96,7 @@ impl<'a> MedianCut<'a> {
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();
         let table = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| SummedArea::new(g.width(), g.height(), value);
-        let energy_of = |x: usize, y: usize| map.intensity(x, y) * g.solid_angle(y);
+        let energy_of = |x: usize, y: usize| map.energy(x, y);
         let moments = (split == Split::Variance)
             .then(|| [0, 1, 2].map(|axis| table(&|x, y| energy_of(x, y) * g.direction_in_texel(x, y, 0.5, 0.5)[axis])));
         Self { map, energy: table(&energy_of), moments, sides }

@@ -128,7 +128,7 @@ fn energy_near(map: &EnvMap, (x, y): (usize, usize), radius: f64) -> f64 {
     for y in y.saturating_sub(reach)..(y + reach + 1).min(g.height()) {
         for x in 0..g.width() {
             if g.direction_in_texel(x, y, 0.5, 0.5).dot(centre) >= cos_radius {
-                energy += map.intensity(x, y) * g.solid_angle(y);
+                energy += map.energy(x, y);
             }
         }
     }

@@ -58,12 +58,6 @@ impl IrradianceTree {
         tree
     }
 
-    /// ∫ L dω over the whole map.
-    #[must_use]
-    pub fn flux(&self) -> DVec3 {
-        self.total
-    }
-
     /// The irradiance of a surface with unit normal `n`.
     #[must_use]
     pub fn irradiance(&self, n: DVec3) -> Irradiance {

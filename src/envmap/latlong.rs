@@ -274,6 +274,13 @@ impl EnvMap {
     pub fn intensity(&self, x: usize, y: usize) -> f64 {
         intensity(self.texel(x, y))
     }
+
+    /// Intensity of texel (x, y) times its solid angle.
+    #[inline]
+    #[must_use]
+    pub fn energy(&self, x: usize, y: usize) -> f64 {
+        self.intensity(x, y) * self.geometry.solid_angle(y)
+    }
 }
 
 /// (R + G + B) / 3 in f64.

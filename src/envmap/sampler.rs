@@ -71,17 +71,8 @@ impl CdfSampler {
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let m = &map;
-        let table = Table2::new(m.geometry().width(), m.geometry().height(), |x, y| {
-            m.intensity(x, y) * m.geometry().solid_angle(y)
-        });
+        let table = Table2::new(m.geometry().width(), m.geometry().height(), |x, y| m.energy(x, y));
         Self { map, table }
-    }
-
-    /// Probability that texel (x, y) is drawn.
-    #[inline]
-    #[must_use]
-    pub fn probability(&self, x: usize, y: usize) -> f64 {
-        self.table.probability(x, y)
     }
 
     #[inline]
@@ -102,6 +93,10 @@ impl Batched for CdfSampler {
         &self.map
     }
 
+    fn total(&self) -> f64 {
+        self.table.total()
+    }
+
     #[inline(always)]
     fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
         self.table.draw_batch(u, self.map.image().pixels(), draws);
@@ -119,11 +114,7 @@ impl DirectionSampler for CdfSampler {
     }
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
-        if self.table.total() > 0.0 {
-            batch::fill(self, u, out);
-        } else {
-            out.clear();
-        }
+        batch::fill(self, u, out);
     }
 
     #[inline]
@@ -146,10 +137,8 @@ impl AliasSampler {
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
-        let weights: Vec<f64> = (0..g.height())
-            .flat_map(|y| (0..g.width()).map(move |x| (x, y)))
-            .map(|(x, y)| map.intensity(x, y) * g.solid_angle(y))
-            .collect();
+        let weights: Vec<f64> =
+            (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).collect();
         let table = AliasTable::new(&weights);
         Self { map, table }
     }
@@ -164,6 +153,10 @@ impl AliasSampler {
 impl Batched for AliasSampler {
     fn map(&self) -> &EnvMap {
         &self.map
+    }
+
+    fn total(&self) -> f64 {
+        self.table.total()
     }
 
     #[inline(always)]
@@ -183,11 +176,7 @@ impl DirectionSampler for AliasSampler {
     }
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
-        if self.table.total() > 0.0 {
-            batch::fill(self, u, out);
-        } else {
-            out.clear();
-        }
+        batch::fill(self, u, out);
     }
 
     #[inline]
