@@ -9,7 +9,7 @@ use super::strategies::Strategies;
 use crate::bsdf::diffuse;
 use crate::raster::Rgb;
 use crate::sampling::stream::Stream;
-use crate::scene::{Environment, Hit, Material, Ray, Request, Scene};
+use crate::scene::{Environment, Hit, Material, Ray, Request, Scene, Shape};
 use glam::{DVec3, Vec3};
 
 /// A scene made ready for rendering.
@@ -46,7 +46,9 @@ impl Surface {
     fn new(hit: Hit, material: &Material, wo: Vec3) -> Self {
         let normal = hit.normal.as_dvec3() * if hit.normal.dot(wo) < 0.0 { -1.0 } else { 1.0 };
         let (tangent, bitangent) = normal.any_orthonormal_pair();
-        let Material::Diffuse { albedo } = *material;
+        let Material::Diffuse { albedo } = *material else {
+            return Self { hit, tangent, bitangent, normal, albedo: Rgb::ZERO };
+        };
         Self { hit, tangent, bitangent, normal, albedo }
     }
 
@@ -65,7 +67,7 @@ impl Integrator<'_> {
         let Some(environment) = &self.scene.environment else { return sum };
         let mut depth = 0;
         loop {
-            let Some((hit, material)) = self.scene.intersect(&ray) else {
+            let Some((hit, material)) = intersect(self.scene, &ray) else {
                 if depth == 0 {
                     sum += environment.radiance(ray.direction.as_dvec3());
                 }
@@ -98,7 +100,7 @@ impl Integrator<'_> {
         dimensions: Dimensions,
     ) -> Rgb {
         let n = self.request.light_samples;
-        let visible = |wi: DVec3| !OCCLUSION || !self.scene.occluded(&surface.hit.ray_towards(wi.as_vec3()));
+        let visible = |wi: DVec3| !OCCLUSION || intersect(self.scene, &surface.hit.ray_towards(wi.as_vec3())).is_none();
         let map_normal = environment.to_map(surface.normal);
         let mut sum = Rgb::ZERO;
         if let Some(sampler) = self.strategies.light() {
@@ -133,4 +135,17 @@ impl Integrator<'_> {
 #[inline]
 fn balance_heuristic(p: f64, other: f64) -> f64 {
     1.0 / (p + other)
+}
+
+/// The nearest hit of a ray, beyond its origin.
+fn intersect<'a>(scene: &'a Scene, ray: &Ray) -> Option<(Hit, &'a Material)> {
+    let mut nearest: Option<(Hit, &Material)> = None;
+    for object in &scene.objects {
+        let limit = nearest.as_ref().map_or(f32::INFINITY, |(hit, _)| hit.t);
+        let Shape::Sphere(sphere) = &object.shape else { continue };
+        if let Some(hit) = sphere.intersect(ray, limit) {
+            nearest = Some((hit, &object.material));
+        }
+    }
+    nearest
 }

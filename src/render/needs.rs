@@ -1,7 +1,7 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
 use super::{Sampling, Settings};
-use crate::scene::{Projection, Request, Scene};
+use crate::scene::{Projection, Request, Scene, Shape};
 
 /// The parts of the renderer that a scene can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,7 +45,8 @@ impl Needs {
 /// Whether no ray that leaves a surface can meet another: one convex object, seen from outside.
 fn lone_convex_from_outside(scene: &Scene) -> bool {
     let [object] = scene.objects.as_slice() else { return scene.objects.is_empty() };
-    let (centre, radius) = (object.shape.centre.as_dvec3(), f64::from(object.shape.radius));
+    let Shape::Sphere(sphere) = &object.shape else { return false };
+    let (centre, radius) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
     let offset = scene.camera.position - centre;
     match scene.camera.projection {
         Projection::Perspective { .. } => offset.length() >= radius,
@@ -59,7 +60,7 @@ mod tests {
     use super::*;
     use crate::envmap::EnvMap;
     use crate::raster::Image;
-    use crate::scene::{Environment, builtin};
+    use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;
 
@@ -75,7 +76,7 @@ mod tests {
         assert!(needs(&scene).occlusion, "from inside every ray meets the sphere again");
         scene.camera.position = DVec3::Z;
         let mut second = scene.objects[0].clone();
-        second.shape.centre = Vec3::splat(3.0);
+        second.shape = Shape::Sphere(Sphere { centre: Vec3::splat(3.0), radius: 1.0 });
         scene.objects.push(second);
         assert!(needs(&scene).occlusion);
     }

@@ -1,6 +1,6 @@
 //! The built-in scenes.
 
-use super::{Camera, Environment, Material, Object, Projection, Request, Scene, Sphere};
+use super::{Camera, Environment, Material, Object, Projection, Request, Scene, Shape, Sphere};
 use crate::raster::Rgb;
 use glam::{DVec3, Vec3};
 
@@ -15,9 +15,10 @@ pub fn sphere_env(environment: Environment) -> (Scene, Request) {
         forward: DVec3::NEG_Z,
         projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
     };
-    let sphere =
-        Object { shape: Sphere { centre: Vec3::ZERO, radius: 1.0 }, material: Material::Diffuse { albedo: Rgb::ONE } };
-    let scene = Scene { name: "sphere-env".into(), camera, objects: vec![sphere], environment: Some(environment) };
+    let sphere = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
+    let objects = vec![Object::new(sphere, Material::Diffuse { albedo: Rgb::ONE })];
+    let scene =
+        Scene { name: "sphere-env".into(), camera, objects, lights: Vec::new(), environment: Some(environment) };
     (scene, Request { width: 511, height: 511, spp: 16, light_samples: 4, max_depth: 1 })
 }
 

@@ -3,15 +3,23 @@
 pub mod builtin;
 pub mod camera;
 pub mod environment;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod rectangle;
 pub mod request;
 pub mod sphere;
 
 pub use camera::{Camera, Projection, Ray};
 pub use environment::Environment;
+pub use light::{Falloff, Light};
+pub use material::{Conductor, Distribution, Emission, Material, Role};
+pub use mesh::Mesh;
+pub use rectangle::Rectangle;
 pub use request::Request;
 pub use sphere::{Hit, Sphere};
 
-use crate::raster::Rgb;
+use std::sync::Arc;
 
 /// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
 #[derive(Debug, Clone)]
@@ -19,43 +27,32 @@ pub struct Scene {
     pub name: String,
     pub camera: Camera,
     pub objects: Vec<Object>,
+    /// Lights that are not objects.
+    pub lights: Vec<Light>,
     /// The light from infinity, if there is any.
     pub environment: Option<Environment>,
 }
 
-/// A shape and what it is made of.
+/// A shape, what it is made of, and whether it glows.
 #[derive(Debug, Clone)]
 pub struct Object {
-    pub shape: Sphere,
+    pub shape: Shape,
     pub material: Material,
+    pub emission: Option<Emission>,
 }
 
-/// How a surface scatters light.
+impl Object {
+    /// An object that does not glow.
+    #[must_use]
+    pub fn new(shape: Shape, material: Material) -> Self {
+        Self { shape, material, emission: None }
+    }
+}
+
+/// A shape.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Material {
-    /// Lambertian reflection of the given albedo.
-    Diffuse { albedo: Rgb },
-}
-
-impl Scene {
-    /// The nearest hit of a ray, beyond its origin.
-    #[inline]
-    #[must_use]
-    pub fn intersect(&self, ray: &Ray) -> Option<(Hit, &Material)> {
-        let mut nearest: Option<(Hit, &Material)> = None;
-        for object in &self.objects {
-            let limit = nearest.as_ref().map_or(f32::INFINITY, |(hit, _)| hit.t);
-            if let Some(hit) = object.shape.intersect(ray, limit) {
-                nearest = Some((hit, &object.material));
-            }
-        }
-        nearest
-    }
-
-    /// Whether anything stands in the ray's way.
-    #[inline]
-    #[must_use]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.objects.iter().any(|object| object.shape.intersect(ray, f32::INFINITY).is_some())
-    }
+pub enum Shape {
+    Sphere(Sphere),
+    Rectangle(Rectangle),
+    Mesh(Arc<Mesh>),
 }

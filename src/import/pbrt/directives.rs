@@ -6,7 +6,7 @@ use super::place::{At, quote};
 use super::reader::{Reader, Stage};
 use super::{light, transform, world};
 use crate::error::Result;
-use crate::scene::Object;
+use crate::scene::{Object, Shape};
 use glam::{DMat4, DVec3};
 
 impl Reader<'_> {
@@ -114,7 +114,7 @@ impl Reader<'_> {
             }
             "Shape" => {
                 let shape = world::sphere(params, &self.state.transform, warnings)?;
-                self.objects.push(Object { shape, material: self.state.material.clone() });
+                self.objects.push(Object::new(Shape::Sphere(shape), self.state.material));
             }
             _ => {
                 if self.light.is_some() {

@@ -94,7 +94,7 @@ impl<'a> Reader<'a> {
         let (environment, light_samples) = self.light.unzip();
         let (camera, request, output) = self.setup.finish(light_samples.unwrap_or(1), &file, &mut self.warnings)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let scene = Scene { name, camera, objects: self.objects, environment };
+        let scene = Scene { name, camera, objects: self.objects, lights: Vec::new(), environment };
         Ok(Imported { scene, request, output, warnings: self.warnings })
     }
 

@@ -1,0 +1,63 @@
+//! How surfaces scatter light, and what lamps they are.
+
+use crate::raster::Rgb;
+
+/// How a surface scatters light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Material {
+    /// Lambertian reflection of the given albedo, on both sides.
+    Diffuse { albedo: Rgb },
+    /// A perfect mirror, on both sides.
+    Mirror { reflectance: Rgb },
+    /// Refraction without reflection; beyond the critical angle no light passes. `eta` is the index of refraction of
+    /// the inside over that of the outside.
+    Refraction { transmittance: Rgb, eta: f32 },
+    /// A smooth dielectric boundary: reflection and refraction shared by Fresnel's equations.
+    Glass { reflectance: Rgb, transmittance: Rgb, eta: f32 },
+    /// A rough conductor, on the outside only.
+    Conductor(Conductor),
+}
+
+/// A metal surface of microfacets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conductor {
+    /// Real part of the complex index of refraction, per channel.
+    pub eta: Rgb,
+    /// Imaginary part, per channel.
+    pub k: Rgb,
+    /// Width of the distribution of normals; below [`Conductor::SMOOTH_ALPHA`] the surface is a perfect mirror.
+    pub alpha: f32,
+    pub distribution: Distribution,
+}
+
+impl Conductor {
+    /// Below this the lobe is narrower than f32 directions can tell apart.
+    pub const SMOOTH_ALPHA: f32 = 1e-4;
+}
+
+/// The distribution of microfacet normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Distribution {
+    #[default]
+    Beckmann,
+    Ggx,
+}
+
+/// Light that a surface gives off, the same in every direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Emission {
+    pub radiance: Rgb,
+    /// Whether the back glows as well as the front (the side of the normal).
+    pub two_sided: bool,
+    pub role: Role,
+}
+
+/// What a glowing surface does in the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Role {
+    /// It lights surfaces and is seen.
+    #[default]
+    Lamp,
+    /// It is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same place lights for it.
+    Picture,
+}

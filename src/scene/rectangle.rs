@@ -1,0 +1,78 @@
+//! The rectangle: walls and lamps.
+
+use glam::Vec3;
+
+/// A rectangle in the world, lit or seen from both sides unless its use says otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangle {
+    centre: Vec3,
+    half: [Vec3; 2],
+    normal: Vec3,
+}
+
+/// Largest cosine between two sides that still counts as a right angle.
+const PERPENDICULAR: f32 = 1e-4;
+
+impl Rectangle {
+    /// The rectangle `centre` ± `half_x` ± `half_y`, its front where `half_x` × `half_y` points; `None` when the sides
+    /// have no length or are not perpendicular to 10⁻⁴.
+    #[must_use]
+    pub fn new(centre: Vec3, half_x: Vec3, half_y: Vec3) -> Option<Self> {
+        let (x, y) = (half_x.try_normalize()?, half_y.try_normalize()?);
+        let right = x.dot(y).abs() <= PERPENDICULAR && centre.is_finite();
+        // The second side is made exactly perpendicular, so that a point has one pair of coordinates.
+        let half_y = half_y - x * half_y.dot(x);
+        let normal = x.cross(half_y).try_normalize()?;
+        right.then_some(Self { centre, half: [half_x, half_y], normal })
+    }
+
+    /// The rectangle with these corners, in order around it; `None` when they do not form one (to 10⁻⁴ of its size).
+    #[must_use]
+    pub fn from_corners(corners: [Vec3; 4]) -> Option<Self> {
+        let [a, b, c, d] = corners;
+        let (x, y) = ((b - a) * 0.5, (d - a) * 0.5);
+        let closed = (a + c - b - d).length() <= PERPENDICULAR * (c - a).length();
+        if closed { Self::new((a + c) * 0.5, x, y) } else { None }
+    }
+
+    #[must_use]
+    pub fn centre(&self) -> Vec3 {
+        self.centre
+    }
+
+    /// Half of the two sides, as vectors from the centre to the middles of two edges.
+    #[must_use]
+    pub fn half_sides(&self) -> [Vec3; 2] {
+        self.half
+    }
+
+    /// The unit normal of the front.
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        4.0 * self.half[0].length() * self.half[1].length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_make_rectangles_or_nothing() {
+        let corner = |x: f32, z: f32| Vec3::new(x, 1.0, z);
+        let r =
+            Rectangle::from_corners([corner(0.0, 0.0), corner(0.0, 2.0), corner(4.0, 2.0), corner(4.0, 0.0)]).unwrap();
+        assert_eq!((r.centre(), r.normal(), r.area()), (Vec3::new(2.0, 1.0, 1.0), Vec3::Y, 8.0));
+        let skewed = [corner(0.0, 0.0), corner(1.0, 2.0), corner(5.0, 2.0), corner(4.0, 0.0)];
+        assert!(Rectangle::from_corners(skewed).is_none(), "a parallelogram");
+        let bent = [corner(0.0, 0.0), corner(0.0, 2.0), Vec3::new(4.0, 2.0, 2.0), corner(4.0, 0.0)];
+        assert!(Rectangle::from_corners(bent).is_none(), "not flat");
+        assert!(Rectangle::new(Vec3::ZERO, Vec3::X, Vec3::ZERO).is_none());
+        assert!(Rectangle::new(Vec3::NAN, Vec3::X, Vec3::Y).is_none());
+    }
+}
