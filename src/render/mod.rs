@@ -1,17 +1,25 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
+mod diffuse;
 mod film;
+mod geometry;
 mod integrator;
+mod lanes;
+mod lens;
+mod lights;
 mod needs;
+mod numbers;
 mod strategies;
+mod wide;
 
 pub use film::Dropped;
 
 use crate::error::{Error, Result};
 use crate::raster::Image;
-use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
+use crate::sampling::stream::StreamKind;
 use crate::scene::{Request, Scene};
-use integrator::Integrator;
+use integrator::{Integrator, Workspace};
+use lens::Lens;
 use needs::Needs;
 use std::time::Instant;
 use strategies::Strategies;
@@ -72,15 +80,13 @@ pub struct Rendered {
 pub fn render(scene: &Scene, request: &Request, settings: &Settings, row_done: &(dyn Fn() + Sync)) -> Result<Rendered> {
     check(request)?;
     let start = Instant::now();
-    let needs = if settings.general { Needs::ALL } else { Needs::of(scene, request, settings) };
+    let needs = if settings.general { Needs::EVERYTHING } else { Needs::of(scene, request, settings) };
     let strategies = Strategies::new(scene, settings, &needs)?;
-    let integrator = Integrator { scene, strategies: &strategies, request };
-    let run = Run { integrator, request, seed: settings.seed, row_done };
-    let (image, dropped) = match (settings.stream, needs.occlusion) {
-        (StreamKind::Sobol, true) => run.film::<Sobol, true>(),
-        (StreamKind::Sobol, false) => run.film::<Sobol, false>(),
-        (StreamKind::Independent, true) => run.film::<Independent, true>(),
-        (StreamKind::Independent, false) => run.film::<Independent, false>(),
+    let integrator = Integrator::new(scene, request, settings, strategies);
+    let run = Run { integrator, settings: *settings, row_done };
+    let (image, dropped) = match needs.kernel() {
+        Needs::ALL => run.film::<{ Needs::ALL }>(),
+        _ => run.film::<{ Needs::OCCLUSION }>(),
     };
     let left_out = needs.left_out(scene);
     Ok(Rendered { image, request: *request, seconds: start.elapsed().as_secs_f64(), dropped, left_out })
@@ -89,19 +95,28 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, row_done: &
 /// Everything that a kernel runs on, before it is known which kernel.
 struct Run<'a> {
     integrator: Integrator<'a>,
-    request: &'a Request,
-    seed: u64,
+    settings: Settings,
     row_done: &'a (dyn Fn() + Sync),
 }
 
 impl Run<'_> {
-    fn film<S: Stream, const OCCLUSION: bool>(&self) -> (Image, Dropped) {
-        let Request { width, height, spp, .. } = *self.request;
-        film::expose(width, height, spp, self.row_done, |x, y, sample| {
-            let stream = S::new(self.seed, (y * width + x) as u64, sample);
-            let [jx, jy] = stream.pair(0);
-            let (fx, fy) = ((x as f64 + jx) / width as f64, (y as f64 + jy) / height as f64);
-            self.integrator.radiance::<S, OCCLUSION>(self.integrator.scene.camera.ray(fx, fy), stream)
+    fn film<const NEEDS: u32>(&self) -> (Image, Dropped) {
+        let Request { width, height, spp, .. } = self.integrator.request;
+        let camera = &self.integrator.scene.camera;
+        let lens = Lens::new(camera, width, height);
+        let workspace = || Workspace::new(&self.settings);
+        film::expose(width, height, spp, self.row_done, workspace, |work, y, first, count, radiance| {
+            for slot in 0..count {
+                let at = first + slot as u64;
+                let (x, sample) = ((at / u64::from(spp)) as usize, (at % u64::from(spp)) as u32);
+                work.numbers.assign(slot, (y * width + x) as u64, sample);
+                work.pixel[slot] = x as u32;
+            }
+            self.integrator.start(work, count, &lens, y as u32);
+            self.integrator.trace::<NEEDS>(work);
+            for slot in 0..count {
+                radiance(work.pixel[slot] as usize, geometry::at(&work.radiance, slot));
+            }
         })
     }
 }

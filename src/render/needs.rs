@@ -6,6 +6,7 @@ use crate::scene::{Projection, Request, Scene, Shape};
 /// The parts of the renderer that a scene can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Needs {
+    pub environment: bool,
     /// A table to draw directions towards the environment from.
     pub environment_table: bool,
     /// Asking whether a ray that leaves a surface meets another one: shadow rays and further bounces.
@@ -14,13 +15,22 @@ pub struct Needs {
 
 impl Needs {
     /// Everything, whether needed or not.
-    pub const ALL: Self = Self { environment_table: true, occlusion: true };
+    pub const EVERYTHING: Self = Self { environment: true, environment_table: true, occlusion: true };
+
+    pub const OCCLUSION: u32 = 1;
+    pub const ENVIRONMENT: u32 = 2;
+    pub const ALL: u32 = 3;
+
+    pub fn kernel(&self) -> u32 {
+        Self::OCCLUSION * u32::from(self.occlusion) | Self::ENVIRONMENT * u32::from(self.environment)
+    }
 
     /// Looks at a scene once.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
         let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
         Self {
+            environment: scene.environment.is_some(),
             environment_table: by_light && request.max_depth > 0 && scene.environment.is_some(),
             occlusion: !lone_convex_from_outside(scene),
         }

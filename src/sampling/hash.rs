@@ -3,7 +3,7 @@
 /// SplitMix64's output function: a bijection of 64-bit words in which every input bit reaches every output bit.
 ///
 /// Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014 (variant 13 of Stafford).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn mix64(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -26,4 +26,12 @@ pub fn key(words: [u64; 3]) -> u64 {
 #[must_use]
 pub fn unit_f64(x: u64) -> f64 {
     (x >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// The 24 top bits of `x` as a number in \[0, 1).
+#[inline(always)]
+#[must_use]
+pub fn unit_f32(x: u32) -> f32 {
+    // By way of i32, for which there is a vector instruction.
+    (x >> 8) as i32 as f32 * (1.0 / (1 << 24) as f32)
 }

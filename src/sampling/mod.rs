@@ -2,8 +2,10 @@
 
 pub mod alias;
 pub mod batch;
+pub mod elementary;
 mod hash;
 mod prefetch;
+pub mod rectangle;
 pub mod stream;
 pub mod table;
 pub mod warp;

@@ -5,18 +5,27 @@
 //! every pair is well stratified over any 2ⁿ consecutive samples and pairs are independent of each other.
 //! Source: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020.
 
-use super::hash::{GOLDEN, key, mix64, unit_f64};
+use super::hash::{GOLDEN, key, mix64, unit_f32, unit_f64};
 
 /// A source of uniform numbers in \[0, 1)² for one camera sample of one pixel.
 pub trait Stream: Copy + Send + Sync {
     /// The stream of sample `sample` of pixel number `pixel` under `seed`.
     fn new(seed: u64, pixel: u64, sample: u32) -> Self;
 
+    /// What the stream consists of, to be put together again by [`Stream::join`].
+    fn split(self) -> (u64, u32);
+
+    /// The stream of these parts.
+    fn join(key: u64, sample: u32) -> Self;
+
     /// The pair of numbers of a dimension, for the `index`-th of `count` draws that this sample makes from it.
     ///
     /// All draws of a pixel from one dimension, over all its samples, belong to one sequence: 8 samples with
     /// 4 draws each are as well spread as 32 samples with one.
     fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2];
+
+    /// The pair of [`Stream::pair_of`] rounded down to 24 bits.
+    fn short_pair_of(&self, dimension: u32, index: u32, count: u32) -> [f32; 2];
 
     /// The pair of numbers of a dimension from which each sample draws once.
     #[inline]
@@ -37,10 +46,32 @@ impl Stream for Independent {
         Self { key: key([seed, pixel, u64::from(sample)]) }
     }
 
+    #[inline(always)]
+    fn split(self) -> (u64, u32) {
+        (self.key, 0)
+    }
+
+    #[inline(always)]
+    fn join(key: u64, _sample: u32) -> Self {
+        Self { key }
+    }
+
     #[inline]
     fn pair_of(&self, dimension: u32, index: u32, _count: u32) -> [f64; 2] {
+        self.words(dimension, index).map(unit_f64)
+    }
+
+    #[inline(always)]
+    fn short_pair_of(&self, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
+        self.words(dimension, index).map(|word| unit_f32((word >> 32) as u32))
+    }
+}
+
+impl Independent {
+    #[inline(always)]
+    fn words(&self, dimension: u32, index: u32) -> [u64; 2] {
         let counter = (u64::from(dimension) << 33) | (u64::from(index) << 1);
-        let at = |i: u64| unit_f64(mix64(self.key.wrapping_add((counter + i + 1).wrapping_mul(GOLDEN))));
+        let at = |i: u64| mix64(self.key.wrapping_add((counter + i + 1).wrapping_mul(GOLDEN)));
         [at(0), at(1)]
     }
 }
@@ -58,17 +89,46 @@ impl Stream for Sobol {
         Self { key: key([seed, pixel, 0]), sample }
     }
 
+    #[inline(always)]
+    fn split(self) -> (u64, u32) {
+        (self.key, self.sample)
+    }
+
+    #[inline(always)]
+    fn join(key: u64, sample: u32) -> Self {
+        Self { key, sample }
+    }
+
     #[inline]
     fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2] {
-        let scramble = mix64(self.key.wrapping_add(u64::from(dimension + 1).wrapping_mul(GOLDEN)));
+        let scramble = self.scramble(dimension);
+        let [x, y] = self.words(scramble, index, count);
+        let low = mix64(scramble ^ u64::from(x)) as u32;
+        [with_low_bits(x, low), with_low_bits(y, low.rotate_left(16))]
+    }
+
+    #[inline(always)]
+    fn short_pair_of(&self, dimension: u32, index: u32, count: u32) -> [f32; 2] {
+        self.words(self.scramble(dimension), index, count).map(unit_f32)
+    }
+}
+
+impl Sobol {
+    #[inline(always)]
+    fn scramble(&self, dimension: u32) -> u64 {
+        mix64(self.key.wrapping_add(u64::from(dimension + 1).wrapping_mul(GOLDEN)))
+    }
+
+    /// The stratified bits.
+    #[inline(always)]
+    fn words(&self, scramble: u64, index: u32, count: u32) -> [u32; 2] {
         let (shuffle, rest) = (scramble as u32, (scramble >> 32) as u32);
         // The shuffle only has to be nested in the index's bits from the top down to keep every prefix of 2ⁿ points.
         let i = owen_reversed(self.sample.wrapping_mul(count).wrapping_add(index).reverse_bits(), shuffle);
         let i = i.reverse_bits();
         let x = owen_reversed(i, rest).reverse_bits();
         let y = owen_reversed(pascal(i), rest ^ 0x5bd1_e995).reverse_bits();
-        let low = mix64(scramble ^ u64::from(x)) as u32;
-        [with_low_bits(x, low), with_low_bits(y, low.rotate_left(16))]
+        [x, y]
     }
 }
 
@@ -82,7 +142,7 @@ fn with_low_bits(high: u32, low: u32) -> f64 {
 /// each bit is flipped by a hash of the bits below it, which multiplication and addition do by nature.
 ///
 /// The constants are those of Laine & Karras as searched by Vegdahl (see Burley 2020, section 3).
-#[inline]
+#[inline(always)]
 fn owen_reversed(mut x: u32, seed: u32) -> u32 {
     x = x.wrapping_add(seed);
     x ^= x.wrapping_mul(0x6c50_b47c);
@@ -94,7 +154,7 @@ fn owen_reversed(mut x: u32, seed: u32) -> u32 {
 /// The second Sobol' dimension with its bits in reverse: the product of the index's bits with Pascal's triangle mod 2.
 ///
 /// The triangle of size 2ⁿ is the n-fold Kronecker power of that of size 2, so five butterfly steps do it.
-#[inline]
+#[inline(always)]
 fn pascal(mut i: u32) -> u32 {
     i ^= (i & 0xaaaa_aaaa) >> 1;
     i ^= (i & 0xcccc_cccc) >> 2;
@@ -204,6 +264,9 @@ mod tests {
                 let a = S::new(1, u64::from(i / 16), i % 16).pair(2);
                 assert_eq!(a, S::new(1, u64::from(i / 16), i % 16).pair(2));
                 assert!(a.iter().all(|u| (0.0..1.0).contains(u)));
+                let short = S::new(1, u64::from(i / 16), i % 16).short_pair_of(2, 0, 1);
+                let floor = |u: f64| ((u * f64::from(1 << 24)).floor() / f64::from(1 << 24)) as f32;
+                assert_eq!(short, a.map(floor));
                 assert_ne!(a, S::new(2, u64::from(i / 16), i % 16).pair(2), "the seed matters");
                 assert_ne!(a, S::new(1, u64::from(i / 16), i % 16).pair(3), "the dimension matters");
                 sum += a[0];

@@ -46,6 +46,13 @@ impl Rectangle {
         self.half
     }
 
+    /// The corners, in order around the rectangle.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 4] {
+        let [x, y] = self.half;
+        [-x - y, x - y, x + y, y - x].map(|corner| self.centre + corner)
+    }
+
     /// The unit normal of the front.
     #[must_use]
     pub fn normal(&self) -> Vec3 {

@@ -23,35 +23,25 @@ pub struct Hit {
 }
 
 impl Sphere {
-    /// The nearest hit with 0 ≤ t < `limit`.
+    /// The smallest distance t ≥ 0 along a ray at which it meets the sphere; infinite where it does not.
     ///
     /// The discriminant is taken from the ray's closest point to the centre, which keeps its accuracy for small and
     /// distant spheres, and the nearer root from the farther one by their product. Source: Haines, Günther,
     /// Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", *Ray Tracing Gems*, 2019.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn intersect(&self, ray: &Ray, limit: f32) -> Option<Hit> {
-        let f = ray.origin - self.centre;
-        let b = -f.dot(ray.direction);
-        let closest = f + b * ray.direction;
+    pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let f = origin - self.centre;
+        let b = -f.dot(direction);
+        let closest = f + b * direction;
         let discriminant = self.radius * self.radius - closest.length_squared();
-        if discriminant < 0.0 {
-            return None;
-        }
         let c = f.length_squared() - self.radius * self.radius;
+        // The root of larger modulus; c is the product of both. A negative discriminant makes all of this NaN.
         let q = b + discriminant.sqrt().copysign(b);
-        // q is the root of larger modulus; c is the product of both.
-        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q) };
-        let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
+        let other = c / q;
+        let (near, far) = if other < q { (other, q) } else { (q, other) };
         let t = if near >= 0.0 { near } else { far };
-        if !(t >= 0.0 && t < limit) {
-            return None;
-        }
-        // Project the point onto the sphere: its error no longer depends on t.
-        let normal = (f + t * ray.direction).normalize();
-        let point = self.centre + self.radius * normal;
-        let error = 4.0 * f32::EPSILON * (self.radius + self.centre.abs().max_element());
-        Some(Hit { t, point, normal, error })
+        if t >= 0.0 { t } else { f32::INFINITY }
     }
 }
 

@@ -1,0 +1,262 @@
+//! The scene's shapes laid out for many rays at once: which one a ray meets first, and whether any is in its way.
+//!
+//! Rectangles and spheres are tried one after the other, each against all rays in one vectorized loop, which for the
+//! few that a scene has is faster than any tree. Triangles stand in a bounding volume hierarchy of their own, built
+//! only where there is a mesh.
+
+use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
+use super::wide::wide;
+use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
+use glam::Vec3;
+use pulp::Arch;
+
+/// A rectangle as the plane n · p = `height` and two coordinates on it that are −1 and 1 at the edges.
+#[derive(Debug, Clone, Copy)]
+struct Panel {
+    normal: Vec3,
+    height: f32,
+    across: [Vec3; 2],
+    offset: [f32; 2],
+    object: u32,
+}
+
+impl Panel {
+    fn new(rectangle: &Rectangle, object: u32) -> Self {
+        let across = rectangle.half_sides().map(|half| half / half.length_squared());
+        let offset = across.map(|a| a.dot(rectangle.centre()));
+        let normal = rectangle.normal();
+        Self { normal, height: normal.dot(rectangle.centre()), across, offset, object }
+    }
+
+    /// Distance along the ray to the rectangle; NaN, negative or infinite where it does not meet it.
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
+        let inside = |i: usize| {
+            let at = self.across[i].dot(origin) - self.offset[i] + t * self.across[i].dot(direction);
+            at.abs() <= 1.0
+        };
+        if inside(0) & inside(1) { t } else { f32::INFINITY }
+    }
+}
+
+/// A surface where a ray has met it.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    pub position: Vec3,
+    /// Unit normal of the outside.
+    pub normal: Vec3,
+    /// Unit normal for shading; that of the surface unless it is a smooth mesh.
+    pub shading: Vec3,
+    /// How far along the normal a ray must start to be off the surface despite rounding.
+    pub offset: f32,
+}
+
+/// The prepared shapes.
+pub struct Geometry<'a> {
+    objects: &'a [Object],
+    panels: Vec<Panel>,
+    spheres: Vec<(Sphere, u32)>,
+    /// Per object, [`Surface::offset`].
+    offsets: Vec<f32>,
+    /// Panels that can stand between two points of the scene: a wall with everything on one side cannot.
+    blockers: Vec<Panel>,
+    arch: Arch,
+}
+
+impl<'a> Geometry<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        let objects = &scene.objects;
+        let mut panels = Vec::new();
+        let mut spheres = Vec::new();
+        for (i, object) in objects.iter().enumerate() {
+            match &object.shape {
+                Shape::Rectangle(rectangle) => panels.push(Panel::new(rectangle, i as u32)),
+                Shape::Sphere(sphere) => spheres.push((*sphere, i as u32)),
+                Shape::Mesh(_) => {}
+            }
+        }
+        let offsets = objects.iter().map(|object| 16.0 * f32::EPSILON * extent(&object.shape)).collect();
+        let blockers = panels.iter().copied().filter(|panel| !encloses(panel, scene)).collect();
+        Self { objects, panels, spheres, offsets, blockers, arch: Arch::new() }
+    }
+
+    /// The nearest object of the first `count` rays.
+    pub fn nearest(&self, rays: &Rays, count: usize, hits: &mut Hits) {
+        hits.t[..count].fill(f32::INFINITY);
+        hits.object[..count].fill(NOTHING);
+        let (t, object) = (&mut hits.t, &mut hits.object);
+        for panel in &self.panels {
+            wide(
+                self.arch,
+                #[inline(always)]
+                || {
+                    nearer(
+                        rays,
+                        count,
+                        t,
+                        object,
+                        panel.object,
+                        #[inline(always)]
+                        |o, d| panel.distance(o, d),
+                    )
+                },
+            );
+        }
+        for (sphere, id) in &self.spheres {
+            wide(
+                self.arch,
+                #[inline(always)]
+                || {
+                    nearer(
+                        rays,
+                        count,
+                        t,
+                        object,
+                        *id,
+                        #[inline(always)]
+                        |o, d| sphere.distance(o, d),
+                    )
+                },
+            );
+        }
+    }
+
+    /// Sets `blocked[i]` to nonzero where an object other than `light` is nearer than `limit[i]` along ray i.
+    pub fn occluded(&self, rays: &Rays, count: usize, limit: &Lane, light: u32, blocked: &mut [u32; LANES]) {
+        blocked[..count].fill(0);
+        for panel in self.blockers.iter().filter(|panel| panel.object != light) {
+            wide(
+                self.arch,
+                #[inline(always)]
+                || {
+                    blocks(
+                        rays,
+                        count,
+                        limit,
+                        blocked,
+                        #[inline(always)]
+                        |o, d| panel.distance(o, d),
+                    )
+                },
+            );
+        }
+        for (sphere, id) in &self.spheres {
+            if *id != light {
+                wide(
+                    self.arch,
+                    #[inline(always)]
+                    || {
+                        blocks(
+                            rays,
+                            count,
+                            limit,
+                            blocked,
+                            #[inline(always)]
+                            |o, d| sphere.distance(o, d),
+                        )
+                    },
+                );
+            }
+        }
+    }
+
+    /// The surface that ray `i` has hit.
+    #[inline(always)]
+    pub fn surface(&self, rays: &Rays, hits: &Hits, i: usize) -> Surface {
+        let id = hits.object[i] as usize;
+        let (origin, direction) = (at(&rays.origin, i), at(&rays.direction, i));
+        let position = origin + hits.t[i] * direction;
+        let offset = self.offsets[id];
+        match &self.objects[id].shape {
+            Shape::Rectangle(r) => {
+                let normal = r.normal();
+                // Back onto the plane: the error of the position no longer depends on t.
+                let position = position - normal * normal.dot(position - r.centre());
+                Surface { position, normal, shading: normal, offset }
+            }
+            Shape::Sphere(s) => {
+                let normal = (origin - s.centre + hits.t[i] * direction).normalize();
+                Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
+            }
+            Shape::Mesh(_) => unreachable!(),
+        }
+    }
+}
+
+/// Component `i` of three lanes.
+#[inline(always)]
+pub fn at(lanes: &[Lane; 3], i: usize) -> Vec3 {
+    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
+}
+
+/// Sets component `i` of three lanes.
+#[inline(always)]
+pub fn set(lanes: &mut [Lane; 3], i: usize, value: Vec3) {
+    lanes[0][i] = value.x;
+    lanes[1][i] = value.y;
+    lanes[2][i] = value.z;
+}
+
+#[inline(always)]
+fn nearer(
+    rays: &Rays,
+    count: usize,
+    t: &mut Lane,
+    object: &mut [u32; LANES],
+    id: u32,
+    distance: impl Fn(Vec3, Vec3) -> f32,
+) {
+    for i in 0..count.min(LANES) {
+        let found = distance(at(&rays.origin, i), at(&rays.direction, i));
+        let hit = (found >= 0.0) & (found < t[i]);
+        t[i] = if hit { found } else { t[i] };
+        object[i] = if hit { id } else { object[i] };
+    }
+}
+
+#[inline(always)]
+fn blocks(rays: &Rays, count: usize, limit: &Lane, blocked: &mut [u32; LANES], distance: impl Fn(Vec3, Vec3) -> f32) {
+    for i in 0..count.min(LANES) {
+        let found = distance(at(&rays.origin, i), at(&rays.direction, i));
+        blocked[i] |= u32::from((found >= 0.0) & (found < limit[i]));
+    }
+}
+
+/// Largest coordinate of a shape, which its points are rounded to.
+fn extent(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Sphere(s) => s.radius + s.centre.abs().max_element(),
+        Shape::Rectangle(r) => (r.centre().abs() + r.half_sides()[0].abs() + r.half_sides()[1].abs()).max_element(),
+        Shape::Mesh(mesh) => mesh.positions.iter().fold(0.0, |m, p| p.abs().max_element().max(m)),
+    }
+}
+
+/// Whether all of the scene lies on one side of a panel's plane: it then cuts no line between two points of it.
+fn encloses(panel: &Panel, scene: &Scene) -> bool {
+    if scene.environment.is_some() {
+        return false;
+    }
+    let mut sides = [true; 2];
+    let mut point = |p: Vec3, radius: f32| {
+        let distance = panel.normal.dot(p) - panel.height;
+        let slack = 64.0 * f32::EPSILON * (panel.height.abs() + radius + p.length());
+        sides[0] &= distance - radius >= -slack;
+        sides[1] &= distance + radius <= slack;
+    };
+    for object in &scene.objects {
+        match &object.shape {
+            Shape::Sphere(s) => point(s.centre, s.radius),
+            Shape::Rectangle(r) => r.corners().into_iter().for_each(|corner| point(corner, 0.0)),
+            Shape::Mesh(mesh) => mesh.positions.iter().for_each(|&p| point(p, 0.0)),
+        }
+    }
+    for light in &scene.lights {
+        match light {
+            Light::Rectangle { rectangle, .. } => rectangle.corners().into_iter().for_each(|c| point(c, 0.0)),
+            Light::Point { position, .. } => point(*position, 0.0),
+            Light::Directional { .. } | Light::Hemisphere { .. } => return false,
+        }
+    }
+    sides[0] || sides[1]
+}

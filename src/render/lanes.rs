@@ -1,0 +1,109 @@
+//! Many paths side by side, component by component, so that loops over them vectorize.
+
+/// How many paths are followed at once: their arrays fit the nearest caches.
+pub const LANES: usize = 128;
+
+pub type Lane = [f32; LANES];
+pub type Lane3 = [Lane; 3];
+
+/// No object: the ray left the scene.
+pub const NOTHING: u32 = u32::MAX;
+
+/// Rays with unit directions.
+#[derive(Clone)]
+pub struct Rays {
+    pub origin: Lane3,
+    pub direction: Lane3,
+}
+
+/// What [`Rays`] hit.
+pub struct Hits {
+    pub t: Lane,
+    /// Number of the object in [`super::geometry::Geometry`], or [`NOTHING`].
+    pub object: [u32; LANES],
+    /// For meshes: the triangle and the place on it.
+    pub triangle: [u32; LANES],
+    pub u: Lane,
+    pub v: Lane,
+}
+
+/// Paths that go on: the ray of each, and what it has been through.
+#[derive(Clone)]
+pub struct Paths {
+    pub count: usize,
+    pub rays: Rays,
+    pub throughput: Lane3,
+    /// Density with which the ray's direction was drawn, for weighing the light it finds against light samples:
+    /// infinite when no light sample could have found the same light, 0 when that light was sampled already.
+    pub pdf: Lane,
+    /// The share of the environment's light that the ray brings if it leaves the scene; the rest was sampled already.
+    pub sky: Lane,
+    /// The camera sample that the path belongs to.
+    pub slot: [u32; LANES],
+    /// What scattered the path so far: a 1, then one bit per scattering from the camera on, 1 for specular.
+    pub word: [u32; LANES],
+}
+
+/// Points on surfaces, with the light that their paths still carry.
+pub struct Points {
+    pub count: usize,
+    /// Just off the surface on the side of the viewer, so that no ray from here meets it by rounding.
+    pub position: Lane3,
+    /// Unit normal on the side of the viewer.
+    pub normal: Lane3,
+    /// Throughput of the path times the surface's albedo.
+    pub weight: Lane3,
+    pub slot: [u32; LANES],
+    pub word: [u32; LANES],
+}
+
+/// Rays towards light samples, and what each brings if nothing is in its way.
+pub struct Shadows {
+    pub count: usize,
+    pub rays: Rays,
+    /// Where the light is.
+    pub limit: Lane,
+    pub value: Lane3,
+    pub slot: [u32; LANES],
+    pub word: [u32; LANES],
+}
+
+pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self { origin: ZERO3, direction: ZERO3 }
+    }
+}
+
+impl Default for Hits {
+    fn default() -> Self {
+        Self { t: [0.0; LANES], object: [NOTHING; LANES], triangle: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
+    }
+}
+
+impl Default for Paths {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            rays: Rays::default(),
+            throughput: ZERO3,
+            pdf: [0.0; LANES],
+            sky: [0.0; LANES],
+            slot: [0; LANES],
+            word: [0; LANES],
+        }
+    }
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self { count: 0, position: ZERO3, normal: ZERO3, weight: ZERO3, slot: [0; LANES], word: [0; LANES] }
+    }
+}
+
+impl Default for Shadows {
+    fn default() -> Self {
+        Self { count: 0, rays: Rays::default(), limit: [0.0; LANES], value: ZERO3, slot: [0; LANES], word: [0; LANES] }
+    }
+}

@@ -1,0 +1,202 @@
+//! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
+
+use crate::raster::Rgb;
+use crate::sampling::elementary::Elementary;
+use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
+use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
+use glam::Vec3;
+
+/// A direction towards a light.
+#[derive(Debug, Clone, Copy)]
+pub struct LightSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    pub distance: f32,
+    /// What arrives, divided by the density: radiance over density per solid angle, or irradiance where the light has
+    /// no extent. Black where the light does not reach.
+    pub weight: Rgb,
+    /// Density per solid angle; infinite where the light has no extent.
+    pub pdf: f32,
+}
+
+/// A light that can be sampled.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampled {
+    pub kind: Kind,
+    /// The object that glows, or [`super::lanes::NOTHING`].
+    pub object: u32,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub enum Kind {
+    Panel(PanelLight),
+    Ball(BallLight),
+    Point { position: Vec3, intensity: Rgb, falloff: Falloff },
+    Directional { towards: Vec3, irradiance: Rgb },
+    Hemisphere { radiance: Rgb },
+}
+
+/// A glowing rectangle in its own axes.
+#[derive(Debug, Clone, Copy)]
+pub struct PanelLight {
+    centre: Vec3,
+    axes: [Vec3; 3],
+    half: [f32; 2],
+    radiance: Rgb,
+    two_sided: bool,
+}
+
+/// A glowing sphere.
+#[derive(Debug, Clone, Copy)]
+pub struct BallLight {
+    sphere: Sphere,
+    radiance: Rgb,
+}
+
+impl PanelLight {
+    fn new(rectangle: &Rectangle, radiance: Rgb, two_sided: bool) -> Self {
+        let [x, y] = rectangle.half_sides();
+        let half = [x.length(), y.length()];
+        Self {
+            centre: rectangle.centre(),
+            axes: [x / half[0], y / half[1], rectangle.normal()],
+            half,
+            radiance,
+            two_sided,
+        }
+    }
+
+    /// The rectangle's extent along its axes as seen from a point, its distance, and on which side the point is.
+    #[inline(always)]
+    fn seen_from(&self, point: Vec3) -> ([[f32; 2]; 2], f32, f32) {
+        let to = self.centre - point;
+        let [x, y, height] = self.axes.map(|axis| axis.dot(to));
+        let [hx, hy] = self.half;
+        ([[x - hx, x + hx], [y - hy, y + hy]], height.abs(), -height)
+    }
+
+    #[inline(always)]
+    pub fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+        let ([xs, ys], depth, side) = self.seen_from(point);
+        let seen = SphericalRectangle::new(xs, ys, depth);
+        let [x, y] = seen.sample(u);
+        let back = if side > 0.0 { -depth } else { depth };
+        let to = x * self.axes[0] + y * self.axes[1] + back * self.axes[2];
+        let distance = to.length();
+        let lit = (side > 0.0) | (self.two_sided & (side < 0.0));
+        let scale = if lit { seen.solid_angle() } else { 0.0 };
+        LightSample { wi: to / distance, distance, weight: self.radiance * scale, pdf: 1.0 / seen.solid_angle() }
+    }
+
+    #[inline(always)]
+    fn pdf(&self, point: Vec3) -> f32 {
+        let ([xs, ys], depth, _) = self.seen_from(point);
+        1.0 / solid_angle(xs, ys, depth)
+    }
+}
+
+impl BallLight {
+    /// 1 − cos of half the angle that the sphere fills, seen from outside; 2 (all directions) from inside.
+    #[inline(always)]
+    fn opening(&self, point: Vec3) -> f32 {
+        let d2 = (self.sphere.centre - point).length_squared();
+        let sin2 = self.sphere.radius * self.sphere.radius / d2;
+        // 1 − √(1 − s²) without the cancellation.
+        if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 2.0 }
+    }
+
+    #[inline(always)]
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+        let opening = self.opening(point);
+        let axis = (self.sphere.centre - point).normalize_or(Vec3::Z);
+        let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
+        let below = u[0] * opening;
+        let (sin, cos) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
+        let (x, y) = axis.any_orthonormal_pair();
+        let wi = (sin * cos_phi * x + sin * sin_phi * y + cos * axis).normalize();
+        let solid_angle = std::f32::consts::TAU * opening;
+        // Where rounding at the rim makes it miss, the nearest point of the sphere is meant.
+        let found = self.sphere.distance(point, wi);
+        let nearest = axis.dot(self.sphere.centre - point).max(0.0);
+        let distance = if found.is_finite() { found } else { nearest };
+        LightSample { wi, distance, weight: self.radiance * solid_angle, pdf: 1.0 / solid_angle }
+    }
+
+    #[inline(always)]
+    fn pdf(&self, point: Vec3) -> f32 {
+        1.0 / (std::f32::consts::TAU * self.opening(point))
+    }
+}
+
+impl Sampled {
+    /// All lights of a scene that are sampled at every hit.
+    pub fn all(scene: &Scene) -> Vec<Self> {
+        let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
+            let emission = object.emission.filter(|e| e.role == Role::Lamp && e.radiance != Rgb::ZERO)?;
+            let kind = match &object.shape {
+                Shape::Rectangle(r) => Kind::Panel(PanelLight::new(r, emission.radiance, emission.two_sided)),
+                // From inside a sphere only its back is seen.
+                Shape::Sphere(s) if !emission.two_sided => {
+                    Kind::Ball(BallLight { sphere: *s, radiance: emission.radiance })
+                }
+                _ => return None,
+            };
+            Some(Self { kind, object: i as u32 })
+        });
+        let others = scene.lights.iter().map(|light| {
+            let kind = match *light {
+                Light::Rectangle { ref rectangle, radiance } => {
+                    Kind::Panel(PanelLight::new(rectangle, radiance, false))
+                }
+                Light::Point { position, intensity, falloff } => Kind::Point { position, intensity, falloff },
+                Light::Directional { direction, irradiance } => Kind::Directional { towards: -direction, irradiance },
+                Light::Hemisphere { radiance } => Kind::Hemisphere { radiance },
+            };
+            Self { kind, object: super::lanes::NOTHING }
+        });
+        lamps.chain(others).collect()
+    }
+
+    /// Whether rays can meet the light by chance, so that light samples compete with them.
+    pub fn has_extent(&self) -> bool {
+        self.object != super::lanes::NOTHING
+    }
+
+    /// A direction towards the light from a point.
+    #[inline(always)]
+    pub fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+        match &self.kind {
+            Kind::Panel(panel) => panel.sample(point, u),
+            Kind::Ball(ball) => ball.sample(point, u),
+            Kind::Point { position, intensity, falloff } => {
+                let to = *position - point;
+                let distance = to.length();
+                let scale = match falloff {
+                    Falloff::InverseSquare => 1.0 / (distance * distance),
+                    Falloff::None => 1.0,
+                };
+                LightSample { wi: to / distance, distance, weight: *intensity * scale, pdf: f32::INFINITY }
+            }
+            Kind::Directional { towards, irradiance } => {
+                LightSample { wi: *towards, distance: f32::INFINITY, weight: *irradiance, pdf: f32::INFINITY }
+            }
+            Kind::Hemisphere { radiance } => {
+                let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
+                let sin = (u[0] * (2.0 - u[0])).sqrt();
+                let wi = Vec3::new(sin * cos_phi, 1.0 - u[0], sin * sin_phi);
+                let pdf = 0.5 * std::f32::consts::FRAC_1_PI;
+                LightSample { wi, distance: f32::INFINITY, weight: *radiance / pdf, pdf }
+            }
+        }
+    }
+
+    /// Density per solid angle of [`Sampled::sample`] from a point, for a direction that meets the light.
+    #[inline(always)]
+    pub fn pdf(&self, point: Vec3) -> f32 {
+        match &self.kind {
+            Kind::Panel(panel) => panel.pdf(point),
+            Kind::Ball(ball) => ball.pdf(point),
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+        }
+    }
+}

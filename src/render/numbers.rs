@@ -1,0 +1,72 @@
+//! The random numbers of many camera samples at once.
+
+use super::lanes::{LANES, Lane};
+use super::wide::wide;
+use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
+use pulp::Arch;
+
+/// The streams of the camera samples in flight, by slot.
+pub struct Numbers {
+    kind: StreamKind,
+    seed: u64,
+    key: [u64; LANES],
+    sample: [u32; LANES],
+}
+
+impl Numbers {
+    pub fn new(kind: StreamKind, seed: u64) -> Self {
+        Self { kind, seed, key: [0; LANES], sample: [0; LANES] }
+    }
+
+    /// Gives a slot to a camera sample of a pixel.
+    #[inline]
+    pub fn assign(&mut self, slot: usize, pixel: u64, sample: u32) {
+        (self.key[slot], self.sample[slot]) = match self.kind {
+            StreamKind::Sobol => Sobol::new(self.seed, pixel, sample).split(),
+            StreamKind::Independent => Independent::new(self.seed, pixel, sample).split(),
+        };
+    }
+
+    /// The pairs of a dimension for the given slots, as [`Stream::short_pair_of`] has them.
+    pub fn fill(&self, arch: Arch, slots: &[u32], dimension: u32, draw: (u32, u32), out: &mut [Lane; 2]) {
+        match self.kind {
+            StreamKind::Sobol => self.fill_with::<Sobol>(arch, slots, dimension, draw, out),
+            StreamKind::Independent => self.fill_with::<Independent>(arch, slots, dimension, draw, out),
+        }
+    }
+
+    fn fill_with<S: Stream>(
+        &self,
+        arch: Arch,
+        slots: &[u32],
+        dimension: u32,
+        (index, count): (u32, u32),
+        out: &mut [Lane; 2],
+    ) {
+        let mut key = [0; LANES];
+        let mut sample = [0; LANES];
+        for (i, &slot) in slots.iter().enumerate() {
+            key[i] = self.key[slot as usize % LANES];
+            sample[i] = self.sample[slot as usize % LANES];
+        }
+        wide(
+            arch,
+            #[inline(always)]
+            || {
+                for i in 0..slots.len().min(LANES) {
+                    [out[0][i], out[1][i]] = S::join(key[i], sample[i]).short_pair_of(dimension, index, count);
+                }
+            },
+        );
+    }
+
+    /// The pair of a dimension for one slot.
+    #[inline]
+    pub fn pair(&self, slot: u32, dimension: u32, (index, count): (u32, u32)) -> [f64; 2] {
+        let (key, sample) = (self.key[slot as usize % LANES], self.sample[slot as usize % LANES]);
+        match self.kind {
+            StreamKind::Sobol => Sobol::join(key, sample).pair_of(dimension, index, count),
+            StreamKind::Independent => Independent::join(key, sample).pair_of(dimension, index, count),
+        }
+    }
+}

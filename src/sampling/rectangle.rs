@@ -1,0 +1,177 @@
+//! Uniform sampling of the solid angle that a rectangle fills, seen from a point.
+//!
+//! Source: Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical Rectangles", CGF 32(4), 2013. The
+//! solid angle itself is not the sum of four angles less 2π, whose error drowns small rectangles, but the argument of a
+//! product of two complex numbers, one for each of the rectangle's triangles (Van Oosterom & Strackee, "The Solid Angle
+//! of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983), whose relative error does not grow as it shrinks.
+
+use super::elementary::Elementary;
+
+/// A rectangle seen from a point, which is the origin: x in \[`x0`, `x1`\], y in \[`y0`, `y1`\], z = −`depth` ≤ 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphericalRectangle<T> {
+    x0: T,
+    x1: T,
+    y0: T,
+    y1: T,
+    depth: T,
+    solid_angle: T,
+    /// z components of the inward normals of the planes through the origin and the sides y = y0 and y = y1.
+    b0: T,
+    b1: T,
+    /// 2π less the sum of the spherical angles at the side x = x0.
+    k: T,
+}
+
+/// Below this many steradians the spherical coordinates of f32 no longer resolve the rectangle, and its plane area,
+/// which then agrees with the solid angle to this order, is sampled instead.
+const SMALL: f64 = 1e-3;
+
+impl<T: Elementary> SphericalRectangle<T> {
+    /// The rectangle with sides \[x0, x1\] × \[y0, y1\] in the plane at `depth` > 0.
+    #[inline(always)]
+    pub fn new([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) -> Self {
+        let z2 = depth * depth;
+        let normal = |side: T| side / (z2 + side * side).sqrt();
+        let (b0, b1) = (-normal(y0), normal(y1));
+        let left = -normal(x0);
+        // The half angle whose cosine is −p q, as the angle of (−p q, √(1 − p² q²)).
+        let corner = |p: T, q: T| {
+            let cos = -p * q;
+            T::angle(((T::one() - cos) * (T::one() + cos)).max(T::zero()).sqrt(), cos)
+        };
+        let k = T::lit(std::f64::consts::TAU) - corner(b1, left) - corner(left, b0);
+        Self { x0, x1, y0, y1, depth, solid_angle: solid_angle([x0, x1], [y0, y1], depth), b0, b1, k }
+    }
+
+    /// Steradians.
+    #[inline(always)]
+    pub fn solid_angle(&self) -> T {
+        self.solid_angle
+    }
+
+    /// A point of the rectangle, (x, y), uniform in solid angle.
+    #[inline(always)]
+    pub fn sample(&self, u: [T; 2]) -> [T; 2] {
+        let (zero, one) = (T::zero(), T::one());
+        let turns = (u[0] * self.solid_angle + self.k) * T::lit(0.5 / std::f64::consts::PI);
+        let (sin, cos) = T::sin_cos_turns(turns);
+        let fu = (cos * self.b0 - self.b1) / sin;
+        let cu = (one / (fu * fu + self.b0 * self.b0).sqrt()).min(one);
+        let cu = if fu > zero { cu } else { -cu };
+        let x = -(cu * -self.depth) / (one - cu * cu).max(T::min_positive_value()).sqrt();
+        let x = x.max(self.x0).min(self.x1);
+        let d2 = x * x + self.depth * self.depth;
+        let height = |y: T| y / (d2 + y * y).sqrt();
+        let (h0, h1) = (height(self.y0), height(self.y1));
+        let h = h0 + u[1] * (h1 - h0);
+        let y = h * (d2 / ((one - h) * (one + h)).max(T::min_positive_value())).sqrt();
+        let y = y.max(self.y0).min(self.y1);
+        let plane = [self.x0 + u[0] * (self.x1 - self.x0), self.y0 + u[1] * (self.y1 - self.y0)];
+        if self.solid_angle < T::lit(SMALL) { plane } else { [x, y] }
+    }
+}
+
+/// The solid angle of the rectangle \[x0, x1\] × \[y0, y1\] at z = `depth`, from the origin.
+#[inline(always)]
+pub fn solid_angle<T: Elementary>([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) -> T {
+    let z2 = depth * depth;
+    let length = |x: T, y: T| (x * x + y * y + z2).sqrt();
+    let (l00, l10, l11, l01) = (length(x0, y0), length(x1, y0), length(x1, y1), length(x0, y1));
+    // Triangles (00, 10, 11) and (00, 11, 01); both have the same triple product.
+    let triple = depth * (x1 - x0) * (y1 - y0);
+    let diagonal = x0 * x1 + y0 * y1 + z2;
+    let lower = l00 * l10 * l11 + (x0 * x1 + y0 * y0 + z2) * l11 + (x1 * x1 + y0 * y1 + z2) * l00 + diagonal * l10;
+    let upper = l00 * l11 * l01 + diagonal * l01 + (x0 * x1 + y1 * y1 + z2) * l00 + (x0 * x0 + y0 * y1 + z2) * l11;
+    let two = T::lit(2.0);
+    // Scaled by the lengths, so that nothing over- or underflows.
+    let (a, b) = (lower / (l00 * l10 * l11), upper / (l00 * l11 * l01));
+    let (ta, tb) = (triple / (l00 * l10 * l11), triple / (l00 * l11 * l01));
+    two * T::angle((ta * b + tb * a).max(T::zero()), a * b - ta * tb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CASES: [([f64; 2], [f64; 2], f64); 7] = [
+        ([-0.35, 0.35], [-0.25, 0.25], 1.5),
+        ([0.5, 1.2], [-1.0, -0.4], 0.7),
+        ([-0.35, 0.35], [-0.25, 0.25], 0.005),
+        ([-5.0, 4.0], [-3.0, 3.0], 0.01),
+        ([1.0, 1.01], [2.0, 2.01], 3.0),
+        ([10.0, 10.7], [0.0, 0.5], 0.1),
+        ([-100.0, 100.0], [-0.01, 0.01], 1.0),
+    ];
+
+    /// ∫∫ depth / r³ by the midpoint rule on a mesh graded towards the foot of the perpendicular.
+    fn by_quadrature([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> f64 {
+        let n = 4000;
+        // x = z sinh s turns the peak into a smooth function of s.
+        let (s0, s1) = ((x0 / z).asinh(), (x1 / z).asinh());
+        let h = (s1 - s0) / f64::from(n);
+        (0..n)
+            .map(|i| {
+                let s = s0 + (f64::from(i) + 0.5) * h;
+                let d2 = z * z + (z * s.sinh()).powi(2);
+                let inner = |y: f64| y / (d2 * (d2 + y * y).sqrt());
+                z * (inner(y1) - inner(y0)) * z * s.cosh() * h
+            })
+            .sum()
+    }
+
+    #[test]
+    fn solid_angles_are_right_for_large_small_and_near_rectangles() {
+        for (x, y, z) in CASES {
+            let expected = by_quadrature(x, y, z);
+            let found = solid_angle(x, y, z);
+            assert!((found / expected - 1.0).abs() < 3e-6, "{x:?} {y:?} {z}: {found} {expected}");
+            let narrow = |a: [f64; 2]| a.map(|v| v as f32);
+            let single = solid_angle(narrow(x), narrow(y), z as f32);
+            let rounded = narrow(x).map(f64::from);
+            let exact = solid_angle(rounded, narrow(y).map(f64::from), f64::from(z as f32));
+            // A strip 10⁴ times longer than wide is as bad as it gets.
+            let bound = if x[1] - x[0] > 100.0 { 1e-4 } else { 4e-6 };
+            assert!((f64::from(single) / exact - 1.0).abs() < bound, "{x:?} {y:?} {z}: {single} {exact}");
+        }
+    }
+
+    #[test]
+    fn equal_shares_of_the_numbers_are_equal_shares_of_solid_angle() {
+        for (x, y, z) in CASES {
+            let r = SphericalRectangle::new(x, y, z);
+            if r.solid_angle < SMALL {
+                continue;
+            }
+            for (u, v) in [(0.25, 0.5), (0.5, 0.25), (0.8, 0.9), (0.01, 0.99)] {
+                // All points with u' < u lie left of x(u); of those at u, all with v' < v below y(v).
+                let [px, py] = r.sample([u, v]);
+                let left = solid_angle([x[0], px], y, z) / r.solid_angle;
+                assert!((left - u).abs() < 1e-6, "{x:?} {y:?} {z} {u}: {left}");
+                let step = 1e-4 * z.min(x[1] - x[0]);
+                let strip = [px - step, px + step];
+                let below = solid_angle(strip, [y[0], py], z) / solid_angle(strip, y, z);
+                assert!((below - v).abs() < 1e-4, "{x:?} {y:?} {z} {v}: {below}");
+                let narrow = |a: [f64; 2]| a.map(|v| v as f32);
+                let single = SphericalRectangle::new(narrow(x), narrow(y), z as f32).sample([u as f32, v as f32]);
+                let off = [(f64::from(single[0]) - px) / (x[1] - x[0]), (f64::from(single[1]) - py) / (y[1] - y[0])];
+                assert!(off[0].abs() < 3e-3 && off[1].abs() < 1e-4, "{x:?} {y:?} {z} {u} {v}: {off:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_stay_on_the_rectangle() {
+        for (x, y, z) in CASES {
+            let narrow = |a: [f64; 2]| a.map(|v| v as f32);
+            let r = SphericalRectangle::new(narrow(x), narrow(y), z as f32);
+            for i in 0..=64u16 {
+                for j in 0..=64u16 {
+                    let u = [i, j].map(|i| (f32::from(i) / 64.0).min(1.0 - f32::EPSILON / 2.0));
+                    let [px, py] = r.sample(u);
+                    assert!(r.x0 <= px && px <= r.x1 && r.y0 <= py && py <= r.y1, "{x:?} {y:?} {z} {u:?}: {px} {py}");
+                }
+            }
+        }
+    }
+}
