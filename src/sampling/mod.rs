@@ -3,6 +3,7 @@
 pub mod alias;
 pub mod batch;
 mod hash;
+pub mod normals;
 mod prefetch;
 pub mod stream;
 pub mod table;
