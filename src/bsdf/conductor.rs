@@ -6,30 +6,11 @@
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both speak of the
 //! same f32 directions to the last bit.
 
-use super::{BsdfSample, Scatter};
-use crate::optics::conductor::fresnel;
+use super::{BsdfSample, MetalFresnel, Scatter};
 use crate::raster::Rgb;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
 use glam::Vec3;
-
-/// Fresnel reflectance of a metal in three channels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MetalFresnel {
-    /// Real and imaginary part of the complex index of refraction.
-    pub eta: Rgb,
-    pub k: Rgb,
-}
-
-impl MetalFresnel {
-    /// Exact unpolarized reflectance at a cosine in \[0, 1\].
-    #[inline]
-    #[must_use]
-    pub fn reflectance(&self, cos: f32) -> Rgb {
-        let channel = |eta, k| fresnel(cos, eta, k).unpolarized();
-        Rgb::new(channel(self.eta.x, self.k.x), channel(self.eta.y, self.k.y), channel(self.eta.z, self.k.z))
-    }
-}
 
 /// How a rough conductor draws directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -7,12 +7,14 @@
 mod conductor;
 pub mod diffuse;
 mod glass;
+mod metal;
 mod mirror;
 pub mod report_model;
 
-pub use conductor::{Conductor, MetalFresnel, Normals};
+pub use conductor::{Conductor, Normals};
 pub use diffuse::Diffuse;
 pub use glass::{DielectricFresnel, Glass, Refraction};
+pub use metal::MetalFresnel;
 pub use mirror::{Mirror, SmoothConductor};
 
 use crate::optics::microfacet::{Beckmann, Ggx};

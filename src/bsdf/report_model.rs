@@ -2,9 +2,9 @@
 //!
 //! None of this is in the default materials. A [`ReportConventions`] turns a material into one of the two types here.
 
-use super::conductor::{Facet, MetalFresnel, reflect_at};
+use super::conductor::{Facet, reflect_at};
 use super::glass::split;
-use super::{BsdfSample, Scatter};
+use super::{BsdfSample, MetalFresnel, Scatter};
 use crate::optics::conductor::fresnel_approximate;
 use crate::optics::microfacet::variants::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Microfacet};
@@ -63,7 +63,7 @@ impl ReportConductor {
             return self.fresnel.reflectance(cos);
         }
         let channel = |eta, k| fresnel_approximate(cos, eta, k).unpolarized();
-        let MetalFresnel { eta, k } = self.fresnel;
+        let MetalFresnel { eta, k, .. } = self.fresnel;
         Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
     }
 

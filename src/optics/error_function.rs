@@ -23,6 +23,22 @@ pub(super) const SINGLE: [f32; 12] = [
     0.000_077_310_24,
 ];
 
+/// Ascending coefficients for an f64 result that need only be good to 10⁻⁸, at a third of the cost.
+pub(crate) const QUICK: [f64; 12] = [
+    1.2530080563677553,
+    -0.1356210694002736,
+    -0.047562156927520076,
+    0.12964411434408138,
+    -0.11927527528224088,
+    0.06831656777114085,
+    -0.023763576439495036,
+    0.0024991168696069576,
+    0.0018750791237723472,
+    -0.0007264536790340598,
+    -9.254516686923699e-05,
+    7.731024224077364e-05,
+];
+
 /// Ascending coefficients for f64: they leave an error of 5·10⁻¹⁷.
 pub(super) const DOUBLE: [f64; 24] = [
     1.253_008_058_269_729_6,
@@ -53,12 +69,28 @@ pub(super) const DOUBLE: [f64; 24] = [
 
 /// exp(x²) erfc(x) for `x` ≥ 0, infinity included, from the coefficients of its type.
 #[inline(always)]
-pub(super) fn erfcx<T: Real>(x: T, coefficients: &[T]) -> T {
+pub(crate) fn erfcx<T: Real, const N: usize>(x: T, coefficients: &[T; N]) -> T {
     let three = T::lit(3.0);
     // (x − 3)/(x + 3), in a form that knows x = ∞.
     let t = T::one() - (three + three) / (x + three);
-    let sum = coefficients.iter().rev().fold(T::zero(), |sum, &c| sum * t + c);
-    sum / (T::one() + x + x)
+    polynomial(coefficients, t) / (T::one() + x + x)
+}
+
+/// The polynomial of ascending coefficients, a multiple of four of them, at `t`.
+///
+/// Four Horner chains in t⁴ side by side take a third of the time of one.
+#[inline(always)]
+pub(crate) fn polynomial<T: Real, const N: usize>(coefficients: &[T; N], t: T) -> T {
+    const { assert!(N.is_multiple_of(4)) };
+    let t2 = t * t;
+    let t4 = t2 * t2;
+    let mut sums = [T::zero(); 4];
+    for four in coefficients.chunks_exact(4).rev() {
+        for (sum, &c) in sums.iter_mut().zip(four) {
+            *sum = *sum * t4 + c;
+        }
+    }
+    (sums[0] + sums[1] * t) + t2 * (sums[2] + sums[3] * t)
 }
 
 /// erf(x) for `x` ≥ 0, to a few units of the last place of 1.

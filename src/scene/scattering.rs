@@ -40,7 +40,7 @@ impl Material {
 impl Conductor {
     /// The reports know Beckmann's distribution only; their conventions leave the others alone.
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
-        let fresnel = MetalFresnel { eta: self.eta, k: self.k };
+        let fresnel = MetalFresnel::new(self.eta, self.k);
         let normals = model.normals;
         if self.alpha < Self::SMOOTH_ALPHA {
             return Bsdf::SmoothConductor(SmoothConductor { fresnel });
