@@ -2,10 +2,46 @@
 //!
 //! Directions are in the local frame, the normal at +z. `f` is the BSDF value without the cosine.
 
+use super::{BsdfSample, Scatter};
 use crate::raster::Rgb;
 use crate::sampling::warp;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::f32::consts::FRAC_1_PI;
+
+/// Diffuse reflection on either side, sampled by the cosine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Diffuse {
+    f: Rgb,
+    albedo: Rgb,
+}
+
+impl Diffuse {
+    #[must_use]
+    pub fn new(albedo: Rgb) -> Self {
+        Self { f: eval(albedo), albedo }
+    }
+}
+
+/// Whether both directions are on one side of the surface and neither along it.
+#[inline]
+fn reflects(wo: Vec3, wi: Vec3) -> bool {
+    (wo.z > 0.0 && wi.z > 0.0) || (wo.z < 0.0 && wi.z < 0.0)
+}
+
+impl Scatter for Diffuse {
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        if reflects(wo, wi) { (self.f, wi.z.abs() * FRAC_1_PI) } else { (Rgb::ZERO, 0.0) }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let mut wi = sample(u.map(f64::from)).as_vec3();
+        wi.z = wi.z.copysign(wo.z);
+        let pdf = self.pdf(wo, wi);
+        (pdf > 0.0).then_some(BsdfSample { wi, weight: self.albedo, pdf, delta: false })
+    }
+}
 
 /// f = albedo / π.
 #[inline]

@@ -1,44 +1,135 @@
-//! Materials: `eval`, `sample` and `pdf` under one contract.
+//! Materials: `eval`, `sample` and `pdf` under one contract, [`Scatter`].
+//!
+//! Directions are unit vectors in the local frame, the normal at +z, and point away from the surface: `wo` towards the
+//! viewer, `wi` towards the light. Light is radiance. The conventions of the two reports are apart, in
+//! [`report_model`].
 
+mod conductor;
 pub mod diffuse;
+mod glass;
+mod metal;
+mod mirror;
+pub mod report_model;
+
+pub use conductor::{Conductor, Normals};
+pub use diffuse::Diffuse;
+pub use glass::{DielectricFresnel, Glass, Refraction};
+pub use metal::MetalFresnel;
+pub use mirror::{Mirror, SmoothConductor};
+
+use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::raster::Rgb;
-use crate::scene::Material;
 use glam::Vec3;
+use report_model::{ReportConductor, ReportGlass};
+
+/// A direction drawn by a material.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
     pub wi: Vec3,
+    /// f |cos θᵢ| over the density: what the light from `wi` is multiplied by.
     pub weight: Rgb,
+    /// Density per solid angle, equal to [`Scatter::pdf`] to the last bit; 0 if `delta`.
     pub pdf: f32,
+    /// Whether the direction is one of finitely many, which no other strategy can meet.
+    pub delta: bool,
 }
+
+impl BsdfSample {
+    fn delta(wi: Vec3, weight: Rgb) -> Option<Self> {
+        Some(Self { wi, weight, pdf: 0.0, delta: true })
+    }
+}
+
+/// How a surface scatters light. The default methods are those of a material with delta lobes only.
+pub trait Scatter {
+    /// The BSDF f(wo, wi), without the cosine (1/sr); 0 for delta lobes and where nothing is scattered.
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval_pdf(wo, wi).0
+    }
+
+    /// Density per solid angle of [`sample`](Self::sample) at `wi`; 0 for delta lobes. Its integral falls short of 1 by
+    /// the probability of `None`.
+    #[inline]
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.eval_pdf(wo, wi).1
+    }
+
+    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) for little more than the price of one.
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    /// Draws a direction: `uc` in \[0, 1) chooses among lobes, `u` in \[0, 1)² the place within. `None` stands for a
+    /// sample that carries no light.
+    fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample>;
+}
+
+/// Any material, its constants computed once.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bsdf {
-    Mirror(Rgb),
-    Glass { r: Rgb, t: Rgb, eta: f32 },
+    Diffuse(Diffuse),
+    Mirror(Mirror),
+    Refraction(Refraction),
+    Glass(Glass),
+    SmoothConductor(SmoothConductor),
+    Beckmann(Conductor<Beckmann<f32>>),
+    Ggx(Conductor<Ggx<f32>>),
+    ReportConductor(ReportConductor),
+    ReportGlass(ReportGlass),
 }
+
+/// The same expression for the material of whichever kind.
+macro_rules! each {
+    ($bsdf:expr, $material:ident => $result:expr) => {
+        match $bsdf {
+            Bsdf::Diffuse($material) => $result,
+            Bsdf::Mirror($material) => $result,
+            Bsdf::Refraction($material) => $result,
+            Bsdf::Glass($material) => $result,
+            Bsdf::SmoothConductor($material) => $result,
+            Bsdf::Beckmann($material) => $result,
+            Bsdf::Ggx($material) => $result,
+            Bsdf::ReportConductor($material) => $result,
+            Bsdf::ReportGlass($material) => $result,
+        }
+    };
+}
+
 impl Bsdf {
-    pub fn new(m: &Material) -> Self {
-        match *m {
-            Material::Glass { reflectance, transmittance, eta } => {
-                Bsdf::Glass { r: reflectance, t: transmittance, eta }
-            }
-            _ => Bsdf::Mirror(Rgb::ONE),
-        }
-    }
-    pub fn sample(&self, wo: Vec3, uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
-        let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
-        match *self {
-            Bsdf::Mirror(r) => Some(BsdfSample { wi: mirror, weight: r, pdf: 0.0 }),
-            Bsdf::Glass { r, t, eta } => {
-                let e = if wo.z > 0.0 { eta } else { 1.0 / eta };
-                let f = crate::optics::dielectric::fresnel(wo.z.abs(), e).unpolarized();
-                if uc < f {
-                    return Some(BsdfSample { wi: mirror, weight: r, pdf: 0.0 });
-                }
-                let c2 = 1.0 - (1.0 - wo.z * wo.z) / (e * e);
-                if c2 <= 0.0 {
-                    return None;
-                }
-                let wi = Vec3::new(-wo.x / e, -wo.y / e, -c2.sqrt().copysign(wo.z)).normalize();
-                Some(BsdfSample { wi, weight: t / (e * e), pdf: 0.0 })
-            }
+    /// Whether every direction it scatters to is one of finitely many, so that light sampling is in vain.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Self::Mirror(_) | Self::Refraction(_) | Self::Glass(_) => true,
+            Self::SmoothConductor(_) | Self::ReportGlass(_) => true,
+            Self::Diffuse(_) | Self::Beckmann(_) | Self::Ggx(_) | Self::ReportConductor(_) => false,
         }
     }
 }
+
+impl Scatter for Bsdf {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        each!(self, material => material.eval(wo, wi))
+    }
+
+    #[inline]
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        each!(self, material => material.pdf(wo, wi))
+    }
+
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        each!(self, material => material.eval_pdf(wo, wi))
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        each!(self, material => material.sample(wo, uc, u))
+    }
+}
+
+#[cfg(test)]
+mod tests;

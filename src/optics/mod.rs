@@ -5,8 +5,10 @@
 
 pub mod conductor;
 pub mod dielectric;
+pub mod error_function;
 pub mod interface;
 pub mod metals;
+pub mod microfacet;
 mod real;
 pub mod schlick;
 

@@ -1,19 +1,49 @@
 //! The float type that the formulas are generic over, so that the stability study runs the very code that renders.
 
-/// `f32` or `f64`, with the few literals that formulas need.
+use super::error_function;
+
+/// `f32` or `f64`, with the few literals and functions that formulas need.
 pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + Send + Sync + 'static {
     /// A literal of the formula, rounded to the type.
     fn lit(value: f64) -> Self;
+
+    /// The value in f64, exactly.
+    fn wide(self) -> f64;
+
+    /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`error_function`].
+    fn erfcx(self) -> Self;
 }
 
 impl Real for f32 {
+    #[inline(always)]
     fn lit(value: f64) -> Self {
         value as f32
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+
+    #[inline(always)]
+    fn erfcx(self) -> Self {
+        error_function::erfcx(self, &error_function::SINGLE)
     }
 }
 
 impl Real for f64 {
+    #[inline(always)]
     fn lit(value: f64) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn erfcx(self) -> Self {
+        error_function::erfcx(self, &error_function::DOUBLE)
     }
 }

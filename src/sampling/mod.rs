@@ -4,6 +4,7 @@ pub mod alias;
 pub mod batch;
 pub mod elementary;
 mod hash;
+pub mod normals;
 mod prefetch;
 pub mod rectangle;
 pub mod stream;

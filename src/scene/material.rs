@@ -1,5 +1,6 @@
 //! How surfaces scatter light, and what lamps they are.
 
+pub use crate::optics::microfacet::Distribution;
 use crate::raster::Rgb;
 
 /// How a surface scatters light.
@@ -33,14 +34,6 @@ pub struct Conductor {
 impl Conductor {
     /// Below this the lobe is narrower than f32 directions can tell apart.
     pub const SMOOTH_ALPHA: f32 = 1e-4;
-}
-
-/// The distribution of microfacet normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Distribution {
-    #[default]
-    Beckmann,
-    Ggx,
 }
 
 /// Light that a surface gives off, the same in every direction.

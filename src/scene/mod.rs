@@ -8,6 +8,7 @@ pub mod material;
 pub mod mesh;
 pub mod rectangle;
 pub mod request;
+mod scattering;
 pub mod sphere;
 
 pub use camera::{Camera, Projection, Ray};
@@ -17,6 +18,7 @@ pub use material::{Conductor, Distribution, Emission, Material, Role};
 pub use mesh::Mesh;
 pub use rectangle::Rectangle;
 pub use request::Request;
+pub use scattering::ScatterModel;
 pub use sphere::{Hit, Sphere};
 
 use std::sync::Arc;

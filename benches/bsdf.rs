@@ -1,0 +1,93 @@
+//! Materials: drawn directions and evaluations per second, and what the normals of microfacets cost alone.
+
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use etalon::bsdf::report_model::ReportConventions;
+use etalon::bsdf::{Normals, Scatter};
+use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
+use etalon::raster::Rgb;
+use etalon::sampling::normals::SampleNormals;
+use etalon::sampling::stream::{Independent, Stream};
+use etalon::sampling::warp::cosine_hemisphere;
+use etalon::scene::{Conductor, Material, ScatterModel};
+use glam::Vec3;
+use std::hint::black_box;
+use std::time::Duration;
+
+const DRAWS: u32 = 4096;
+
+/// Views spread by the cosine, and numbers to draw with.
+fn inputs() -> Vec<(Vec3, f32, [f32; 2])> {
+    let pair = |i, dimension| Independent::new(1, 0, i).pair(dimension);
+    (0..DRAWS)
+        .map(|i| (cosine_hemisphere(pair(i, 0)).as_vec3(), pair(i, 1)[0] as f32, pair(i, 2).map(|u| u as f32)))
+        .collect()
+}
+
+fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material, model: ScatterModel) {
+    let inputs = inputs();
+    let bsdf = material.bsdf(model);
+    group.bench_function(format!("{name}/sample"), |b| {
+        b.iter(|| {
+            for &(wo, uc, u) in &inputs {
+                black_box(bsdf.sample(wo, uc, u));
+            }
+        });
+    });
+    if !bsdf.is_delta() {
+        group.bench_function(format!("{name}/eval_pdf"), |b| {
+            b.iter(|| {
+                for pair in inputs.windows(2) {
+                    black_box(bsdf.eval_pdf(pair[0].0, pair[1].0));
+                }
+            });
+        });
+    }
+}
+
+fn normals(group: &mut BenchmarkGroup<WallTime>, name: &str, distribution: impl SampleNormals<f32>) {
+    let inputs = inputs();
+    group.bench_function(format!("{name}/visible normal"), |b| {
+        b.iter(|| {
+            for &(wo, _, u) in &inputs {
+                black_box(distribution.sample_visible(wo.to_array(), u));
+            }
+        });
+    });
+    group.bench_function(format!("{name}/any normal"), |b| {
+        b.iter(|| {
+            for &(_, _, u) in &inputs {
+                black_box(distribution.sample_all(u));
+            }
+        });
+    });
+}
+
+fn materials(c: &mut Criterion) {
+    let mut group = c.benchmark_group("bsdf");
+    group.throughput(Throughput::Elements(u64::from(DRAWS)));
+    group.sample_size(10).warm_up_time(Duration::from_millis(100)).measurement_time(Duration::from_millis(400));
+    normals(&mut group, "beckmann", Beckmann::new(0.25));
+    normals(&mut group, "ggx", Ggx::new(0.25));
+    let exact = ScatterModel::default();
+    let report = ScatterModel { report: ReportConventions::ALL, ..exact };
+    material(&mut group, "diffuse", Material::Diffuse { albedo: Rgb::ONE }, exact);
+    material(&mut group, "mirror", Material::Mirror { reflectance: Rgb::ONE }, exact);
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    material(&mut group, "glass", glass, exact);
+    material(&mut group, "report glass", glass, report);
+    for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+        let (eta, k) = (Rgb::new(0.216_46, 0.428_33, 1.3284), Rgb::new(3.2390, 2.4599, 1.8661));
+        let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution });
+        for normals in [Normals::Visible, Normals::All, Normals::Hemisphere] {
+            material(&mut group, &format!("{distribution:?} {normals:?}"), metal, ScatterModel { normals, ..exact });
+        }
+        if distribution == Distribution::Beckmann {
+            material(&mut group, "report metal", metal, report);
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, materials);
+criterion_main!(benches);

@@ -1,0 +1,98 @@
+//! Fresnel reflectance of a metal, three channels at once.
+
+use crate::raster::Rgb;
+use glam::Vec3A;
+
+/// The complex index of refraction of a metal in three channels, with what its reflectance needs computed once.
+///
+/// The formula is that of [`crate::optics::conductor::fresnel`], without branches; k is cut at 10⁶, where the
+/// reflectance is 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MetalFresnel {
+    /// Real part.
+    pub(super) eta: Rgb,
+    /// Imaginary part.
+    pub(super) k: Rgb,
+    /// Real and imaginary part of (η + ik)² − 1, and the square of its modulus.
+    re: Vec3A,
+    im: Vec3A,
+    modulus2: Vec3A,
+}
+
+impl MetalFresnel {
+    /// A metal of index `eta` + i `k` relative to the medium above it, both ≥ 0.
+    #[must_use]
+    pub fn new(eta: Rgb, k: Rgb) -> Self {
+        const LARGEST: f32 = 1e6;
+        let (eta, k) = (eta.min(Rgb::splat(LARGEST)), k.min(Rgb::splat(LARGEST)));
+        let re = Vec3A::from((eta - Rgb::ONE) * (eta + Rgb::ONE) - k * k);
+        let im = Vec3A::from(2.0 * eta * k);
+        Self { eta, k, re, im, modulus2: re * re + im * im }
+    }
+
+    /// Exact unpolarized reflectance at a cosine in \[0, 1\].
+    #[inline]
+    #[must_use]
+    pub fn reflectance(&self, cos: f32) -> Rgb {
+        // Divisors vanish only where there is no interface, and then their dividends do.
+        const TINY: Vec3A = Vec3A::splat(1e-18);
+        let sin2 = Vec3A::splat((1.0 - cos) * (1.0 + cos));
+        let re = self.re + cos * cos;
+        let modulus = sqrt(re * re + self.im * self.im);
+        let larger = sqrt(0.5 * (modulus + re.abs())).max(TINY);
+        let smaller = 0.5 * self.im / larger;
+        let absorbs = re.cmplt(Vec3A::ZERO);
+        let (a, b) = (Vec3A::select(absorbs, smaller, larger), Vec3A::select(absorbs, larger, smaller));
+        let sum2 = ((a + cos) * (a + cos) + b * b).max(TINY);
+        let perpendicular = (self.modulus2 / sum2 / sum2).min(Vec3A::ONE);
+        let (x, y) = (cos * a, cos * b);
+        let (less, more) = (x - sin2, x + sin2);
+        let ratio2 = (less * less + y * y) / (more * more + y * y).max(TINY);
+        (0.5 * perpendicular * (1.0 + ratio2)).into()
+    }
+}
+
+#[inline(always)]
+fn sqrt(v: Vec3A) -> Vec3A {
+    Vec3A::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::conductor::fresnel;
+    use crate::optics::metals::METALS;
+
+    #[test]
+    fn it_is_the_exact_formula() {
+        let mut indices: Vec<([f64; 3], [f64; 3])> = METALS.iter().map(|m| (m.eta, m.k)).collect();
+        indices.extend([([1.0, 1.5, 0.7], [0.0; 3]), ([1.0, 0.01, 100.0], [1e4, 3.0, 1e-3])]);
+        for (eta, k) in indices {
+            let (eta, k) = (eta.map(|x| x as f32), k.map(|x| x as f32));
+            let metal = MetalFresnel::new(Rgb::from_array(eta), Rgb::from_array(k));
+            for i in 0..=1000 {
+                let cos = i as f32 / 1000.0;
+                let r = metal.reflectance(cos).to_array();
+                for channel in 0..3 {
+                    let expected =
+                        fresnel(f64::from(cos), f64::from(eta[channel]), f64::from(k[channel])).unpolarized();
+                    // At the critical angle of η < 1, k = 0 the root magnifies rounding.
+                    let bound = if k[channel] == 0.0 && eta[channel] < 1.0 { 2e-3 } else { 1e-6 };
+                    let error = (f64::from(r[channel]) - expected).abs();
+                    assert!(error < bound, "{eta:?} {k:?}, cos {cos}: {r:?} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn extremes_are_finite() {
+        for (eta, k) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1e30), (1e30, 1e30), (1.0, f32::INFINITY), (1e-20, 1e-20)] {
+            let metal = MetalFresnel::new(Rgb::splat(eta), Rgb::splat(k));
+            for cos in [0.0, 1e-30, 1e-9, 0.5, 1.0] {
+                let r = metal.reflectance(cos).x;
+                assert!((0.0..=1.0 + 1e-6).contains(&r), "{eta} {k} {cos}: {r}");
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Microfacet normals, drawn by area or as seen from a direction, each with its density per solid angle of the normal.
+
+mod slope;
+
+use crate::optics::Real;
+use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
+use crate::sampling::warp::sin_cos_turns;
+
+/// A distribution that normals can be drawn from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
+pub trait SampleNormals<T: Real>: Microfacet<T> {
+    /// A normal with density D(m) cos θₘ: facets as they lie.
+    fn sample_all(&self, u: [T; 2]) -> [T; 3];
+
+    /// A normal with density D(m) max(0, wo·m) G₁(wo)/cos θₒ: facets as seen from `wo`, which has z ≥ 0.
+    ///
+    /// Every facet drawn faces `wo`, and the weight of a reflection is F G₂/G₁ ≤ 1.
+    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
+
+    /// Density of [`sample_all`](Self::sample_all).
+    #[inline]
+    fn pdf_all(&self, wm: [T; 3]) -> T {
+        self.d(wm) * wm[2]
+    }
+
+    /// Density of [`sample_visible`](Self::sample_visible).
+    #[inline]
+    fn pdf_visible(&self, wo: [T; 3], wm: [T; 3]) -> T {
+        let facing = wo[0] * wm[0] + wo[1] * wm[1] + wo[2] * wm[2];
+        self.d(wm) * facing.max(T::zero()) * self.g1_over_cos(wo)
+    }
+}
+
+impl<T: Real> SampleNormals<T> for Beckmann<T> {
+    #[inline]
+    fn sample_all(&self, u: [T; 2]) -> [T; 3] {
+        let alpha = self.alpha.wide();
+        // 1 − u is exact in f64, and u = 1 is kept from the logarithm.
+        polar_normal(-alpha * alpha * (1.0 - u[0].wide()).max(slope::LEAST).ln(), u[1])
+    }
+
+    /// Slopes of the surface stretched to α = 1 are independent along and across `wo`: the one across is normally
+    /// distributed, the one along weighted by what is seen of it. Source: Heitz & d'Eon, "Importance Sampling
+    /// Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014.
+    #[inline]
+    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
+        let alpha = self.alpha.wide();
+        let [x, y, z] = wo.map(T::wide);
+        let sin = (x * x + y * y).sqrt();
+        let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
+        let along = alpha * slope::visible(z, alpha * sin, u[0].wide());
+        let across = alpha * slope::normal(u[1].wide());
+        let (sx, sy) = (along * cos_phi - across * sin_phi, along * sin_phi + across * cos_phi);
+        let inverse = 1.0 / (sx * sx + sy * sy + 1.0).sqrt();
+        [T::lit(-sx * inverse), T::lit(-sy * inverse), T::lit(inverse)]
+    }
+}
+
+impl<T: Real> SampleNormals<T> for Ggx<T> {
+    #[inline]
+    fn sample_all(&self, u: [T; 2]) -> [T; 3] {
+        let (alpha, u0) = (self.alpha.wide(), u[0].wide());
+        polar_normal(alpha * alpha * u0 / (1.0 - u0).max(slope::LEAST), u[1])
+    }
+
+    /// A point of the spherical cap that reflects towards `wo` on the surface stretched to α = 1.
+    ///
+    /// With v the stretched `wo` and h = c + v for a point c of the cap z ≥ −v_z: 1 − c_z = u (1 + v_z) is what is
+    /// drawn, and both sin θ_c and h_z follow from it without a difference. Source: Dupuy & Benyoub, "Sampling Visible
+    /// GGX Normals with Spherical Caps", HPG 2023.
+    #[inline]
+    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
+        let one = T::one();
+        let v = normalize([self.alpha * wo[0], self.alpha * wo[1], wo[2]]);
+        let (sin_phi, cos_phi) = sin_cos_turns(u[1].wide());
+        let below_pole = u[0] * (one + v[2]);
+        let sin = (below_pole * (one + one - below_pole)).max(T::zero()).sqrt();
+        let x = sin * T::lit(cos_phi) + v[0];
+        let y = sin * T::lit(sin_phi) + v[1];
+        normalize([self.alpha * x, self.alpha * y, (one - u[0]) * (one + v[2])])
+    }
+}
+
+/// The normal of that tan² θ, at an azimuth of `turns` · 2π.
+#[inline]
+fn polar_normal<T: Real>(tan2: f64, turns: T) -> [T; 3] {
+    let cos = 1.0 / (1.0 + tan2).sqrt();
+    let sin = tan2.sqrt() * cos;
+    let (sin_phi, cos_phi) = sin_cos_turns(turns.wide());
+    [T::lit(sin * cos_phi), T::lit(sin * sin_phi), T::lit(cos)]
+}
+
+#[inline]
+fn normalize<T: Real>(w: [T; 3]) -> [T; 3] {
+    let inverse = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt().recip();
+    w.map(|x| x * inverse)
+}

@@ -1,0 +1,181 @@
+//! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
+
+use crate::optics::error_function::{self, polynomial};
+use std::f64::consts::FRAC_2_SQRT_PI;
+
+/// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.
+pub(super) const LEAST: f64 = 1e-30;
+
+/// erf⁻¹(2u − 1): a normally distributed slope of variance ½, to 2·10⁻⁸ of its value.
+///
+/// With w = −ln(4u(1−u)), erf⁻¹(x)/x is a smooth function of w: a polynomial in w at the centre, √w times one in 1/√w in
+/// the tails. Both are Chebyshev fits of this project; the choice of w is that of Giles, "Approximating the erfinv
+/// function", GPU Computing Gems 2, 2012.
+#[inline]
+pub(super) fn normal(u: f64) -> f64 {
+    let (below, above) = (u.max(LEAST), (1.0 - u).max(LEAST));
+    let w = -(4.0 * below * above).ln();
+    let x = below - above;
+    if w < 6.0 {
+        return x * polynomial(&CENTRE, w / 3.0 - 1.0);
+    }
+    let root = w.sqrt();
+    const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
+    x * root * polynomial(&TAILS, (2.0 / root - ENDS[0] - ENDS[1]) / (ENDS[1] - ENDS[0]))
+}
+
+/// Steps of the search at most. Two or three do; after these the slope is known to 10⁻¹¹ by bisection alone.
+const STEPS: usize = 40;
+
+/// Beyond ±9 there is less than [`LEAST`] of a normal distribution.
+const STEEPEST: f64 = 9.0;
+
+/// The slope s along the view, with density ∝ exp(−s²) max(0, cos − s·slope): the facets as seen from the stretched
+/// direction (slope, cos), of any length, both ≥ 0 and not both 0. Monotone in `u`, to 10⁻⁸.
+///
+/// Solves K(s) = u K(cos/slope) for K(s) = cos (1 + erf s) + slope exp(−s²)/√π by Halley's steps in a shrinking bracket.
+#[inline]
+pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
+    let u = u.max(LEAST);
+    let half = 0.5 * FRAC_2_SQRT_PI * slope;
+    // The steepest slope that is seen at all; infinite for a view along the normal.
+    let limit = cos / slope;
+    let e = (-limit * limit).exp();
+    let hidden = e * erfcx(limit);
+    let total = cos * (2.0 - hidden) + half * e;
+    let (mut low, mut high) = (-STEEPEST, limit.min(STEEPEST));
+    let mut s = guess(e, limit, hidden, u).clamp(low, high);
+    for _ in 0..STEPS {
+        // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
+        let gauss = (-s * s).exp();
+        let tail = erfcx(s.abs()) * gauss;
+        let residual = cos * (if s < 0.0 { tail } else { 2.0 - tail }) + half * gauss - u * total;
+        if residual < 0.0 {
+            low = s;
+        } else {
+            high = s;
+        }
+        // K' = 2/√π exp(−s²) seen, K''/K' = −2s − slope/seen.
+        let seen = cos - s * slope;
+        let newton = residual / (FRAC_2_SQRT_PI * gauss * seen);
+        let step = newton / (1.0 + newton * (s + 0.5 * slope / seen));
+        if step.abs() <= 1e-3 * (seen / slope).min(1.0) {
+            // What is left is about the cube of this step.
+            return (s - step).clamp(low, high);
+        }
+        let next = s - step;
+        s = if next > low && next < high { next } else { 0.5 * (low + high) };
+    }
+    s
+}
+
+/// A slope near the one sought: that of a normal distribution cut off at `limit` and bent so that it is right at both
+/// ends of the views, along the normal and grazing, and in how it ends at `limit`.
+#[inline]
+fn guess(e: f64, limit: f64, hidden: f64, u: f64) -> f64 {
+    let visible = 1.0 - 0.5 * hidden;
+    let root_pi = 2.0 / FRAC_2_SQRT_PI;
+    // Beyond 30 the exponential is 0, and must not meet an infinite limit.
+    let bent = 0.5 * (root_pi * e * (limit.min(30.0) * (2.0 - hidden) + e / root_pi)).sqrt();
+    let bent = bent.min(visible);
+    let below = u * (visible - bent + bent * erfcx((-u.ln()).max(0.0).sqrt()));
+    normal(below)
+}
+
+/// Ascending coefficients of erf⁻¹(x)/x in w/3 − 1, for 0 ≤ w ≤ 6.
+const CENTRE: [f64; 12] = [
+    1.62354201032,
+    0.724891205975,
+    -0.05164349625,
+    -0.0225767205564,
+    0.0158032552635,
+    -0.00309164458893,
+    -0.00128850622501,
+    0.000989733255683,
+    -0.000127458650102,
+    -0.000117794815197,
+    3.98694207278e-05,
+    3.9650224716e-06,
+];
+
+/// Ascending coefficients of erf⁻¹(x)/(x √w) in the place of 1/√w between 1/9 and 1/√6, for 6 ≤ w ≤ 81.
+const TAILS: [f64; 12] = [
+    0.958035614449,
+    -0.0291892846217,
+    0.00213651264185,
+    0.00180449074129,
+    -0.000112460800246,
+    0.000579699145997,
+    0.000414932448501,
+    1.5957043542e-06,
+    -0.000241645024142,
+    -7.79253286936e-05,
+    5.20695102603e-05,
+    2.52738840828e-05,
+];
+
+/// exp(x²) erfc(x) for x ≥ 0, to 2·10⁻⁸.
+#[inline(always)]
+fn erfcx(x: f64) -> f64 {
+    error_function::erfcx(x, &error_function::QUICK)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_normal_slope_inverts_erf() {
+        let mut worst = 0f64;
+        for i in 0..=4000 {
+            // From 10⁻²⁹ to ½.
+            let u = 0.5 * 10f64.powf(-29.0 * f64::from(i) / 4000.0);
+            let s = -normal(u);
+            // d ln erfc(s) = −2/√π ds / erfcx(s).
+            let error = (libm::erfc(s) / (2.0 * u)).ln() * erfcx(s.abs()) / FRAC_2_SQRT_PI;
+            worst = worst.max(error.abs() / s.abs().max(1e-3));
+            if u > 1e-10 {
+                assert!((normal(1.0 - u) - s).abs() <= 1e-6 * s, "{u}");
+            }
+        }
+        assert!(worst < 2.5e-8, "{worst:e}");
+        assert_eq!(normal(0.5), 0.0);
+        assert!(normal(0.0) < -8.0 && normal(0.0).is_finite() && normal(1.0).is_finite());
+    }
+
+    /// The share of what is seen that lies below slope `s`.
+    fn share(cos: f64, slope: f64, s: f64) -> f64 {
+        let k = |s: f64| cos * libm::erfc(-s) + 0.5 * FRAC_2_SQRT_PI * slope * (-s * s).exp();
+        k(s) / k(cos / slope)
+    }
+
+    #[test]
+    fn the_visible_slope_inverts_its_distribution() {
+        for cot in [0.0, 1e-6, 0.01, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 20.0, 1e4] {
+            let mut before = f64::NEG_INFINITY;
+            for i in 0..4096 {
+                let u = f64::from(i) / 4096.0;
+                let s = visible(cot, 1.0, u);
+                assert!(s.is_finite() && s <= cot && s >= before, "cot {cot}, u {u}: {s} after {before}");
+                if i > 0 {
+                    assert!((share(cot, 1.0, s) - u).abs() < 2e-9, "cot {cot}, u {u}: {}", share(cot, 1.0, s));
+                }
+                before = s;
+            }
+            for k in 4..17 {
+                let u = 10f64.powi(-k);
+                assert!((share(cot, 1.0, visible(cot, 1.0, u)) / u - 1.0).abs() < 1e-5, "cot {cot}, u {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_ends_are_finite() {
+        for (cos, slope) in [(1.0, 0.0), (0.0, 1.0), (1e-30, 1.0), (1.0, 1e-30), (0.5, 0.5)] {
+            for u in [0.0, 1e-40, 0.5, 1.0 - f64::EPSILON, 1.0] {
+                let s = visible(cos, slope, u);
+                assert!(s.is_finite() && s * slope <= cos, "{cos} {slope} {u}: {s}");
+            }
+        }
+    }
+}
