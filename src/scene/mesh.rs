@@ -1,6 +1,7 @@
 //! Triangle meshes.
 
-use glam::Vec3;
+use crate::error::{Error, Result};
+use glam::{DVec3, Vec3};
 
 /// A triangle mesh in the world. Triangles are counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -12,7 +13,120 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// A point on a triangle of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    pub point: Vec3,
+    /// Unit normal of the triangle, to the side from which it is counter-clockwise.
+    pub normal: Vec3,
+    /// Unit normal interpolated from the vertices; that of the triangle where there are none.
+    pub shading: Vec3,
+}
+
 impl Mesh {
+    /// Largest coordinate, of either sign: sums of products of two coordinates stay finite by far.
+    pub const FARTHEST: f32 = 1e15;
+
+    /// A mesh as described at the fields.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        let mesh = Self { positions, normals, triangles };
+        mesh.validate()?;
+        Ok(mesh)
+    }
+
+    /// Checks what the fields promise.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a position that is not finite or beyond ±[`FARTHEST`](Self::FARTHEST), a triangle with
+    /// a vertex that does not exist, normals in another number than positions or not of unit length (to 10⁻³).
+    pub fn validate(&self) -> Result<()> {
+        let refuse = |message: String| Err(Error::parameter("mesh", message));
+        if let Some(i) = self.positions.iter().position(|p| !usable(*p)) {
+            let hint = format!("coordinates must be within ±{:e}", Self::FARTHEST);
+            return refuse(format!("vertex {i} is at {}", self.positions[i])).map_err(|e| e.with_hint(hint));
+        }
+        if !self.normals.is_empty() && self.normals.len() != self.positions.len() {
+            return refuse(format!("{} normals for {} vertices", self.normals.len(), self.positions.len()));
+        }
+        // Also for NaN.
+        if let Some(i) = self.normals.iter().position(|n| !(0.999..=1.001).contains(&n.length())) {
+            return refuse(format!("normal {i}, {}, is not of unit length", self.normals[i]));
+        }
+        let count = self.positions.len();
+        if let Some(i) = self.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= count)) {
+            return refuse(format!("triangle {i} has the vertices {:?}, but there are {count}", self.triangles[i]));
+        }
+        Ok(())
+    }
+
+    /// Corners and unit normal of a triangle; `None` when a corner does not exist, is not where
+    /// [`validate`](Self::validate) allows, or all are on a line.
+    #[inline]
+    #[must_use]
+    pub fn facet(&self, triangle: u32) -> Option<([Vec3; 3], Vec3)> {
+        let vertices = *self.triangles.get(triangle as usize)?;
+        let [a, b, c] = vertices.map(|i| self.positions.get(i as usize).copied().filter(|p| usable(*p)));
+        let corners = [a?, b?, c?];
+        // In f64 no product under- or overflows.
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        Some((corners, (b - a).cross(c - a).try_normalize()?.as_vec3()))
+    }
+
+    /// The point of `triangle` with the barycentric weights 1 − u − v, u, v; `None` where there is no
+    /// [`facet`](Self::facet).
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Option<Surface> {
+        let (corners, normal) = self.facet(triangle)?;
+        let weights = [1.0 - u - v, u, v];
+        // In f64, so that only the result is rounded.
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let point = (a + f64::from(u) * (b - a) + f64::from(v) * (c - a)).as_vec3();
+        let vertices =
+            self.triangles[triangle as usize].map(|i| self.normals.get(i as usize).copied().unwrap_or(normal));
+        let shading = vertices.iter().zip(weights).map(|(n, w)| n * w).sum::<Vec3>();
+        Some(Surface { point, normal, shading: shading.try_normalize().unwrap_or(normal) })
+    }
+
+    /// How far, per axis, the point of any [`Surface`] may be off its triangle, with room for the rounding of the ray
+    /// that leaves it: 4 ε times the largest coordinate. Looks at all vertices: ask once.
+    #[must_use]
+    pub fn error(&self) -> f32 {
+        let [min, max] = self.bounds().unwrap_or_default();
+        4.0 * f32::EPSILON * min.abs().max(max.abs()).max_element()
+    }
+
+    /// Least and largest coordinates of the triangles that have an area; `None` without any.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let corners = (0..self.triangles.len() as u32).filter_map(|i| self.facet(i)).flat_map(|f| f.0);
+        corners.map(|p| [p, p]).reduce(|[min, max], [p, _]| [min.min(p), max.max(p)])
+    }
+
+    /// The mesh scaled, by the same factor along all axes, to fill a box of the given size, and set down in it with the
+    /// middle of its bottom at `foot`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the mesh has no extent, or the sizes are not above 0 and finite.
+    pub fn fitted(mut self, foot: Vec3, size: Vec3) -> Result<Self> {
+        if !(size.min_element() > 0.0 && size.is_finite() && foot.is_finite()) {
+            return Err(Error::parameter("size", format!("cannot fit a mesh into a box of {size} at {foot}")));
+        }
+        let [min, max] = self.bounds().unwrap_or_default().map(Vec3::as_dvec3);
+        let scale = (size.as_dvec3() / (max - min)).min_element();
+        if !scale.is_finite() {
+            return Err(Error::parameter("mesh", "it has no triangle with an area"));
+        }
+        let from = DVec3::new((min.x + max.x) / 2.0, min.y, (min.z + max.z) / 2.0);
+        for p in &mut self.positions {
+            *p = (scale * (p.as_dvec3() - from) + foot.as_dvec3()).as_vec3();
+        }
+        Ok(self)
+    }
+
     /// Replaces the vertex normals by the means of the adjoining triangles' normals, weighted by area. A vertex whose
     /// triangles cancel or are degenerate gets the normal of any of them, else +y.
     pub fn smooth(&mut self) {
@@ -35,5 +149,94 @@ impl Mesh {
             }
         }
         self.normals = normals.into_iter().map(|n| n.try_normalize().unwrap_or(Vec3::Y)).collect();
+    }
+}
+
+fn usable(position: Vec3) -> bool {
+    position.abs().max_element() <= Mesh::FARTHEST && !position.is_nan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream::{Independent, Stream};
+    use crate::scene::MeshBvh;
+    use crate::scene::sphere::Hit;
+
+    fn random(i: u64, j: u64) -> f32 {
+        (2.0 * Independent::new(7, i, j as u32).pair(0)[0] - 1.0) as f32
+    }
+
+    fn random_vec(i: u64, j: u64) -> Vec3 {
+        Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
+    }
+
+    fn triangle(corners: [Vec3; 3]) -> Mesh {
+        Mesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap()
+    }
+
+    #[test]
+    fn points_and_normals_of_a_triangle() {
+        let mut mesh = triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let surface = mesh.surface(0, 0.25, 0.5).unwrap();
+        assert_eq!(surface, Surface { point: Vec3::new(0.25, 0.5, 0.0), normal: Vec3::Z, shading: Vec3::Z });
+        mesh.normals = vec![Vec3::Z, Vec3::X, Vec3::Y];
+        assert_eq!(mesh.surface(0, 1.0, 0.0).unwrap().shading, Vec3::X);
+        let middle = mesh.surface(0, 0.25, 0.25).unwrap();
+        assert_eq!((middle.normal, middle.shading), (Vec3::Z, Vec3::new(0.25, 0.25, 0.5).normalize()));
+        assert!(mesh.surface(1, 0.0, 0.0).is_none());
+        // Areas that f32 does not know.
+        let tiny = triangle([Vec3::ZERO, 1e-30 * Vec3::X, 1e-30 * Vec3::Y]);
+        assert_eq!(tiny.surface(0, 0.0, 0.0).unwrap().normal, Vec3::Z);
+        let flat = triangle([Vec3::ZERO, Vec3::X, 2.0 * Vec3::X]);
+        assert!(flat.surface(0, 0.5, 0.0).is_none());
+    }
+
+    #[test]
+    fn rays_that_leave_do_not_come_back() {
+        for i in 0..20_000 {
+            // From plump ones to slivers of one part in 10⁶, near and far from the origin.
+            let offset = [0.0, 3.0, 1000.0][i as usize % 3] * random_vec(i, 0);
+            let (p, q, r) = (random_vec(i, 1), random_vec(i, 2), random_vec(i, 3));
+            let thin = [1.0, 1e-2, 1e-4, 1e-6][i as usize / 3 % 4];
+            let mesh = triangle([p + offset, q + offset, p + offset + 0.5 * (q - p) + thin * r]);
+            let bvh = MeshBvh::build(&[&mesh]);
+            let (u, v) = (random(i, 12).abs(), random(i, 13).abs());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            // None when rounding has put all corners on a line.
+            let Some(Surface { point, normal, .. }) = mesh.surface(0, u, v) else { continue };
+            let hit = Hit { t: 0.0, point, normal, error: mesh.error() };
+            let around = random_vec(i, 5).normalize();
+            let tangent = around.cross(normal).normalize();
+            for direction in [around, normal, (tangent + 1e-4 * normal).normalize(), (q - p).normalize()] {
+                let again = bvh.nearest(&hit.ray_towards(direction), f32::INFINITY);
+                assert!(again.is_none(), "{i} {direction} {mesh:?} {again:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn meshes_are_fitted_and_set_down() {
+        let corners = [Vec3::new(10.0, 20.0, 30.0), Vec3::new(14.0, 20.0, 30.0), Vec3::new(10.0, 22.0, 31.0)];
+        let mesh = triangle(corners).fitted(Vec3::new(1.0, 0.5, 0.0), Vec3::new(2.0, 8.0, 4.0)).unwrap();
+        assert_eq!(mesh.bounds(), Some([Vec3::new(0.0, 0.5, -0.25), Vec3::new(2.0, 1.5, 0.25)]));
+        let upright = triangle([Vec3::ZERO, Vec3::X, Vec3::Y]).fitted(Vec3::ZERO, Vec3::ONE).unwrap();
+        assert_eq!(upright.bounds(), Some([Vec3::new(-0.5, 0.0, 0.0), Vec3::new(0.5, 1.0, 0.0)]), "no depth");
+        assert!(triangle([Vec3::ONE; 3]).fitted(Vec3::ZERO, Vec3::ONE).is_err(), "a point");
+        assert!(Mesh::default().fitted(Vec3::ZERO, Vec3::ONE).is_err());
+        assert!(triangle(corners).fitted(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)).is_err());
+    }
+
+    #[test]
+    fn impossible_meshes_are_refused() {
+        let new = |p: Vec3, n: Vec<Vec3>, last| Mesh::new(vec![Vec3::X, Vec3::Y, p], n, vec![[0, 1, last]]);
+        assert!(new(Vec3::Z, vec![], 2).is_ok());
+        assert!(new(Vec3::Z, vec![Vec3::Y; 3], 2).is_ok());
+        assert!(new(Vec3::Z, vec![Vec3::Y; 2], 2).is_err());
+        assert!(new(Vec3::Z, vec![Vec3::NAN; 3], 2).is_err());
+        assert!(new(Vec3::Z, vec![], 3).unwrap_err().to_string().contains("triangle 0"));
+        for p in [Vec3::NAN, Vec3::new(0.0, f32::NAN, 0.0), Vec3::INFINITY, Vec3::new(0.0, 0.0, -2e15)] {
+            assert!(new(p, vec![], 2).unwrap_err().hint().is_some(), "{p}");
+        }
     }
 }

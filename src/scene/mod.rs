@@ -1,6 +1,7 @@
 //! What is rendered: camera, shapes, materials, light, and what a scene file asks of a render.
 
 pub mod builtin;
+pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod light;
@@ -11,11 +12,12 @@ pub mod request;
 mod scattering;
 pub mod sphere;
 
+pub use bvh::{MeshBvh, MeshHit, Rays};
 pub use camera::{Camera, Projection, Ray};
 pub use environment::Environment;
 pub use light::{Falloff, Light};
 pub use material::{Conductor, Distribution, Emission, Material, Role};
-pub use mesh::Mesh;
+pub use mesh::{Mesh, Surface};
 pub use rectangle::Rectangle;
 pub use request::Request;
 pub use scattering::ScatterModel;

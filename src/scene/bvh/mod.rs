@@ -1,0 +1,176 @@
+//! Which triangle a ray hits first: a tree of boxes, eight to a node, over the triangles of any number of meshes.
+
+mod build;
+mod lanes;
+#[cfg(test)]
+mod tests;
+mod traverse;
+mod tree;
+
+use super::camera::Ray;
+use super::mesh::Mesh;
+use build::{Bounds, Item};
+use lanes::{Lanes, Portable};
+use traverse::{Stack, trace};
+use tree::Tree;
+
+/// Where a ray hits a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshHit {
+    /// Distance along the ray.
+    pub t: f32,
+    /// Number of the triangle, counted on through all meshes.
+    pub triangle: u32,
+    /// Barycentric weights of the triangle's second and third corner.
+    pub u: f32,
+    pub v: f32,
+}
+
+/// Rays, component by component. The slices are of one length.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    pub origin: [&'a [f32]; 3],
+    /// Unit directions.
+    pub direction: [&'a [f32]; 3],
+    /// Where each ray ends; one that is not above 0 hits nothing and costs nothing.
+    pub t_max: &'a [f32],
+}
+
+impl Rays<'_> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> (Ray, f32) {
+        let at = |v: [&[f32]; 3]| v.map(|v| v[i]).into();
+        (Ray { origin: at(self.origin), direction: at(self.direction) }, self.t_max[i])
+    }
+}
+
+/// The triangles of some meshes, sorted so that rays find them.
+///
+/// Triangles are hit from both sides, and no ray passes between two that share an edge or a corner, to the last bit.
+/// Answers are the same bits on every processor. A triangle without area, or with a corner that is missing, not
+/// finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or infinity in it, hits nothing.
+#[derive(Debug, Clone)]
+pub struct MeshBvh {
+    tree: Tree,
+    /// Number of the first triangle of each mesh.
+    first: Vec<u32>,
+    /// What this processor can do beyond the common instructions.
+    #[cfg(target_arch = "x86_64")]
+    avx2: Option<lanes::Avx2>,
+}
+
+impl MeshBvh {
+    /// Sorts the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, so neither depth nor time runs
+    /// away whatever the triangles are.
+    ///
+    /// # Panics
+    /// With 2³¹ triangles or more.
+    #[must_use]
+    pub fn build(meshes: &[&Mesh]) -> Self {
+        let total: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        assert!(total < tree::LEAF as usize, "{total} triangles");
+        let first =
+            meshes.iter().scan(0, |next, mesh| Some(std::mem::replace(next, *next + mesh.triangles.len() as u32)));
+        let first: Vec<u32> = first.collect();
+        let mut items = Vec::with_capacity(total);
+        for (mesh, &first) in meshes.iter().zip(&first) {
+            for local in 0..mesh.triangles.len() as u32 {
+                if let Some((corners, _)) = mesh.facet(local) {
+                    let bounds = corners.into_iter().fold(Bounds::EMPTY, Bounds::with);
+                    items.push(Item { bounds, triangle: first + local });
+                }
+            }
+        }
+        let root = build::build(&mut items);
+        drop(items);
+        let tree = Tree::new(root, |triangle| {
+            let (mesh, local) = locate(&first, triangle);
+            meshes[mesh as usize].facet(local).unwrap_or_default()
+        });
+        Self {
+            tree,
+            first,
+            #[cfg(target_arch = "x86_64")]
+            avx2: lanes::Avx2::try_new(),
+        }
+    }
+
+    /// The nearest hit with 0 < t < `t_max`, of equally near ones that of the lowest number.
+    #[must_use]
+    pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<MeshHit> {
+        let mut hit = [None];
+        self.nearest_many(single(ray, &t_max), &mut hit);
+        hit[0]
+    }
+
+    /// Whether there is a hit with 0 < t < `t_max`.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
+        let mut hit = [false];
+        self.occluded_many(single(ray, &t_max), &mut hit);
+        hit[0]
+    }
+
+    /// [`nearest`](Self::nearest) for each of the first `hits.len()` of `rays`, in less time than one by one.
+    pub fn nearest_many(&self, rays: Rays, hits: &mut [Option<MeshHit>]) {
+        self.each::<false, _>(rays, hits, |hit| hit);
+    }
+
+    /// [`occluded`](Self::occluded) for each of the first `hits.len()` of `rays`, in less time than one by one.
+    pub fn occluded_many(&self, rays: Rays, hits: &mut [bool]) {
+        self.each::<true, _>(rays, hits, |hit| hit.is_some());
+    }
+
+    /// Number of the mesh that `triangle` belongs to, in the order of [`build`](Self::build).
+    #[inline]
+    #[must_use]
+    pub fn mesh_of(&self, triangle: u32) -> u32 {
+        locate(&self.first, triangle).0
+    }
+
+    /// Number of `triangle` in its own mesh.
+    #[inline]
+    #[must_use]
+    pub fn local(&self, triangle: u32) -> u32 {
+        locate(&self.first, triangle).1
+    }
+
+    fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<MeshHit>) -> T) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.avx2 {
+            return avx2.vectorize(
+                #[inline(always)]
+                || trace_each::<_, ANY, _>(avx2, &self.tree, rays, out, keep),
+            );
+        }
+        trace_each::<_, ANY, _>(Portable, &self.tree, rays, out, keep);
+    }
+}
+
+#[inline(always)]
+fn trace_each<L: Lanes, const ANY: bool, T>(
+    l: L,
+    tree: &Tree,
+    rays: Rays,
+    out: &mut [T],
+    keep: impl Fn(Option<MeshHit>) -> T,
+) {
+    let mut stack = Stack::with_capacity(64);
+    for (i, out) in out.iter_mut().enumerate() {
+        let (ray, t_max) = rays.get(i);
+        *out = keep(trace::<L, ANY>(l, tree, &ray, t_max, &mut stack));
+    }
+}
+
+/// One ray as a batch.
+fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
+    let components = |v: &'a glam::Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
+    Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }
+}
+
+/// The mesh that `triangle` belongs to, and its number there.
+fn locate(first: &[u32], triangle: u32) -> (u32, u32) {
+    // Of meshes that begin at the same number only the last has triangles.
+    let mesh = first.partition_point(|&f| f <= triangle) - 1;
+    (mesh as u32, triangle - first[mesh])
+}

@@ -1,0 +1,231 @@
+//! Hits against brute force, on both kinds of arithmetic; closed meshes without gaps; hostile triangles.
+
+use super::*;
+use crate::sampling::stream::{Independent, Stream};
+use glam::Vec3;
+use std::f32::consts::TAU;
+use std::time::Instant;
+
+fn random(i: u64, j: u64) -> f32 {
+    (2.0 * Independent::new(11, i, j as u32).pair(0)[0] - 1.0) as f32
+}
+
+fn random_vec(i: u64, j: u64) -> Vec3 {
+    Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
+}
+
+/// A heap of triangles of sizes over three powers of ten.
+fn heap(count: u64) -> Mesh {
+    let corners = |i| [1, 2, 3].map(|j| random_vec(i, 0) + 10f32.powf(random(i, 30) * 1.5 - 1.5) * random_vec(i, j));
+    let positions = (0..count).flat_map(corners).collect();
+    let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    Mesh::new(positions, vec![], triangles).unwrap()
+}
+
+/// A closed star-shaped surface around the origin, rough enough that its triangles are of all shapes.
+fn star(rings: u32, spokes: u32) -> Mesh {
+    let mut positions = vec![Vec3::Y, Vec3::NEG_Y];
+    for ring in 1..rings {
+        let (sin, cos) = (TAU / 2.0 * ring as f32 / rings as f32).sin_cos();
+        for spoke in 0..spokes {
+            let (z, x) = (TAU * spoke as f32 / spokes as f32).sin_cos();
+            let radius = 1.0 + 0.5 * random(u64::from(ring), u64::from(spoke));
+            positions.push(radius * Vec3::new(sin * x, cos, sin * z));
+        }
+    }
+    let at = |ring: u32, spoke: u32| 2 + (ring - 1) * spokes + spoke % spokes;
+    let mut triangles = vec![];
+    for s in 0..spokes {
+        triangles.push([0, at(1, s + 1), at(1, s)]);
+        triangles.push([1, at(rings - 1, s), at(rings - 1, s + 1)]);
+        for r in 1..rings - 1 {
+            triangles.push([at(r, s), at(r, s + 1), at(r + 1, s)]);
+            triangles.push([at(r, s + 1), at(r + 1, s + 1), at(r + 1, s)]);
+        }
+    }
+    Mesh::new(positions, vec![], triangles).unwrap()
+}
+
+fn portable(bvh: &MeshBvh) -> MeshBvh {
+    let mut bvh = bvh.clone();
+    #[cfg(target_arch = "x86_64")]
+    {
+        bvh.avx2 = None;
+    }
+    bvh
+}
+
+/// Rays of all kinds: anywhere, along axes and planes of the axes, starting far away and on the triangles.
+fn rays(mesh: &Mesh, count: u64) -> Vec<Ray> {
+    let ray = |i: u64| {
+        let point = mesh.positions[i as usize % mesh.positions.len()];
+        let origin = [2.0 * random_vec(i, 20), point, 1000.0 * random_vec(i, 20)][i as usize % 3];
+        let towards = 0.5 * random_vec(i, 21) - origin;
+        let signs = Vec3::new(1.0, -1.0, -0.0);
+        let axis = [Vec3::X, -Vec3::X, Vec3::Y, Vec3::Z * signs, Vec3::new(1.0, -0.0, 1.0)][i as usize % 5];
+        let (origin, direction) = match i % 4 {
+            0 => (origin, axis),
+            1 => (0.3 * random_vec(i, 22) * axis.cross(Vec3::ONE) + point * axis - 2.0 * axis, axis),
+            _ => (origin, towards),
+        };
+        Ray { origin, direction: direction.normalize() }
+    };
+    (0..count).map(ray).collect()
+}
+
+#[test]
+fn hits_are_those_of_brute_force_on_every_processor() {
+    let mesh = heap(700);
+    let bvh = MeshBvh::build(&[&mesh]);
+    let plain = portable(&bvh);
+    // A tree of one triangle each: the triangle test without the search.
+    let singles: Vec<MeshBvh> = (0..mesh.triangles.len())
+        .map(|i| MeshBvh::build(&[&Mesh { triangles: vec![mesh.triangles[i]], ..mesh.clone() }]))
+        .collect();
+    let mut hits = 0;
+    for (i, ray) in rays(&mesh, 4000).iter().enumerate() {
+        let t_max = if i % 3 == 0 { 1.0 } else { f32::INFINITY };
+        let mut expected: Option<MeshHit> = None;
+        for (triangle, single) in (0..).zip(&singles) {
+            if let Some(hit) = single.nearest(ray, expected.map_or(t_max, |e| e.t)) {
+                expected = Some(MeshHit { triangle, ..hit });
+            }
+        }
+        hits += usize::from(expected.is_some());
+        assert_eq!(bvh.nearest(ray, t_max), expected, "{i} {ray:?}");
+        assert_eq!(plain.nearest(ray, t_max), expected, "{i} {ray:?}");
+        assert_eq!(bvh.occluded(ray, t_max), expected.is_some());
+        assert_eq!(plain.occluded(ray, t_max), expected.is_some());
+        if let Some(hit) = expected {
+            assert!(hit.t > 0.0 && hit.t < t_max && hit.u >= 0.0 && hit.v >= 0.0);
+            assert_ne!(bvh.nearest(ray, hit.t).map(|h| h.t), Some(hit.t), "the limit is excluded");
+            let error = mesh.surface(hit.triangle, hit.u, hit.v).unwrap().point - (ray.origin + hit.t * ray.direction);
+            assert!(error.length() < 1e-6 * (ray.origin.length() + 4.0) * 8.0, "{i} {error}");
+        }
+    }
+    assert!((1000..3900).contains(&hits), "{hits}");
+}
+
+#[test]
+fn batches_give_what_single_rays_give() {
+    let mesh = heap(500);
+    let bvh = MeshBvh::build(&[&mesh]);
+    let rays = rays(&mesh, 300);
+    let component = |f: fn(&Ray) -> Vec3, axis: usize| -> Vec<f32> { rays.iter().map(|r| f(r)[axis]).collect() };
+    let origin = [0, 1, 2].map(|axis| component(|r| r.origin, axis));
+    let direction = [0, 1, 2].map(|axis| component(|r| r.direction, axis));
+    let t_max: Vec<f32> = (0..rays.len()).map(|i| [f32::INFINITY, 0.0, -1.0, f32::NAN, 0.7][i % 5]).collect();
+    let batch = Rays {
+        origin: [&origin[0], &origin[1], &origin[2]],
+        direction: [&direction[0], &direction[1], &direction[2]],
+        t_max: &t_max,
+    };
+    let (mut nearest, mut occluded) = (vec![None; rays.len()], vec![true; rays.len()]);
+    bvh.nearest_many(batch, &mut nearest);
+    bvh.occluded_many(batch, &mut occluded);
+    for (i, ray) in rays.iter().enumerate() {
+        assert_eq!(nearest[i], bvh.nearest(ray, t_max[i]));
+        assert_eq!(occluded[i], nearest[i].is_some());
+        assert!(nearest[i].is_none() || [0, 4].contains(&(i % 5)));
+    }
+    assert!(nearest.iter().flatten().count() > 20);
+}
+
+/// Rays from inside at corners and edges, where f32 cannot aim exactly: they go by either side of them.
+#[test]
+fn closed_meshes_have_no_gaps() {
+    let mesh = star(40, 60);
+    let bvh = MeshBvh::build(&[&mesh]);
+    let mut escaped = 0;
+    for i in 0..400_000u64 {
+        let corners = mesh.facet((i % mesh.triangles.len() as u64) as u32).unwrap().0;
+        let [a, b] = [corners[i as usize % 3], corners[(i as usize + 1) % 3]];
+        let target = if i % 4 == 0 { a } else { a + 0.5 * (1.0 + random(i, 1)) * (b - a) };
+        let origin = 0.1 * random_vec(i, 1);
+        let ray = Ray { origin, direction: (target - origin).normalize() };
+        escaped += u32::from(!bvh.occluded(&ray, f32::INFINITY));
+        // The plain cube of directions: exact corners, edges and faces of boxes.
+        let lattice = [i % 5, i / 5 % 5, i / 25 % 5].map(|k| k as f32 / 2.0 - 1.0);
+        if i < 125 && lattice != [0.0; 3] {
+            let ray = Ray { origin: Vec3::ZERO, direction: Vec3::from(lattice).normalize() };
+            escaped += u32::from(!bvh.occluded(&ray, f32::INFINITY));
+        }
+    }
+    assert_eq!(escaped, 0);
+}
+
+#[test]
+fn triangles_are_numbered_through_all_meshes() {
+    let square = |z: f32| {
+        let p = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
+        Mesh::new(p.to_vec(), vec![], vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    };
+    let (front, none, back) = (square(1.0), Mesh::default(), square(-1.0));
+    let bvh = MeshBvh::build(&[&none, &front, &none, &back, &none]);
+    let ray = |z: f32| Ray { origin: Vec3::new(-0.5, 0.5, 3.0 * z), direction: Vec3::new(0.0, 0.0, -z) };
+    for (z, t, triangle, mesh) in [(1.0, 2.0, 1, 1), (-1.0, 2.0, 3, 3)] {
+        let hit = bvh.nearest(&ray(z), f32::INFINITY).unwrap();
+        assert_eq!((hit.t, hit.triangle), (t, triangle));
+        assert_eq!((bvh.mesh_of(hit.triangle), bvh.local(hit.triangle)), (mesh, 1));
+    }
+    // The diagonal belongs to both triangles: the lower number counts.
+    let diagonal = Ray { origin: Vec3::new(0.5, 0.5, 3.0), direction: Vec3::NEG_Z };
+    assert_eq!(bvh.nearest(&diagonal, f32::INFINITY).unwrap().triangle, 0);
+}
+
+#[test]
+fn nothing_is_hit_where_nothing_is() {
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z };
+    assert_eq!(MeshBvh::build(&[]).nearest(&ray, f32::INFINITY), None);
+    assert!(!MeshBvh::build(&[&Mesh::default()]).occluded(&ray, f32::INFINITY));
+    // No area, no such vertex, no such place: beside a sound triangle, none is hit.
+    let positions = vec![
+        Vec3::new(-1.0, -1.0, 5.0),
+        Vec3::new(1.0, -1.0, 5.0),
+        Vec3::new(0.0, 1.0, 5.0),
+        Vec3::new(0.0, -1.0, 2.0),
+        Vec3::new(0.0, 1.0, 2.0),
+        Vec3::new(f32::NAN, 0.0, 1.0),
+        Vec3::INFINITY,
+    ];
+    let triangles = vec![[3, 4, 3], [3, 3, 3], [3, 4, 9], [3, 4, 5], [3, 4, 6], [0, 1, 2]];
+    let bvh = MeshBvh::build(&[&Mesh { positions, normals: vec![], triangles }]);
+    let hit = bvh.nearest(&ray, f32::INFINITY).unwrap();
+    assert_eq!((hit.t, hit.triangle), (5.0, 5));
+    let nan = Ray { origin: Vec3::NAN, direction: Vec3::NAN };
+    assert_eq!(bvh.nearest(&nan, f32::INFINITY), None);
+}
+
+#[test]
+fn far_and_large_and_small_are_hit() {
+    for scale in [1e-12, 1.0, 1e6, 1e12] {
+        let mesh = star(10, 12);
+        let mesh = Mesh { positions: mesh.positions.iter().map(|&p| scale * p).collect(), ..mesh };
+        let bvh = MeshBvh::build(&[&mesh]);
+        for i in 0..1000 {
+            let (inside, direction) = (0.1 * scale * random_vec(i, 0), random_vec(i, 1).normalize());
+            let ray = Ray { origin: inside, direction };
+            assert!(bvh.occluded(&ray, f32::INFINITY), "{scale}");
+            let ray = Ray { origin: inside - 100.0 * scale * direction, direction };
+            assert!(bvh.nearest(&ray, f32::INFINITY).is_some_and(|hit| hit.t < 100.0 * scale), "{scale}");
+        }
+    }
+}
+
+/// Triangles on which a search for near neighbours takes quadratic time, and boxes inside one another.
+#[test]
+fn hostile_triangles_take_no_time() {
+    let count = 100_000;
+    let sizes: [fn(u32) -> f32; 3] = [|_| 1.0, |i| 1.0 + i as f32 * 1e-5, |i| 1.0005f32.powi(i as i32 - 50_000)];
+    for size in sizes {
+        let positions = (0..count)
+            .flat_map(|i| [Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, -1.0, 1.0), Vec3::Y].map(|p| size(i) * p))
+            .collect();
+        let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let start = Instant::now();
+        let bvh = MeshBvh::build(&[&Mesh { positions, normals: vec![], triangles }]);
+        let ray = Ray { origin: Vec3::new(0.0, 1e-3, 9.0), direction: Vec3::NEG_Z };
+        let _ = bvh.nearest(&ray, f32::INFINITY);
+        assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+    }
+}

@@ -1,0 +1,95 @@
+//! The tree as the traversal reads it: nodes and triangles in packs of eight, component by component.
+
+use super::build::{Bounds, Branch};
+use super::lanes::WIDTH;
+use glam::Vec3;
+
+/// Set in the number of a child that is a pack of triangles; the other bits tell which.
+pub const LEAF: u32 = 1 << 31;
+
+/// Up to [`WIDTH`] boxes and what is in them.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub struct Node {
+    /// Least x, y, z, then largest x, y, z. Unused boxes are inside out: no ray meets them.
+    pub faces: [[f32; WIDTH]; 6],
+    /// Number of a node, or [`LEAF`] and the number of a pack.
+    pub child: [u32; WIDTH],
+}
+
+/// Up to [`WIDTH`] triangles.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub struct Pack {
+    /// By corner and axis. Unused triangles are NaN: no ray meets them.
+    pub corner: [[[f32; WIDTH]; 3]; 3],
+    /// Unit normals, by axis.
+    pub normal: [[f32; WIDTH]; 3],
+    pub triangle: [u32; WIDTH],
+}
+
+/// All nodes, the root first; none for no triangles.
+#[derive(Debug, Clone, Default)]
+pub struct Tree {
+    pub nodes: Vec<Node>,
+    pub packs: Vec<Pack>,
+    /// Largest absolute coordinate of a triangle.
+    pub extent: f32,
+}
+
+impl Tree {
+    /// Lays out the tree `root`; `facet` tells the corners and the unit normal of a triangle.
+    pub fn new(root: Branch, facet: impl Fn(u32) -> ([Vec3; 3], Vec3)) -> Self {
+        let mut tree = Self::default();
+        let root = match root {
+            Branch::Leaf(triangles) if triangles.is_empty() => return tree,
+            Branch::Node(children) => children,
+            // The root is always a node.
+            leaf @ Branch::Leaf(_) => vec![(Bounds { min: Vec3::MIN, max: Vec3::MAX }, leaf)],
+        };
+        tree.node(root, &facet);
+        for pack in &tree.packs {
+            for &x in pack.corner.as_flattened().as_flattened() {
+                // Passes over NaN.
+                tree.extent = tree.extent.max(x.abs());
+            }
+        }
+        tree
+    }
+
+    fn node(&mut self, children: Vec<(Bounds, Branch)>, facet: &impl Fn(u32) -> ([Vec3; 3], Vec3)) -> u32 {
+        let number = self.nodes.len();
+        let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+        self.nodes.push(Node { faces: [low, low, low, high, high, high], child: [0; WIDTH] });
+        for (i, (bounds, branch)) in children.into_iter().enumerate() {
+            let child = match branch {
+                Branch::Leaf(triangles) => LEAF | self.pack(&triangles, facet),
+                Branch::Node(children) => self.node(children, facet),
+            };
+            let node = &mut self.nodes[number];
+            node.child[i] = child;
+            for axis in 0..3 {
+                node.faces[axis][i] = bounds.min[axis];
+                node.faces[axis + 3][i] = bounds.max[axis];
+            }
+        }
+        number as u32
+    }
+
+    fn pack(&mut self, triangles: &[u32], facet: &impl Fn(u32) -> ([Vec3; 3], Vec3)) -> u32 {
+        let unused = [[f32::NAN; WIDTH]; 3];
+        let mut pack = Pack { corner: [unused; 3], normal: unused, triangle: [0; WIDTH] };
+        for (i, &triangle) in triangles.iter().enumerate() {
+            let (corners, normal) = facet(triangle);
+            for axis in 0..3 {
+                pack.normal[axis][i] = normal[axis];
+                for (to, from) in pack.corner.iter_mut().zip(corners) {
+                    to[axis][i] = from[axis];
+                }
+            }
+            pack.triangle[i] = triangle;
+        }
+        self.packs.push(pack);
+        self.packs.len() as u32 - 1
+    }
+}
