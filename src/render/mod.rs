@@ -1,5 +1,6 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
+pub mod exposure;
 mod film;
 mod integrator;
 mod needs;
