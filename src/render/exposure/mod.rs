@@ -5,14 +5,22 @@
 
 mod classes;
 mod dropped;
+mod file;
 mod film;
 pub mod fixed;
 mod layers;
+mod merge;
+mod part;
 mod pixel;
+mod ranges;
 mod row;
+mod sums;
 
 pub use self::classes::{Classes, Word};
 pub use self::dropped::Dropped;
 pub use self::film::Exposure;
+pub use self::merge::merge_files;
+pub use self::part::{Part, Task};
 pub use self::pixel::Pixel;
+pub use self::ranges::{Ranges, list, shard};
 pub use self::row::Row;
