@@ -179,13 +179,12 @@ fn damaged_parts_are_errors() {
     let path = write(dir.path(), "a.exr", &part(0..3));
     let sound = std::fs::read(&path).unwrap();
     let spoilt = dir.path().join("b.exr");
-    let mut refused = 0;
-    let mut try_bytes = |bytes: &[u8]| {
+    let try_bytes = |bytes: &[u8]| {
         std::fs::write(&spoilt, bytes).unwrap();
-        refused += usize::from(Part::read(&spoilt).is_err());
         if let Ok(file) = ExrFile::open(&spoilt) {
             let _ = file.layers();
         }
+        Part::read(&spoilt).is_ok()
     };
     let header = sound.windows(12).position(|w| w == b"droppedFirst").unwrap();
     for i in 0..150 {
@@ -197,11 +196,9 @@ fn damaged_parts_are_errors() {
         try_bytes(&bytes);
         bytes[place] = 0xff;
         try_bytes(&bytes);
-        try_bytes(&sound[..place]);
+        assert!(!try_bytes(&sound[..place]), "cut off at byte {place}");
     }
-    assert!(refused > 150, "at least those that were cut off: {refused}");
-    try_bytes(&sound);
-    assert!(Part::read(&spoilt).is_ok());
+    assert!(try_bytes(&sound));
 }
 
 #[test]
