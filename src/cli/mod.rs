@@ -5,6 +5,7 @@ mod console;
 mod envmap;
 mod fresnel;
 mod map_file;
+mod merge;
 mod render;
 mod reproduce;
 
@@ -64,6 +65,8 @@ enum Command {
     Render(render::Render),
     /// Compare two images
     Compare(compare::Compare),
+    /// Merge parts of a render
+    Merge(merge::Merge),
     /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
 }
@@ -109,6 +112,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Envmap(command) => command.run(&cli.global, console),
         Command::Render(args) => args.run(&cli.global, console),
         Command::Compare(args) => args.run(&cli.global, console),
+        Command::Merge(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

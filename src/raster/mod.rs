@@ -16,7 +16,7 @@ mod tone;
 mod write;
 
 pub use self::compare::{Comparison, compare};
-pub use self::exr::{Layer, Precision, write_exr};
+pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::{Image, Rgb};
 pub use self::read::{ReadOptions, read};
 pub use self::tone::{ToneMap, auto_exposure, to_rgb8};

@@ -32,6 +32,12 @@ impl Metadata {
     pub fn entries(&self) -> &[(String, String)] {
         &self.entries
     }
+
+    /// The value of an entry.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
+    }
 }
 
 /// What is lost on the way into a file.

@@ -1,6 +1,7 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
 mod diffuse;
+pub mod exposure;
 mod film;
 mod geometry;
 mod integrator;

@@ -20,9 +20,17 @@ pub(super) struct Choice {
     pub rgb: [Option<Channel>; 3],
 }
 
+/// A layer, and how its channels are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Shown {
+    pub name: String,
+    pub fit: Fit,
+    pub rgb: [Option<Channel>; 3],
+}
+
 /// How well a layer serves as the picture; the first layer of the best kind is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Fit {
+pub(super) enum Fit {
     Colour,
     Luminance,
     SomeColour,
@@ -35,7 +43,7 @@ enum Fit {
 pub(super) fn choose(path: &Path, headers: &[Header]) -> Result<Choice> {
     let mut best: Option<(Fit, Choice)> = None;
     for (part, header) in headers.iter().enumerate().filter(|(_, h)| !h.deep) {
-        for (fit, rgb) in layers(header) {
+        for Shown { fit, rgb, .. } in layers(header) {
             if best.as_ref().is_none_or(|(found, _)| fit < *found) {
                 best = Some((fit, Choice { part, rgb }));
             }
@@ -62,7 +70,7 @@ fn is_luminance_chroma(header: &Header) -> bool {
 }
 
 /// The layers of a part in the order of their first channels, the unnamed one first.
-fn layers(header: &Header) -> Vec<(Fit, [Option<Channel>; 3])> {
+pub(super) fn layers(header: &Header) -> Vec<Shown> {
     let mut before = 0;
     let mut groups: Vec<(String, Vec<(String, Channel)>)> = vec![(String::new(), Vec::new())];
     for description in &header.channels.list {
@@ -75,7 +83,8 @@ fn layers(header: &Header) -> Vec<(Fit, [Option<Channel>; 3])> {
         }
         before += description.sample_type.bytes_per_sample();
     }
-    groups.iter().filter_map(|(_, channels)| picture(channels)).collect()
+    let shown = |(name, channels): (String, Vec<_>)| picture(&channels).map(|(fit, rgb)| Shown { name, fit, rgb });
+    groups.into_iter().filter_map(shown).collect()
 }
 
 fn picture(channels: &[(String, Channel)]) -> Option<(Fit, [Option<Channel>; 3])> {

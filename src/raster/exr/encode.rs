@@ -1,4 +1,4 @@
-//! Writing OpenEXR: scan lines, ZIP compression, one part, layers as channel name prefixes.
+//! Writing OpenEXR: scan lines, ZIP compression, one part, channels of any type, layers as prefixes of their names.
 
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
@@ -10,6 +10,7 @@ use exr::meta::attribute::{ChannelDescription, IntegerBounds, LineOrder, SampleT
 use exr::meta::header::Header;
 use half::f16;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::path::Path;
 
 /// How samples are stored in an OpenEXR file.
@@ -61,32 +62,57 @@ const RESERVED: [&str; 14] = [
 /// name exceeds 31 bytes, or when a metadata name is not 1 to 31 ASCII characters, appears twice, or belongs to the
 /// format. [`Error::Io`].
 pub fn write_exr(path: &Path, layers: &[Layer<'_>], precision: Precision, metadata: &Metadata) -> Result<()> {
-    let channels = channels(layers)?;
-    check_names(metadata)?;
-    let image = layers[0].image;
-    let kind = match precision {
-        Precision::Half => SampleType::F16,
-        Precision::Float => SampleType::F32,
+    let Some(Layer { image, .. }) = layers.first() else {
+        return Err(Error::parameter("layers", "an OpenEXR file needs at least one"));
     };
-    let descriptions = channels.iter().map(|c| ChannelDescription::new(text(&c.name), kind, false)).collect();
-    let header = Header::new(Text::from("image"), (image.width(), image.height()), descriptions).with_encoding(
+    let size = (image.width(), image.height());
+    let mut channels = Vec::new();
+    for layer in layers {
+        if (layer.image.width(), layer.image.height()) != size {
+            let message = format!("the size of {:?} differs from that of {:?}", layer.name, layers[0].name);
+            return Err(Error::parameter("layers", message));
+        }
+        channels.extend(layer.channels(precision));
+    }
+    write_exr_channels(path, size, channels, metadata)
+}
+
+/// [`write_exr`] for channels of any type: `size` is width and height, the order of the channels does not matter.
+///
+/// # Errors
+/// [`Error::Parameter`] when there is no channel, when a name appears twice or is not 1 to 31 ASCII characters without
+/// blanks, or for metadata as in [`write_exr`]. [`Error::Io`].
+pub fn write_exr_channels(
+    path: &Path,
+    (width, height): (usize, usize),
+    channels: Vec<Channel<'_>>,
+    metadata: &Metadata,
+) -> Result<()> {
+    let channels = sorted(channels)?;
+    check_names(metadata)?;
+    let descriptions =
+        channels.iter().map(|c| ChannelDescription::new(text(&c.name), c.samples.kind(), false)).collect();
+    let header = Header::new(Text::from("image"), (width, height), descriptions).with_encoding(
         Compression::ZIP16,
         BlockDescription::ScanLines,
         LineOrder::Increasing,
     );
-    let starts: Vec<usize> = (0..image.height()).step_by(LINES).collect();
+    let starts: Vec<usize> = (0..height).step_by(LINES).collect();
     let blocks: Vec<Vec<u8>> = starts
         .par_iter()
         .map(|&y| {
-            let lines = y..(y + LINES).min(image.height());
-            let section = IntegerBounds::new((0, y as i32), (image.width(), lines.len()));
-            let raw = lines.flat_map(|y| channels.iter().flat_map(move |c| c.samples(y, precision))).collect();
+            let lines = y..(y + LINES).min(height);
+            let section = IntegerBounds::new((0, y as i32), (width, lines.len()));
+            let mut raw = Vec::with_capacity(lines.len() * width * header.channels.bytes_per_pixel);
+            for y in lines {
+                channels.iter().for_each(|c| c.samples.append(y * width..(y + 1) * width, &mut raw));
+            }
             header.compression.compress_image_section_to_le(&header, raw, section)
         })
         .collect::<std::result::Result<_, _>>()
         .map_err(|e| Error::io(path, std::io::Error::other(e.to_string())))?;
 
-    let head = head(image, &channels, kind, metadata);
+    let head = head((width, height), &channels, metadata);
     write_atomic(path, |out| {
         let mut offset = head.len() + 8 * blocks.len();
         let mut table = Vec::with_capacity(8 * blocks.len());
@@ -106,20 +132,52 @@ pub fn write_exr(path: &Path, layers: &[Layer<'_>], precision: Precision, metada
     })
 }
 
-/// One channel of one image.
-struct Channel<'a> {
-    name: String,
-    image: &'a Image,
-    component: usize,
+/// A channel: its name, with the layer's as prefix (`error.R`), and its samples.
+pub struct Channel<'a> {
+    pub name: String,
+    pub samples: Samples<'a>,
 }
 
-impl Channel<'_> {
-    /// The bytes of row `y`, in native order as the compressor expects them.
-    fn samples(&self, y: usize, precision: Precision) -> Vec<u8> {
-        let values = self.image.row(y).iter().map(|p| p[self.component]);
-        match precision {
-            Precision::Half => values.flat_map(|v| half(v).to_ne_bytes()).collect(),
-            Precision::Float => values.flat_map(f32::to_ne_bytes).collect(),
+/// The value of each pixel, by its number (row by row from the top), and how it is stored.
+pub enum Samples<'a> {
+    Half(Box<dyn Fn(usize) -> f32 + Sync + 'a>),
+    Float(Box<dyn Fn(usize) -> f32 + Sync + 'a>),
+    Unsigned(Box<dyn Fn(usize) -> u32 + Sync + 'a>),
+}
+
+impl<'a> Layer<'a> {
+    /// The layer's three channels.
+    #[must_use]
+    pub fn channels(&self, precision: Precision) -> [Channel<'a>; 3] {
+        let image = self.image;
+        [0, 1, 2].map(|component| {
+            let letter = ["R", "G", "B"][component];
+            let name = if self.name.is_empty() { letter.into() } else { format!("{}.{letter}", self.name) };
+            let value = Box::new(move |i: usize| image.pixels()[i][component]);
+            let samples = match precision {
+                Precision::Half => Samples::Half(value),
+                Precision::Float => Samples::Float(value),
+            };
+            Channel { name, samples }
+        })
+    }
+}
+
+impl Samples<'_> {
+    fn kind(&self) -> SampleType {
+        match self {
+            Samples::Half(_) => SampleType::F16,
+            Samples::Float(_) => SampleType::F32,
+            Samples::Unsigned(_) => SampleType::U32,
+        }
+    }
+
+    /// Appends the bytes of some pixels, in native order as the compressor expects them.
+    fn append(&self, pixels: Range<usize>, bytes: &mut Vec<u8>) {
+        match self {
+            Samples::Half(value) => bytes.extend(pixels.flat_map(|i| half(value(i)).to_ne_bytes())),
+            Samples::Float(value) => bytes.extend(pixels.flat_map(|i| value(i).to_ne_bytes())),
+            Samples::Unsigned(value) => bytes.extend(pixels.flat_map(|i| value(i).to_ne_bytes())),
         }
     }
 }
@@ -130,23 +188,13 @@ fn half(v: f32) -> f16 {
 }
 
 /// All channels, sorted by name as the format demands.
-fn channels<'a>(layers: &[Layer<'a>]) -> Result<Vec<Channel<'a>>> {
+fn sorted(mut channels: Vec<Channel<'_>>) -> Result<Vec<Channel<'_>>> {
     let error = |message: String| Err(Error::parameter("layers", message));
-    let Some(first) = layers.first() else {
-        return error("an OpenEXR file needs at least one".into());
-    };
-    let mut channels = Vec::new();
-    for layer in layers {
-        if (layer.image.width(), layer.image.height()) != (first.image.width(), first.image.height()) {
-            return error(format!("the size of {:?} differs from that of {:?}", layer.name, first.name));
-        }
-        if layer.name.len() > 29 || !layer.name.bytes().all(|b| b.is_ascii_graphic()) {
-            return error(format!("{:?} is not a name of at most 29 ASCII characters without blanks", layer.name));
-        }
-        for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
-            let name = if layer.name.is_empty() { letter.into() } else { format!("{}.{letter}", layer.name) };
-            channels.push(Channel { name, image: layer.image, component });
-        }
+    if channels.is_empty() {
+        return error("an OpenEXR file needs at least one channel".into());
+    }
+    if let Some(c) = channels.iter().find(|c| !is_name(&c.name)) {
+        return error(format!("channel {:?}: a name is 1 to 31 ASCII characters without blanks", c.name));
     }
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
@@ -155,11 +203,20 @@ fn channels<'a>(layers: &[Layer<'a>]) -> Result<Vec<Channel<'a>>> {
     Ok(channels)
 }
 
+/// Whether the format takes this as the name of a channel or an attribute.
+fn is_name(name: &str) -> bool {
+    (1..=31).contains(&name.len()) && name.bytes().all(|b| b.is_ascii_graphic())
+}
+
+/// Whether metadata may be called this: a name of the format, not one to which it gives a meaning.
+pub(super) fn is_free_name(name: &str) -> bool {
+    is_name(name) && !RESERVED.contains(&name)
+}
+
 fn check_names(metadata: &Metadata) -> Result<()> {
     let names: Vec<&str> = metadata.entries().iter().map(|(name, _)| name.as_str()).collect();
     for (i, name) in names.iter().enumerate() {
-        let proper = (1..=31).contains(&name.len()) && name.bytes().all(|b| b.is_ascii_graphic());
-        if !proper || RESERVED.contains(name) || names[..i].contains(name) {
+        if !is_free_name(name) || names[..i].contains(name) {
             return Err(Error::parameter("metadata", format!("{name:?} cannot name an OpenEXR attribute")).with_hint(
                 "a name is 1 to 31 ASCII characters without blanks, is used once, and is not the format's",
             ));
@@ -173,18 +230,22 @@ fn text(name: &str) -> Text {
 }
 
 /// Everything before the table of blocks. Written here, not by the `exr` crate, which shuffles attributes.
-fn head(image: &Image, channels: &[Channel<'_>], kind: SampleType, metadata: &Metadata) -> Vec<u8> {
-    let kind: i32 = if kind == SampleType::F16 { 1 } else { 2 };
+fn head((width, height): (usize, usize), channels: &[Channel<'_>], metadata: &Metadata) -> Vec<u8> {
     let mut list = Vec::new();
     for channel in channels {
         list.extend(channel.name.bytes());
         list.push(0);
+        let kind: i32 = match channel.samples.kind() {
+            SampleType::U32 => 0,
+            SampleType::F16 => 1,
+            SampleType::F32 => 2,
+        };
         list.extend(kind.to_le_bytes());
         list.extend([0; 4]);
         list.extend([1_i32, 1].map(i32::to_le_bytes).as_flattened());
     }
     list.push(0);
-    let window = [0, 0, image.width() as i32 - 1, image.height() as i32 - 1].map(i32::to_le_bytes);
+    let window = [0, 0, width as i32 - 1, height as i32 - 1].map(i32::to_le_bytes);
 
     // The magic number, then version 2 without any flag.
     let mut head = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];

@@ -5,6 +5,9 @@ mod choose;
 mod chunks;
 mod decode;
 mod encode;
+mod file;
+mod layers;
 
 pub(super) use self::decode::decode;
-pub use self::encode::{Layer, Precision, write_exr};
+pub use self::encode::{Channel, Layer, Precision, Samples, write_exr, write_exr_channels};
+pub use self::layers::ExrFile;

@@ -1,0 +1,92 @@
+//! `etalon merge`: parts of a render put together.
+
+use super::console::{Console, files_written};
+use super::{Global, Verdict};
+use crate::error::{Error, Result};
+use crate::raster::{self, Metadata};
+use crate::render::exposure::{Dropped, list, merge_files};
+use crate::report::output::{self, Target};
+use clap::Args;
+use serde::Serialize;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Merge parts of a render (shards, or renders that were interrupted)
+#[derive(Args)]
+#[command(
+    after_help = "Writes the picture as EXR and PNG. Sums are exact: the merged picture is, bit for bit, that of \
+                        a render in one go, whatever the order of the parts. While samples are missing, the EXR file \
+                        keeps the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
+                        -o picture.exr"
+)]
+pub struct Merge {
+    /// Files that hold different samples of the same picture
+    #[arg(required = true)]
+    parts: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Output {
+    parts: usize,
+    width: usize,
+    height: usize,
+    /// Samples that every pixel has.
+    samples: u32,
+    /// Samples of the whole render.
+    of: u32,
+    complete: bool,
+    missing: Vec<Range<u32>>,
+    dropped: Dropped,
+    files: Vec<PathBuf>,
+}
+
+impl Merge {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
+            return Err(Error::parameter("-o", "parts are merged into an OpenEXR file")
+                .with_hint("name a file with the extension .exr, or a folder"));
+        }
+        let mut part = merge_files(&self.parts)?;
+        part.metadata = with_command(&part.metadata);
+        let stem = Target::new(global.out.as_deref()).stem("merged", "");
+        let files = ["exr", "png"].map(|format| output::with_extension(&stem, format));
+        part.write(&files[0])?;
+        raster::write(&files[1], &part.exposure.image(), &part.metadata)?;
+
+        let ranges = part.ranges();
+        let output = Output {
+            parts: self.parts.len(),
+            width: part.exposure.width(),
+            height: part.exposure.height(),
+            samples: ranges.samples(),
+            of: ranges.spp(),
+            complete: ranges.is_complete(),
+            missing: ranges.missing(),
+            dropped: part.exposure.dropped(),
+            files: files.into(),
+        };
+        if !output.complete {
+            let missing = list(&output.missing);
+            console.warn(&format!("samples {missing} of {} are missing; the file keeps the sums", output.of));
+        }
+        console.result(&output, || {
+            format!(
+                "{} parts, {}x{}, {} of {} samples per pixel\n{}",
+                output.parts,
+                output.width,
+                output.height,
+                output.samples,
+                output.of,
+                files_written(&output.files)
+            )
+        });
+        Ok(Verdict::Good)
+    }
+}
+
+/// The metadata with this command in place of the one that made the parts.
+fn with_command(metadata: &Metadata) -> Metadata {
+    let command = std::env::args().collect::<Vec<_>>().join(" ");
+    let others = metadata.entries().iter().filter(|(name, _)| name != "command");
+    others.fold(Metadata::default().with("command", command), |all, (name, value)| all.with(name, value))
+}

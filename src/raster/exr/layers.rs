@@ -1,0 +1,154 @@
+//! All layers of an OpenEXR file, its text attributes, and channels that hold counts instead of light.
+
+use super::choose::{Shown, choose, layers};
+use super::decode::{Placement, check_window, pixels};
+use super::encode::is_free_name;
+use super::file::Exr;
+use crate::error::{Error, Result};
+use crate::files::read_bounded;
+use crate::raster::read::blank;
+use crate::raster::{Image, Metadata};
+use exr::math::Vec2;
+use exr::meta::attribute::SampleType;
+use std::path::{Path, PathBuf};
+
+/// Larger files are refused unread.
+const MAX_FILE_BYTES: u64 = 1 << 33;
+/// More pixels than these, all layers together, are refused: 3 GiB in memory.
+const MAX_PIXELS: usize = 1 << 28;
+
+/// An OpenEXR file whose header has been read.
+#[derive(Debug, Clone)]
+pub struct ExrFile {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    metadata: Metadata,
+}
+
+impl ExrFile {
+    /// Reads a file and looks at its header.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a damaged file or one that is not OpenEXR, [`Error::Unsupported`] for an unknown
+    /// compression, [`Error::Limit`] for more than 8 GiB or 4096 channels, and [`Error::Io`].
+    pub fn open(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            return Err(Error::input(path, "this is a directory, not an OpenEXR file"));
+        }
+        let bytes = read_bounded(path, MAX_FILE_BYTES)?;
+        if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+            return Err(Error::input(path, "this is not an OpenEXR file"));
+        }
+        let mut metadata = Metadata::default();
+        for (name, value) in Exr::parse(path, &bytes)?.texts() {
+            if is_free_name(&name) && metadata.get(&name).is_none() {
+                metadata = metadata.with(name, value);
+            }
+        }
+        Ok(Self { path: path.into(), bytes, metadata })
+    }
+
+    /// The text attributes to which the format gives no meaning of its own, in their order: what
+    /// [`write_exr`](super::write_exr) was given as metadata.
+    #[must_use]
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// The layers in the part of the file that holds the picture, the unnamed one first, then by name. Each is shown as
+    /// [`read`](crate::raster::read()) shows the picture; layers of unsigned integers, which are no light, are left out.
+    ///
+    /// # Errors
+    /// Those of [`read`](crate::raster::read()), and [`Error::Limit`] when the layers have more than 2^28 pixels in all.
+    pub fn layers(&self) -> Result<Vec<(String, Image)>> {
+        let (path, file) = (&self.path, Exr::parse(&self.path, &self.bytes)?);
+        let part = choose(path, file.headers())?.part;
+        let header = &file.headers()[part];
+        let is_light = |layer: &Shown| layer.rgb.iter().flatten().any(|c| c.kind != SampleType::U32);
+        let layers: Vec<Shown> = layers(header).into_iter().filter(is_light).collect();
+        let window = header.shared_attributes.display_window;
+        check_window(path, header.data_window(), window, self.bytes.len())?;
+        let all = (window.size.0 * window.size.1).saturating_mul(layers.len());
+        if all > MAX_PIXELS {
+            return Err(Error::limit(path, format!("{} layers of {all} pixels in all", layers.len()))
+                .with_hint("at most 2^28 pixels are read, all layers together"));
+        }
+        let blocks = file.blocks(part)?;
+        let images = layers.iter().map(|_| blank(path, window.size.0, window.size.1));
+        let mut images: Vec<Image> = images.collect::<Result<_>>()?;
+        let place = Placement::of(header);
+        blocks.read(
+            |block, bytes| layers.iter().map(|layer| pixels(header, &layer.rgb, block, &bytes)).collect::<Vec<_>>(),
+            |block, layers| {
+                images.iter_mut().zip(&layers).for_each(|(image, pixels)| place.copy(image, block, pixels));
+            },
+        )?;
+        Ok(layers.into_iter().map(|layer| layer.name).zip(images).collect())
+    }
+
+    /// Width and height of the first part.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] as in [`read`](crate::raster::read()); [`Error::Unsupported`] for a cropped, deep or subsampled
+    /// picture.
+    pub fn size(&self) -> Result<(usize, usize)> {
+        let file = Exr::parse(&self.path, &self.bytes)?;
+        let header = &file.headers()[0];
+        let (data, window) = (header.data_window(), header.shared_attributes.display_window);
+        check_window(&self.path, data, window, self.bytes.len())?;
+        let plain = header.channels.list.iter().all(|c| c.sampling == Vec2(1, 1)) && !header.deep;
+        if data != window || !plain {
+            return Err(Error::unsupported(&self.path, "cropped, deep or subsampled OpenEXR data are not read here")
+                .with_hint("take the file as it was written, not as another program saved it"));
+        }
+        Ok(window.size.into())
+    }
+
+    /// Reads channels of unsigned integers from the first part of the file. When they are known to be there, `start`
+    /// makes what `set` then fills: it gets the number of the channel in `names`, that of the pixel, and the value.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when a channel is missing or of another type, and for damaged data; those of [`ExrFile::size`].
+    pub fn unsigned<T>(
+        &self,
+        names: &[String],
+        start: impl FnOnce() -> Result<T>,
+        mut set: impl FnMut(&mut T, usize, usize, u32),
+    ) -> Result<T> {
+        let (width, _) = self.size()?;
+        let file = Exr::parse(&self.path, &self.bytes)?;
+        let header = &file.headers()[0];
+        // Bytes of a pixel before each channel.
+        let mut before = std::collections::HashMap::new();
+        let mut sum = 0;
+        for channel in &header.channels.list {
+            if channel.sample_type == SampleType::U32 {
+                before.insert(channel.name.to_string(), sum);
+            }
+            sum += channel.sample_type.bytes_per_sample();
+        }
+        let find = |name: &String| before.get(name).copied().ok_or_else(|| self.missing(name));
+        let places: Vec<usize> = names.iter().map(find).collect::<Result<_>>()?;
+        let blocks = file.blocks(0)?;
+        let mut result = start()?;
+        blocks.read(
+            |_, bytes| bytes,
+            |block, bytes| {
+                let lines = bytes.chunks_exact(block.width * header.channels.bytes_per_pixel);
+                for (y, line) in (block.y..).zip(lines) {
+                    for (channel, before) in places.iter().enumerate() {
+                        let values = line[before * block.width..][..4 * block.width].chunks_exact(4);
+                        for (pixel, b) in (y * width + block.x..).zip(values) {
+                            set(&mut result, channel, pixel, u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+                        }
+                    }
+                }
+            },
+        )?;
+        Ok(result)
+    }
+
+    fn missing(&self, name: &str) -> Error {
+        Error::input(&self.path, format!("there is no channel {name:?} of unsigned integers"))
+    }
+}

@@ -1,0 +1,125 @@
+//! Light paths by what they met on the way: words like `LSDE` in the notation of Heckbert.
+//!
+//! Source: Heckbert, "Adaptive radiosity textures for bidirectional ray tracing", SIGGRAPH 1990.
+
+/// The scatterings of a light path from the light L to the eye E: D at a diffuse or rough surface, S in a mirror or
+/// smooth glass.
+///
+/// The code is a one followed by a bit for each scattering, the one next to the light first: D is 0, S is 1. So codes
+/// in increasing order are words by length, then by alphabet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word(u32);
+
+impl Word {
+    /// `LE`: light that is seen directly. A path traced from the eye starts with it.
+    pub const DIRECT: Self = Self(1);
+    /// A path of more scatterings keeps the class that it has.
+    const LONGEST: u32 = 30;
+
+    /// The path with one more scattering, between the light and what there was: the next vertex on the way from the
+    /// eye.
+    #[inline]
+    #[must_use]
+    pub fn then(self, specular: bool) -> Self {
+        if self.scatterings() == Self::LONGEST {
+            return self;
+        }
+        let marker = 1 << self.scatterings();
+        Self(self.0 + if specular { 2 * marker } else { marker })
+    }
+
+    /// The number of letters between L and E.
+    #[inline]
+    #[must_use]
+    pub fn scatterings(self) -> u32 {
+        self.0.ilog2()
+    }
+}
+
+/// Which words get a layer of their own: all up to a number of scatterings. The others share one, the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Classes {
+    scatterings: u32,
+}
+
+impl Classes {
+    /// More scatterings than these would give more layers (2^(n+1)) than anybody looks at.
+    pub const LONGEST: u32 = 6;
+
+    /// A class for each word of at most `scatterings` letters between L and E (at most [`Classes::LONGEST`]), and one
+    /// for the rest.
+    #[must_use]
+    pub fn up_to(scatterings: u32) -> Self {
+        Self { scatterings: scatterings.min(Self::LONGEST) }
+    }
+
+    /// How many classes there are, the rest included.
+    #[must_use]
+    pub fn count(self) -> usize {
+        2 << self.scatterings
+    }
+
+    /// The number of a word's class: by length, then by alphabet, the rest last.
+    #[inline]
+    #[must_use]
+    pub fn index(self, word: Word) -> usize {
+        word.0.min(2 << self.scatterings) as usize - 1
+    }
+
+    /// The names of all classes in their order: `LE`, `LDE`, `LSE`, `LDDE`, … `rest`.
+    pub fn names(self) -> impl Iterator<Item = String> {
+        let name = |code: u32| {
+            let letters = (0..code.ilog2()).rev().map(|bit| if code >> bit & 1 == 0 { 'D' } else { 'S' });
+            ['L'].into_iter().chain(letters).chain(['E']).collect()
+        };
+        (1..2 << self.scatterings).map(name).chain(["rest".to_owned()])
+    }
+
+    /// The classes with these names, joined by blanks.
+    pub(super) fn parse(text: &str) -> Option<Self> {
+        (0..=Self::LONGEST).map(Self::up_to).find(|c| c.names().eq(text.split(' ')))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn word(from_the_eye: &str) -> Word {
+        from_the_eye.chars().fold(Word::DIRECT, |word, letter| word.then(letter == 'S'))
+    }
+
+    #[test]
+    fn words_are_ordered_by_length_then_by_alphabet() {
+        let names: Vec<String> = Classes::up_to(2).names().collect();
+        assert_eq!(names, ["LE", "LDE", "LSE", "LDDE", "LDSE", "LSDE", "LSSE", "rest"]);
+        for scatterings in 0..=Classes::LONGEST {
+            let classes = Classes::up_to(scatterings);
+            let names: Vec<String> = classes.names().collect();
+            assert_eq!(names.len(), classes.count());
+            assert!(names[..names.len() - 1].is_sorted_by_key(|n| (n.len(), n.clone())));
+        }
+    }
+
+    #[test]
+    fn a_path_from_the_eye_finds_the_word_from_the_light() {
+        let classes = Classes::up_to(3);
+        let names: Vec<String> = classes.names().collect();
+        for from_the_eye in ["", "D", "S", "DS", "SD", "SSD", "DSD", "SDD"] {
+            let letters: String = from_the_eye.chars().rev().collect();
+            assert_eq!(names[classes.index(word(from_the_eye))], format!("L{letters}E"));
+        }
+        for long in ["DDDD", "SDSD", &"S".repeat(30), &"D".repeat(99), &"SD".repeat(99)] {
+            assert_eq!(names[classes.index(word(long))], "rest");
+        }
+    }
+
+    #[test]
+    fn names_can_be_read_back() {
+        for classes in (0..=Classes::LONGEST).map(Classes::up_to) {
+            let text = classes.names().collect::<Vec<_>>().join(" ");
+            assert_eq!(Classes::parse(&text), Some(classes));
+        }
+        assert_eq!(Classes::parse("LE LDE rest"), None);
+    }
+}

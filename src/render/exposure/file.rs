@@ -1,0 +1,117 @@
+//! Parts of a render as OpenEXR files: a picture for viewers, and the sums to go on from.
+
+use super::classes::Classes;
+use super::sums::slots;
+use super::{Dropped, Exposure, Part, Ranges};
+use crate::error::{Error, Result};
+use crate::raster::{Channel, ExrFile, Layer, Metadata, Precision, Samples, write_exr_channels};
+use std::path::Path;
+
+/// Names of the attributes that a part writes by itself.
+const SAMPLES: &str = "samples";
+const FINGERPRINT: &str = "fingerprint";
+const PATHS: &str = "paths";
+const NONFINITE: &str = "droppedNonfinite";
+const NEGATIVE: &str = "droppedNegative";
+const FIRST: &str = "droppedFirst";
+
+impl Part {
+    /// Writes the part as an OpenEXR file of 32-bit floats. Its layers:
+    ///
+    /// | layer | what it holds |
+    /// |---|---|
+    /// | (unnamed) | the mean of the samples so far: the picture |
+    /// | `error` | its standard error (see [`Pixel::standard_error`](super::Pixel::standard_error)) |
+    /// | `LE`, `LDE` … `rest` | the light by path class, if it was kept; added up in the order of the attribute `paths` they are the picture |
+    /// | `sums`, `squares`, `sums.LDE` … | unless the picture is complete: counts and sums, in words of 32 bits |
+    ///
+    /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`,
+    /// `droppedNonfinite`, `droppedNegative` and `droppedFirst`; metadata must not have these names.
+    ///
+    /// # Errors
+    /// Those of [`write_exr`](crate::raster::write_exr).
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let film = &self.exposure;
+        let (image, error, paths) = (film.image(), film.standard_error(), film.path_layers());
+        let named = paths.iter().map(|(name, image)| Layer { name, image });
+        let layers =
+            [Layer { name: "", image: &image }, Layer { name: "error", image: &error }].into_iter().chain(named);
+        let mut channels: Vec<Channel<'_>> = layers.flat_map(|layer| layer.channels(Precision::Float)).collect();
+        if !self.is_complete() {
+            channels.extend(slots(film.classes()).into_iter().map(|(name, slot)| Channel {
+                name,
+                samples: Samples::Unsigned(Box::new(move |i| slot.get(film, i))),
+            }));
+        }
+        write_exr_channels(path, (film.width(), film.height()), channels, &self.attributes())
+    }
+
+    fn attributes(&self) -> Metadata {
+        let dropped = self.exposure.dropped;
+        let mut attributes = self.metadata.clone().with(SAMPLES, self.ranges()).with(FINGERPRINT, &self.fingerprint);
+        if let Some(classes) = self.exposure.classes() {
+            attributes = attributes.with(PATHS, classes.names().collect::<Vec<_>>().join(" "));
+        }
+        attributes = attributes.with(NONFINITE, dropped.nonfinite).with(NEGATIVE, dropped.negative);
+        match dropped.first_pixel {
+            Some((x, y)) => attributes.with(FIRST, format!("{x} {y}")),
+            None => attributes,
+        }
+    }
+
+    /// Reads a part that is not complete, to go on with it or to merge it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a file without sums (a complete picture has none) and for a damaged one; those of
+    /// [`ExrFile`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let file = ExrFile::open(path)?;
+        let attributes = file.metadata();
+        let (Some(samples), Some(fingerprint)) = (attributes.get(SAMPLES), attributes.get(FINGERPRINT)) else {
+            return Err(Error::input(path, "this is no part of a render: it does not say which samples it holds")
+                .with_hint("parts are written by `etalon render`, for example with --shard"));
+        };
+        let wrong = |name: &str| Error::input(path, format!("the attribute {name:?} makes no sense"));
+        let ranges = Ranges::parse(samples).ok_or_else(|| wrong(SAMPLES))?;
+        if ranges.is_complete() {
+            return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
+                .with_hint("a complete render keeps no sums, and there is nothing to add to it"));
+        }
+        let classes = match attributes.get(PATHS) {
+            Some(names) => Some(Classes::parse(names).ok_or_else(|| wrong(PATHS))?),
+            None => None,
+        };
+        let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
+        let (width, height) = file.size()?;
+        let (names, slots): (Vec<String>, Vec<_>) = slots(classes).into_iter().unzip();
+        let film = || {
+            let too_large = |e: Error| Error::limit(path, e.to_string());
+            Exposure::new(width, height, classes).map_err(too_large)
+        };
+        let mut exposure =
+            file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;
+        exposure.dropped = dropped;
+        let counts = ranges.samples()..=ranges.target();
+        if let Some(i) = exposure.pixels.iter().position(|p| !counts.contains(&p.n)) {
+            let (x, y, n) = (i % width, i / width, exposure.pixels[i].n);
+            return Err(Error::input(path, format!("pixel ({x}, {y}) has {n} samples, not {ranges}"))
+                .with_hint("the file is damaged; render the part again"));
+        }
+        let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FIRST];
+        let others = attributes.entries().iter().filter(|(name, _)| !own.contains(&name.as_str()));
+        let metadata = others.fold(Metadata::default(), |all, (name, value)| all.with(name, value));
+        Ok(Self { exposure, fingerprint: fingerprint.into(), ranges, metadata })
+    }
+}
+
+fn dropped(attributes: &Metadata) -> Option<Dropped> {
+    let count = |name| attributes.get(name)?.parse().ok();
+    let first_pixel = match attributes.get(FIRST) {
+        Some(text) => {
+            let (x, y) = text.split_once(' ')?;
+            Some((x.parse().ok()?, y.parse().ok()?))
+        }
+        None => None,
+    };
+    Some(Dropped { nonfinite: count(NONFINITE)?, negative: count(NEGATIVE)?, first_pixel })
+}

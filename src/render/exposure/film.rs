@@ -1,0 +1,254 @@
+//! The pixels of a film: exposed row by row, turned into pictures, merged.
+
+use super::fixed::Fixed;
+use super::{Classes, Dropped, Pixel, Row};
+use crate::error::{Error, Result};
+use crate::raster::{Image, Rgb};
+use rayon::prelude::*;
+
+/// All samples of a rectangle of pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exposure {
+    width: usize,
+    height: usize,
+    pub(super) pixels: Vec<Pixel>,
+    pub(super) dropped: Dropped,
+    pub(super) paths: Option<Paths>,
+}
+
+/// The light of each pixel by the class of its path: for each pixel a sum for each class.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Paths {
+    pub classes: Classes,
+    pub sums: Vec<[Fixed; 3]>,
+}
+
+/// More pixels (or pixels times path classes) than these are refused: 7 (or 13) GB.
+const MAX_PIXELS: usize = 1 << 26;
+const MAX_SUMS: usize = 1 << 28;
+
+impl Exposure {
+    /// A film without samples; with `classes`, it also keeps the light apart by the class of its path.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for no pixel, for more than 2^26, and for more than 2^28 pixels times classes.
+    pub fn new(width: usize, height: usize, classes: Option<Classes>) -> Result<Self> {
+        let count = width.saturating_mul(height);
+        let sums = count.saturating_mul(classes.map_or(0, Classes::count));
+        if count == 0 || count > MAX_PIXELS || sums > MAX_SUMS {
+            let layers = classes.map_or(String::new(), |c| format!(" in {} path classes", c.count()));
+            return Err(Error::parameter("-r", format!("no film for {width}x{height} pixels{layers}"))
+                .with_hint("at least 1x1 and at most 2^26 pixels, and at most 2^28 pixels times path classes"));
+        }
+        let out_of_memory = |_| Error::parameter("-r", format!("not enough memory for {width}x{height} pixels"));
+        let paths = match classes {
+            Some(classes) => Some(Paths { classes, sums: zeros(sums).map_err(out_of_memory)? }),
+            None => None,
+        };
+        let pixels = zeros(count).map_err(out_of_memory)?;
+        Ok(Self { width, height, pixels, dropped: Dropped::default(), paths })
+    }
+
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    #[must_use]
+    pub fn pixels(&self) -> &[Pixel] {
+        &self.pixels
+    }
+
+    /// The samples that did not count.
+    #[must_use]
+    pub fn dropped(&self) -> Dropped {
+        self.dropped
+    }
+
+    /// The path classes that are kept apart.
+    #[must_use]
+    pub fn classes(&self) -> Option<Classes> {
+        self.paths.as_ref().map(|p| p.classes)
+    }
+
+    /// Calls `fill` for every row, in parallel, to add samples. Which thread adds what, in which order, and in how many
+    /// calls does not matter.
+    pub fn expose(&mut self, fill: impl Fn(&mut Row<'_>) + Sync) {
+        let classes = self.classes().map_or(0, Classes::count);
+        let mut sums = self.paths.as_mut().map_or(&mut [][..], |p| &mut p.sums);
+        let mut rows = Vec::with_capacity(self.height);
+        for (y, pixels) in self.pixels.chunks_exact_mut(self.width).enumerate() {
+            let (paths, rest) = std::mem::take(&mut sums).split_at_mut(self.width * classes);
+            sums = rest;
+            rows.push(Row::new(y, pixels, paths));
+        }
+        let dropped = rows.into_par_iter().map(|mut row| {
+            fill(&mut row);
+            row.dropped()
+        });
+        self.dropped = self.dropped.merge(dropped.reduce(Dropped::default, Dropped::merge));
+    }
+
+    /// The mean of the samples of every pixel; black where there are none.
+    #[must_use]
+    pub fn image(&self) -> Image {
+        self.picture(Pixel::mean)
+    }
+
+    /// The standard error of every pixel and channel, see [`Pixel::standard_error`].
+    #[must_use]
+    pub fn standard_error(&self) -> Image {
+        self.picture(Pixel::standard_error)
+    }
+
+    fn picture(&self, value: impl Fn(&Pixel) -> Rgb + Sync + Send) -> Image {
+        Image::from_pixels(self.width, self.height, self.pixels.par_iter().map(value).collect())
+    }
+
+    /// Adds the samples of `other`; the result is the same as if one film had seen them all.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the sizes or the path classes differ.
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
+        if (self.width, self.height) != (other.width, other.height) || self.classes() != other.classes() {
+            return Err(Error::parameter("films", "their sizes or their path classes differ"));
+        }
+        self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.merge(theirs));
+        if let (Some(mine), Some(theirs)) = (&mut self.paths, &other.paths) {
+            mine.sums.par_iter_mut().zip(&theirs.sums).for_each(|(mine, theirs)| {
+                (0..3).for_each(|c| mine[c] += theirs[c]);
+            });
+        }
+        self.dropped = self.dropped.merge(other.dropped);
+        Ok(())
+    }
+}
+
+/// `count` zeros; running out of memory is an error here, not an abort.
+fn zeros<T: Copy + Default>(count: usize) -> std::result::Result<Vec<T>, std::collections::TryReserveError> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(count)?;
+    values.resize(count, T::default());
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream::{Independent, Stream};
+
+    const SIZE: (usize, usize) = (7, 5);
+    const SPP: u32 = 40;
+
+    /// Sample `s` of a pixel, by path class: over a wide range, sometimes impossible.
+    fn light(x: usize, y: usize, s: u32) -> [Rgb; 4] {
+        std::array::from_fn(|class| {
+            let [u, v] = Independent::new(5, (10 * y + x) as u64, s).pair(class as u32);
+            match (x, y, s) {
+                (3, 2, 9) => Rgb::NAN,
+                (1, 4, 0 | 31) => -Rgb::ONE,
+                _ => Rgb::new(u as f32, (v * 1e-9) as f32, (40.0 * u - 20.0).exp() as f32),
+            }
+        })
+    }
+
+    /// A film with the samples for which `here` says so.
+    fn film(here: impl Fn(usize, usize, u32) -> bool + Sync) -> Exposure {
+        let mut film = Exposure::new(SIZE.0, SIZE.1, Some(Classes::up_to(1))).unwrap();
+        film.expose(|row| {
+            for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
+                if here(x, row.y(), s) {
+                    let paths = light(x, row.y(), s);
+                    row.add(x, paths.iter().sum(), &paths);
+                }
+            }
+        });
+        film
+    }
+
+    #[test]
+    fn any_split_and_any_order_give_the_same_bits() {
+        let whole = film(|_, _, _| true);
+        assert_eq!(whole.dropped(), Dropped { nonfinite: 1, negative: 2, first_pixel: Some((3, 2)) });
+        for round in 0..20 {
+            let count = 2 + round % 5;
+            let random = |pixel: usize, s: u32| Independent::new(u64::from(round), pixel as u64, s).pair(9)[0];
+            let of = |x: usize, y: usize, s: u32| (random(10 * y + x, s) * f64::from(count)) as u32;
+            let mut parts: Vec<Exposure> = (0..count).map(|part| film(|x, y, s| of(x, y, s) == part)).collect();
+            // Pairs at random, until one is left.
+            for step in 0.. {
+                let mut take = |dimension| {
+                    let place = Independent::new(7, round.into(), step).pair(dimension)[0];
+                    parts.swap_remove((place * parts.len() as f64) as usize)
+                };
+                let (mut a, b) = (take(0), take(1));
+                a.merge(&b).unwrap();
+                if parts.is_empty() {
+                    assert!(a == whole, "round {round}");
+                    break;
+                }
+                parts.push(a);
+            }
+        }
+    }
+
+    #[test]
+    fn threads_change_no_bit() {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| film(|_, _, _| true))
+        };
+        assert!(on(1) == on(3));
+    }
+
+    #[test]
+    fn impossible_samples_are_black_counted_and_located() {
+        let mut film = Exposure::new(3, 2, None).unwrap();
+        film.expose(|row| {
+            for (x, s) in (0..3).rev().flat_map(|x| (0..4).map(move |s| (x, s))) {
+                let value = match (x, row.y(), s) {
+                    (1, 0, 2) => Rgb::new(f32::NAN, 1.0, 1.0),
+                    (2, 0, 0) => Rgb::new(1.0, 1.0, 9.3e18),
+                    (2, 0, 1) => Rgb::new(1.0, f32::NEG_INFINITY, 1.0),
+                    (0, 1, _) => Rgb::new(1.0, -1e30, 1.0),
+                    _ => Rgb::new(1.0, 1.0, 1.0),
+                };
+                row.add(x, value, &[]);
+            }
+        });
+        assert_eq!(film.dropped(), Dropped { nonfinite: 3, negative: 4, first_pixel: Some((1, 0)) });
+        let image = film.image();
+        assert_eq!([image.get(0, 0), image.get(1, 0), image.get(0, 1)], [1.0, 0.75, 0.0].map(Rgb::splat));
+        assert!(film.pixels().iter().all(|p| p.samples() == 4));
+        assert_eq!(film.standard_error().get(0, 1), Rgb::ZERO);
+    }
+
+    #[test]
+    fn path_layers_leave_the_picture_alone() {
+        let with = film(|_, _, _| true);
+        let mut without = Exposure::new(SIZE.0, SIZE.1, None).unwrap();
+        without.expose(|row| {
+            for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
+                row.add(x, light(x, row.y(), s).iter().sum(), &[]);
+            }
+        });
+        assert_eq!(with.image(), without.image());
+        assert!(without.merge(&with).is_err());
+    }
+
+    #[test]
+    fn impossible_films_are_refused() {
+        for (width, height, classes) in
+            [(0, 1, None), (1, 0, None), (1 << 14, 1 << 13, None), (usize::MAX, 2, None), (1 << 13, 1 << 13, Some(2))]
+        {
+            assert!(Exposure::new(width, height, classes.map(Classes::up_to)).is_err());
+        }
+        assert!(Exposure::new(2, 1, None).unwrap().merge(&Exposure::new(1, 2, None).unwrap()).is_err());
+    }
+}

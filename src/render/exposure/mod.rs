@@ -1,0 +1,26 @@
+//! The film of a render that may be cut into parts: sums without rounding, so that parts can be merged in any order.
+//!
+//! An [`Exposure`] collects samples. A [`Part`] says which samples of how many they are, is written to an OpenEXR file
+//! that viewers show as a picture, is read back, and is merged with other parts of the same render.
+
+mod classes;
+mod dropped;
+mod file;
+mod film;
+pub mod fixed;
+mod layers;
+mod merge;
+mod part;
+mod pixel;
+mod ranges;
+mod row;
+mod sums;
+
+pub use self::classes::{Classes, Word};
+pub use self::dropped::Dropped;
+pub use self::film::Exposure;
+pub use self::merge::merge_files;
+pub use self::part::{Part, Task};
+pub use self::pixel::Pixel;
+pub use self::ranges::{Ranges, list, shard};
+pub use self::row::Row;

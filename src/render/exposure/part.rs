@@ -1,0 +1,92 @@
+//! A render, or a part of one: the film, which samples are on it, and of what.
+
+use super::{Exposure, Ranges};
+use crate::raster::Metadata;
+use std::ops::Range;
+
+/// What has been rendered so far of a picture.
+///
+/// ```
+/// use etalon::raster::{Metadata, Rgb};
+/// use etalon::render::exposure::{Exposure, Part};
+///
+/// // The second half of 16 samples, which could be interrupted between any two samples and written to a file.
+/// let mut part = Part::new(Exposure::new(4, 2, None)?, 16, "scene and settings", Metadata::default());
+/// while let Some(task) = part.next(8..16) {
+///     part.exposure.expose(|row| {
+///         for x in 0..4 {
+///             for sample in task.left(row.samples(x)) {
+///                 row.add(x, Rgb::splat(sample as f32), &[]);
+///             }
+///         }
+///     });
+/// }
+/// assert_eq!(part.ranges().to_string(), "8..16 of 16");
+/// assert_eq!(part.exposure.image().get(0, 0), Rgb::splat(11.5));
+/// # Ok::<(), etalon::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    pub exposure: Exposure,
+    pub(super) ranges: Ranges,
+    /// Equal for parts of the same picture: a hash of the scene and of all settings that change a sample.
+    pub fingerprint: String,
+    /// What the file says besides; see [`Part::write`] for the names that are taken.
+    pub metadata: Metadata,
+}
+
+/// A range of samples that every pixel is to have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Task {
+    /// The samples that every pixel had had before the range was begun.
+    before: u32,
+    range: Range<u32>,
+}
+
+impl Task {
+    /// The samples that a pixel still needs that has had `samples` in all (see [`Row::samples`](super::Row::samples)).
+    #[inline]
+    #[must_use]
+    pub fn left(&self, samples: u32) -> Range<u32> {
+        self.range.start + samples.saturating_sub(self.before)..self.range.end
+    }
+
+    /// All samples of the task.
+    #[must_use]
+    pub fn range(&self) -> Range<u32> {
+        self.range.clone()
+    }
+}
+
+impl Part {
+    /// A part without samples, of a picture that is to have `spp` for each pixel.
+    #[must_use]
+    pub fn new(exposure: Exposure, spp: u32, fingerprint: impl Into<String>, metadata: Metadata) -> Self {
+        Self { exposure, ranges: Ranges::none(spp), fingerprint: fingerprint.into(), metadata }
+    }
+
+    /// What is to be done next: the range at which the render was interrupted, then what is missing within `within`,
+    /// one range after the other; nothing once all is done.
+    pub fn next(&mut self, within: Range<u32>) -> Option<Task> {
+        self.ranges = self.ranges();
+        let before = self.ranges.samples();
+        self.ranges.begin(&within).map(|range| Task { before, range })
+    }
+
+    /// Which samples are on the film.
+    #[must_use]
+    pub fn ranges(&self) -> Ranges {
+        let mut ranges = self.ranges.clone();
+        let target = ranges.target();
+        if ranges.begun().is_some() && self.exposure.pixels.iter().all(|p| p.n == target) {
+            ranges.finish();
+        }
+        ranges
+    }
+
+    /// Whether the picture has all its samples.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.ranges().is_complete()
+    }
+}

@@ -1,0 +1,148 @@
+//! One pixel of the film: how many samples it had, their sums and the sums of their squares.
+
+use super::fixed::{Fixed, spread};
+use crate::raster::Rgb;
+
+/// The samples of one pixel, as sums that lose nothing and hence depend on no order; 104 bytes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Pixel {
+    pub(super) n: u32,
+    pub(super) sum: [Fixed; 3],
+    pub(super) square: [Fixed; 3],
+}
+
+impl Pixel {
+    /// How many samples the pixel has had, dropped ones included.
+    #[inline]
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.n
+    }
+
+    /// Adds a sample whose components lie in [0, [`LIMIT`](super::fixed::LIMIT)).
+    #[inline]
+    pub(super) fn add(&mut self, value: Rgb) {
+        self.n += 1;
+        for (c, v) in value.to_array().into_iter().enumerate() {
+            self.sum[c] += Fixed::of(v);
+            self.square[c] += Fixed::square_of(v);
+        }
+    }
+
+    /// Counts a sample that was dropped: it is black.
+    #[inline]
+    pub(super) fn add_black(&mut self) {
+        self.n += 1;
+    }
+
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.n = self.n.saturating_add(other.n);
+        for c in 0..3 {
+            self.sum[c] += other.sum[c];
+            self.square[c] += other.square[c];
+        }
+    }
+
+    /// Σ/n, rounded to f64 and then to f32; black without a sample.
+    #[must_use]
+    pub fn mean(&self) -> Rgb {
+        mean(&self.sum, self.n)
+    }
+
+    /// The standard error of the mean, √((Σ² - (Σ)²/n) / (n(n-1))), for each channel.
+    ///
+    /// 0 for equal samples. Infinite when it is not known: from fewer than two samples, and where Σ² has left its range
+    /// (2^64). Squares are rounded down to 2^-64, so that the error of light below about 1e-8 is too small. The random
+    /// numbers of a stratified stream are not independent: the true error is smaller, the figure is an upper estimate.
+    #[must_use]
+    pub fn standard_error(&self) -> Rgb {
+        Rgb::from_array(std::array::from_fn(|c| {
+            if self.n < 2 || self.square[c] == Fixed::MAX {
+                return f32::INFINITY;
+            }
+            let n = f64::from(self.n);
+            (spread(self.n, self.sum[c], self.square[c]) / (n * n * (n - 1.0))).sqrt() as f32
+        }))
+    }
+}
+
+/// The mean of `n` values from their sum.
+pub(super) fn mean(sum: &[Fixed; 3], n: u32) -> Rgb {
+    Rgb::from_array(sum.map(|s| (s.to_f64() / f64::from(n.max(1))) as f32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream::{Independent, Stream};
+
+    fn pixel(values: impl IntoIterator<Item = f32>) -> Pixel {
+        let mut pixel = Pixel::default();
+        values.into_iter().for_each(|v| pixel.add(Rgb::splat(v)));
+        pixel
+    }
+
+    #[test]
+    fn a_pixel_takes_104_bytes() {
+        assert_eq!(size_of::<Pixel>(), 104);
+    }
+
+    #[test]
+    fn a_hundred_million_tenths_have_the_mean_of_one_tenth() {
+        // Doubling stands for adding one by one, which is associative.
+        let (mut total, mut power) = (Pixel::default(), pixel([0.1]));
+        for bit in 0..27 {
+            if 100_000_000 >> bit & 1 == 1 {
+                total.merge(&power);
+            }
+            let copy = power;
+            power.merge(&copy);
+        }
+        assert_eq!((total.n, total.mean(), total.standard_error()), (100_000_000, Rgb::splat(0.1), Rgb::ZERO));
+    }
+
+    #[test]
+    fn equal_samples_have_no_error() {
+        for v in [0.0, 1e-30, 1e-12, 1e-6, 0.1, 1.0, 1234.567, 1e8] {
+            for n in [2, 3, 7, 1000] {
+                let p = pixel(std::iter::repeat_n(v, n));
+                let mean = if v < 1e-19 { 0.0 } else { v };
+                assert!((p.mean().x - mean).abs() <= 6e-20, "{v}");
+                assert_eq!(p.standard_error(), Rgb::ZERO, "{v} {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_error_is_welfords() {
+        for scale in [1e-4, 1.0, 1e3] {
+            // A large offset with little noise, and none with much.
+            for offset in [0.0, 1000.0] {
+                let values =
+                    (0..5000).map(|i| (scale * (offset + Independent::new(9, 0, i).pair(0)[0].powi(4))) as f32);
+                let (mut n, mut mean, mut squares) = (0.0, 0.0, 0.0);
+                for v in values.clone().map(f64::from) {
+                    n += 1.0;
+                    let difference = v - mean;
+                    mean += difference / n;
+                    squares += difference * (v - mean);
+                }
+                let (p, expected) = (pixel(values), (squares / (n * (n - 1.0))).sqrt());
+                assert!((f64::from(p.mean().x) / mean - 1.0).abs() < 1e-7);
+                assert!((f64::from(p.standard_error().y) / expected - 1.0).abs() < 1e-7, "{scale} {offset}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_infinite() {
+        assert_eq!(pixel([]).mean(), Rgb::ZERO);
+        for unknown in [pixel([]), pixel([1.0]), pixel([1.0, 5e9])] {
+            assert_eq!(unknown.standard_error(), Rgb::INFINITY);
+        }
+        let largest = super::super::fixed::LIMIT.next_down();
+        assert_eq!(pixel([largest; 2]).mean(), Rgb::splat(largest));
+        // The sum stays at 2^64.
+        assert_eq!(pixel([largest; 4]).mean(), Rgb::splat(largest.next_up() / 2.0));
+    }
+}

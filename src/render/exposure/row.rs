@@ -1,0 +1,74 @@
+//! A row of the film while samples are added to it: impossible ones are dropped, counted and located.
+
+use super::fixed::{Fixed, LIMIT};
+use super::{Dropped, Pixel};
+use crate::raster::Rgb;
+
+/// A row of the film, to add samples to.
+#[derive(Debug)]
+pub struct Row<'a> {
+    y: usize,
+    pixels: &'a mut [Pixel],
+    classes: usize,
+    paths: &'a mut [[Fixed; 3]],
+    dropped: Dropped,
+}
+
+impl<'a> Row<'a> {
+    /// A row of `pixels`, with as many sums for each as there are path classes.
+    pub(super) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
+        Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default() }
+    }
+
+    /// The samples that were dropped so far.
+    pub(super) fn dropped(&self) -> Dropped {
+        self.dropped
+    }
+
+    /// The row's number, from the top.
+    #[must_use]
+    pub fn y(&self) -> usize {
+        self.y
+    }
+
+    /// How many samples the pixel in column `x` has had, dropped ones included.
+    #[inline]
+    #[must_use]
+    pub fn samples(&self, x: usize) -> u32 {
+        self.pixels[x].n
+    }
+
+    /// Adds a sample to the pixel in column `x`; `paths` is the same light by path class, in the order of the classes
+    /// (empty if there are none).
+    ///
+    /// A sample that is not finite, from 2^63 on or negative counts as black: leaving it out of the mean would make the
+    /// picture depend on where the trouble is. The picture does not depend on `paths`.
+    #[inline]
+    pub fn add(&mut self, x: usize, value: Rgb, paths: &[Rgb]) {
+        if !is_light(value) {
+            return self.drop_sample(x, value);
+        }
+        self.pixels[x].add(value);
+        let sums = &mut self.paths[x * self.classes..][..self.classes];
+        for (sum, &light) in sums.iter_mut().zip(paths) {
+            if light != Rgb::ZERO && is_light(light) {
+                light.to_array().into_iter().enumerate().for_each(|(c, v)| sum[c] += Fixed::of(v));
+            }
+        }
+    }
+
+    #[cold]
+    fn drop_sample(&mut self, x: usize, value: Rgb) {
+        let negative = value.is_finite() && value.max_element() < LIMIT;
+        let (negative, nonfinite) = (u64::from(negative), u64::from(!negative));
+        let dropped = Dropped { nonfinite, negative, first_pixel: Some((x, self.y)) };
+        self.dropped = self.dropped.merge(dropped);
+        self.pixels[x].add_black();
+    }
+}
+
+/// Whether all components lie in [0, [`LIMIT`]); false for what is not a number.
+#[inline]
+fn is_light(value: Rgb) -> bool {
+    value.to_array().into_iter().all(|v| (0.0..LIMIT).contains(&v))
+}
