@@ -2,10 +2,11 @@
 
 use super::lexer::Lexer;
 use super::params::Params;
-use super::place::{At, quote};
 use super::reader::{Reader, Stage};
-use super::{light, transform, world};
+use super::{light, world};
 use crate::error::Result;
+use crate::import::place::{At, quote};
+use crate::import::transform;
 use crate::scene::{Object, Shape};
 use glam::{DMat4, DVec3};
 

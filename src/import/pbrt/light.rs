@@ -2,11 +2,11 @@
 
 use super::PbrtOptions;
 use super::params::Params;
-use super::place::{At, quote};
 use super::setup::MAX_SAMPLES;
-use super::transform;
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
+use crate::import::place::{At, quote};
+use crate::import::transform;
 use crate::raster::{Image, Rgb};
 use crate::scene::Environment;
 use glam::{DMat3, DMat4, DVec3};

@@ -23,10 +23,8 @@ mod directives;
 mod lexer;
 mod light;
 mod params;
-mod place;
 mod reader;
 mod setup;
-mod transform;
 mod world;
 
 use super::Imported;

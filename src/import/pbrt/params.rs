@@ -1,8 +1,8 @@
 //! Parameter lists: `"type name" value` or `"type name" [values]`, read by name and type, none left over unnoticed.
 
 use super::lexer::{Lexer, Token};
-use super::place::{At, quote};
 use crate::error::Result;
+use crate::import::place::{At, quote};
 use crate::raster::Rgb;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

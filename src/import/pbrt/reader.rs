@@ -2,12 +2,12 @@
 
 use super::PbrtOptions;
 use super::lexer::{Lexer, Token};
-use super::place::At;
 use super::setup::Setup;
 use super::world;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::Imported;
+use crate::import::place::At;
 use crate::scene::{Environment, Material, Object, Scene};
 use glam::DMat4;
 use std::collections::HashMap;

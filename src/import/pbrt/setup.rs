@@ -1,9 +1,9 @@
 //! What stands before `WorldBegin`: camera, film, filter, sampler and integrator, and what they ask of a render.
 
 use super::params::Params;
-use super::place::At;
-use super::transform::{self, in_range, in_size_range};
 use crate::error::Result;
+use crate::import::place::At;
+use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;

@@ -1,8 +1,8 @@
 //! What stands in the world: materials and spheres.
 
 use super::params::Params;
-use super::transform::{self, in_range, in_size_range};
 use crate::error::Result;
+use crate::import::transform::{self, in_range, in_size_range};
 use crate::raster::Rgb;
 use crate::scene::{Material, Sphere};
 use glam::DMat4;
