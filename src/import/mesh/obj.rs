@@ -58,7 +58,9 @@ impl Word<'_> {
             Ok(index) if index > 0 => index - 1,
             Ok(index) if index < 0 => count as i64 + index,
             _ => {
-                return Err(self.error(format!("{} is not a {what}: it is counted from 1 or back from -1", quote(text))));
+                return Err(
+                    self.error(format!("{} is not a {what}: it is counted from 1 or back from -1", quote(text)))
+                );
             }
         };
         let known = u32::try_from(index).ok().filter(|&index| (index as usize) < count);
