@@ -4,7 +4,10 @@ use etalon::envmap::EnvMap;
 use etalon::import::{Imported, pbrt};
 use etalon::raster::{Image, Rgb};
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
-use etalon::scene::{Camera, Environment, Material, Projection, Request};
+use etalon::scene::{
+    Camera, Conductor, Distribution, Emission, Environment, Falloff, Light, Material, Object, Projection, Request,
+    Role, Shape,
+};
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -54,8 +57,17 @@ fn fails(result: Result<Imported>, message: &str) -> Error {
     error
 }
 
+/// Centres and radii of a scene of spheres.
+fn spheres(scene: &Imported) -> Vec<(Vec3, f32)> {
+    let sphere = |object: &Object| match &object.shape {
+        Shape::Sphere(sphere) => (sphere.centre, sphere.radius),
+        other => panic!("not a sphere: {other:?}"),
+    };
+    scene.scene.objects.iter().map(sphere).collect()
+}
+
 fn sphere(scene: &Imported) -> (Vec3, f32) {
-    (scene.scene.objects[0].shape.centre, scene.scene.objects[0].shape.radius)
+    spheres(scene)[0]
 }
 
 const SMALL: &str = r#"
@@ -288,13 +300,202 @@ fn transforms_nest_and_are_named() {
     let camera = "Translate 0 0 -7 Camera \"perspective\" WorldBegin CoordSysTransform \"camera\" Shape \"sphere\"";
     assert_eq!(sphere(&read(camera).unwrap()).0, Vec3::new(0.0, 0.0, 7.0), "from camera to world");
     // AttributeEnd gives the material back, TransformEnd does not.
-    let albedo = |block: &str| {
+    let material = |block: &str| {
         let kd = "Material \"matte\" \"rgb Kd\" [1 1 1]";
         let text = in_world(&format!("{block}Begin {kd} {block}End Shape \"sphere\""));
-        let Material::Diffuse { albedo } = read(&text).unwrap().scene.objects[0].material;
-        albedo.x
+        read(&text).unwrap().scene.objects[0].material
     };
-    assert_eq!((albedo("Attribute"), albedo("Transform")), (0.5, 1.0));
+    let grey = |albedo| Material::Diffuse { albedo: Rgb::splat(albedo) };
+    assert_eq!((material("Attribute"), material("Transform")), (grey(0.5), grey(1.0)));
+}
+
+/// The objects of a world.
+fn objects(world: &str) -> Vec<Object> {
+    read(&in_world(world)).unwrap().scene.objects
+}
+
+#[test]
+fn meshes_have_their_outside_where_pbrt_has_it() {
+    let p = "\"point P\" [0 0 0  1 0 0  1 1 0  0 1 0]";
+    let quad = format!("Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] {p}");
+    let front = |before: &str, after: &str| {
+        let objects = objects(&format!("AreaLightSource \"diffuse\" {before} {quad} {after}"));
+        match &objects[0].shape {
+            Shape::Rectangle(rectangle) => rectangle.normal(),
+            other => panic!("not a rectangle: {other:?}"),
+        }
+    };
+    let (up, down) = ("\"normal N\" [0 0 1 0 0 2 0 0 1 0 0 1]", "\"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1]");
+    for (transform, after, normal) in [
+        ("", "", Vec3::Z),
+        ("ReverseOrientation", "", Vec3::NEG_Z),
+        ("ReverseOrientation ReverseOrientation", "", Vec3::Z),
+        // A mirror image of a shape has its outside outside.
+        ("Scale 1 1 -1", "", Vec3::NEG_Z),
+        ("Scale -1 1 1", "", Vec3::Z),
+        ("Scale -1 1 1 ReverseOrientation", "", Vec3::NEG_Z),
+        ("Rotate 90 1 0 0", "", Vec3::NEG_Y),
+        ("", up, Vec3::Z),
+        ("", down, Vec3::NEG_Z),
+        ("Scale 1 1 -1", up, Vec3::NEG_Z),
+        ("ReverseOrientation", up, Vec3::NEG_Z),
+        ("AttributeBegin ReverseOrientation AttributeEnd", "", Vec3::Z),
+    ] {
+        assert_eq!(front(transform, after), normal, "{transform} {after}");
+    }
+    // The same in the words of pbrt-v4, and what is no rectangle.
+    let v4 = quad.replace("point P", "point3 P");
+    assert_eq!(objects(&quad)[0].shape, objects(&v4)[0].shape);
+    let bent = objects(&quad.replace("0 1 0]", "0 1 1]"));
+    let Shape::Mesh(mesh) = &bent[0].shape else { panic!("{bent:?}") };
+    assert_eq!((mesh.positions.len(), mesh.triangles.as_slice()), (4, &[[0, 1, 2], [0, 2, 3]][..]));
+    assert!(mesh.normals.is_empty(), "flat");
+    let smooth = objects(&format!("Scale 1 2 1 Rotate 90 0 0 1 {quad} \"normal N\" [1 1 0 0 0 1 0 0 1 0 0 1]"));
+    let Shape::Mesh(mesh) = &smooth[0].shape else { panic!("{smooth:?}") };
+    // (1, 1, 0) turned to (-1, 1, 0); stretched in y, surfaces lean the other way.
+    assert!(mesh.normals[0].abs_diff_eq(Vec3::new(-2.0, 1.0, 0.0).normalize(), 1e-6), "{}", mesh.normals[0]);
+    assert_eq!(mesh.normals[1], Vec3::Z);
+    let one = objects("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]");
+    assert!(matches!(&one[0].shape, Shape::Mesh(mesh) if mesh.triangles == [[0, 1, 2]]));
+}
+
+#[test]
+fn mesh_files_lie_beside_the_scene() {
+    let ply = |corner: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement \
+             face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n{corner}\n0 1 0\n4 0 1 2 3\n"
+        )
+    };
+    let main = in_world("Include \"deep/a.pbrt\"");
+    let a: &[u8] = b"Translate 0 0 3\nShape \"plymesh\" \"string filename\" \"deep/a.ply\"";
+    let read = |corner: &str| {
+        read_files(&[("m.pbrt", main.as_bytes()), ("deep/a.pbrt", a), ("deep/a.ply", ply(corner).as_bytes())])
+    };
+    let square = read("1 1 0").unwrap();
+    let Shape::Rectangle(rectangle) = square.scene.objects[0].shape else { panic!("{square:?}") };
+    assert_eq!((rectangle.centre(), rectangle.normal()), (Vec3::new(0.5, 0.5, 3.0), Vec3::Z));
+    assert!(matches!(&read("1 1 1").unwrap().scene.objects[0].shape, Shape::Mesh(mesh) if mesh.positions[2].z == 4.0));
+    fails(read("1 1 nan"), "a.ply:12:1: a vertex at");
+}
+
+#[test]
+fn lamps_are_shapes_that_glow() {
+    let emission = |parameters: &str| {
+        let objects = objects(&format!("AreaLightSource \"diffuse\" {parameters} Shape \"sphere\""));
+        objects[0].emission.unwrap()
+    };
+    let white = Emission { radiance: Rgb::ONE, two_sided: false, role: Role::Lamp };
+    assert_eq!(emission(""), white);
+    let bright = Emission { radiance: Rgb::new(2.0, 4.0, 8.0), two_sided: true, ..white };
+    assert_eq!(emission("\"rgb L\" [4 8 16] \"float scale\" .5 \"bool twosided\" true"), bright);
+    assert_eq!(emission("\"color L\" [1 1 2] \"color scale\" [2 4 4] \"bool twosided\" [\"true\"]"), bright);
+    let text =
+        "AttributeBegin AreaLightSource \"area\" Material \"mirror\" Shape \"sphere\" AttributeEnd Shape \"sphere\"";
+    let both = objects(text);
+    assert_eq!((both[0].emission, both[1].emission), (Some(white), None));
+    assert_eq!(both[0].material, Material::Mirror { reflectance: Rgb::splat(0.9) });
+    // The lamp that asks for the most samples decides.
+    let direct =
+        in_world("AreaLightSource \"diffuse\" \"integer nsamples\" 3\nLightSource \"infinite\" \"integer samples\" 7")
+            .replace("\"path\"", "\"directlighting\"");
+    let imported = read(&direct).unwrap();
+    assert_eq!(imported.request.light_samples, 7);
+    assert!(imported.warnings[0].contains("scene.pbrt:8:1: lights ask for 3 and 7 samples"), "{:?}", imported.warnings);
+}
+
+#[test]
+fn lights_without_a_surface() {
+    let lights = |text: &str| read(&in_world(text)).unwrap().scene.lights;
+    let distant = "LightSource \"distant\" \"rgb L\" [1 2 3] \"point from\" [0 2 0] \"point to\" [0 0 0]";
+    let down = Light::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::new(1.0, 2.0, 3.0) };
+    assert_eq!(lights(distant), [down]);
+    let turned = lights(&format!("Rotate 90 0 0 1 Scale 3 3 3 {distant} LightSource \"distant\" \"float scale\" 4"));
+    let along = |direction, radiance: f32| Light::Directional { direction, irradiance: Rgb::splat(radiance) };
+    assert_eq!(turned[0], Light::Directional { direction: Vec3::X, irradiance: Rgb::new(1.0, 2.0, 3.0) });
+    assert_eq!(turned[1], along(Vec3::Z, 4.0));
+    let point = |x: f32| {
+        let (position, intensity) = (Vec3::new(x, 0.0, 1.0), Rgb::new(5.0, 0.0, 1.0));
+        Light::Point { position, intensity, falloff: Falloff::InverseSquare }
+    };
+    let text = "LightSource \"point\" \"rgb I\" [5 0 1] \"point from\" [1 0 1]";
+    assert_eq!(lights(&format!("{text} Translate 2 0 0 {text}")), [point(1.0), point(3.0)]);
+    assert_eq!(lights("Rotate 30 0 1 0 Translate 1 2 3 LightSource \"point\"").len(), 1, "no from");
+}
+
+#[test]
+fn materials_in_the_spelling_of_every_version() {
+    let material = |text: &str| objects(&format!("Material {text} Shape \"sphere\""))[0].material;
+    assert_eq!(material("\"mirror\" \"rgb Kr\" [1 .5 0]"), Material::Mirror { reflectance: Rgb::new(1.0, 0.5, 0.0) });
+    let glass = |eta| Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta };
+    for (text, eta) in [
+        ("\"glass\"", 1.5),
+        ("\"glass\" \"float index\" 1.25", 1.25),
+        ("\"glass\" \"float eta\" 1.25 \"bool remaproughness\" false", 1.25),
+        ("\"dielectric\"", 1.5),
+        ("\"dielectric\" \"float eta\" 1.25 \"float roughness\" 0", 1.25),
+    ] {
+        assert_eq!(material(text), glass(eta), "{text}");
+    }
+    let (reflectance, transmittance) = (Rgb::splat(0.5), Rgb::new(1.0, 0.0, 0.0));
+    let tinted = material("\"glass\" \"rgb Kr\" [.5 .5 .5] \"rgb Kt\" [1 0 0]");
+    assert_eq!(tinted, Material::Glass { reflectance, transmittance, eta: 1.5 });
+    let conductor = |text: &str| match material(text) {
+        Material::Conductor(conductor) => conductor,
+        other => panic!("{other:?}"),
+    };
+    let gold = conductor(
+        "\"conductor\" \"rgb eta\" [.2 .4 1.3] \"rgb k\" [3 2 1] \"float roughness\" .25 \"bool remaproughness\" false \
+         \"string distribution\" \"beckmann\"",
+    );
+    let (eta, k) = (Rgb::new(0.2, 0.4, 1.3), Rgb::new(3.0, 2.0, 1.0));
+    assert_eq!(gold, Conductor { eta, k, alpha: 0.25, distribution: Distribution::Beckmann });
+    let v4 = conductor("\"conductor\" \"float uroughness\" .25 \"float vroughness\" .25");
+    assert_eq!((v4.alpha, v4.distribution), (0.5, Distribution::Ggx), "the square root");
+    assert_eq!(conductor("\"conductor\"").alpha, 0.0);
+    let v3 = conductor("\"metal\" \"float roughness\" 1");
+    assert_eq!((v3.alpha, v3.distribution), (1.62142, Distribution::Ggx), "the polynomial");
+    assert!((conductor("\"metal\"").alpha - 0.138_924).abs() < 1e-6, "0.01");
+    // Copper where nothing is said, and metals by name; both are noted.
+    let named = in_world("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\"");
+    let warnings = read(&named).unwrap().warnings;
+    assert!(warnings[0].contains("eta is gold's at 614, 549 and 466 nm"), "{warnings:?}");
+    assert!(warnings[1].contains("k is copper's"), "{warnings:?}");
+    assert_eq!(conductor("\"conductor\" \"spectrum k\" \"metal-Ag-k\"").k, Rgb::new(4.1283, 3.5892, 2.8132));
+}
+
+#[test]
+fn the_scenes_for_comparisons_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers");
+    if !folder.exists() {
+        println!("skipped: there is no {}", folder.display());
+        return;
+    }
+    for (name, spheres, rectangles, meshes) in [
+        ("cornell_spheres", 2, 6, 0),
+        ("cornell_microfacet_0.005", 1, 6, 0),
+        ("cornell_microfacet_0.05", 1, 6, 0),
+        ("cornell_microfacet_0.25", 1, 6, 0),
+        ("cornell_microfacet_0.5", 1, 6, 0),
+        ("cornell_knot_0.25", 0, 6, 1),
+        ("diffuse_sphere_env", 1, 0, 0),
+    ] {
+        let imported = read_file(&folder.join(format!("{name}.pbrt"))).unwrap();
+        let count = |kind: fn(&Shape) -> bool| imported.scene.objects.iter().filter(|o| kind(&o.shape)).count();
+        let found = (
+            count(|s| matches!(s, Shape::Sphere(_))),
+            count(|s| matches!(s, Shape::Rectangle(_))),
+            count(|s| matches!(s, Shape::Mesh(_))),
+        );
+        assert_eq!(found, (spheres, rectangles, meshes), "{name}");
+        assert_eq!(imported.warnings, [""; 0], "{name}");
+        let lamps: Vec<&Object> = imported.scene.objects.iter().filter(|o| o.emission.is_some()).collect();
+        assert_eq!(lamps.len(), usize::from(rectangles > 0), "{name}");
+        for lamp in lamps {
+            let Shape::Rectangle(lamp) = lamp.shape else { panic!("{lamp:?}") };
+            assert_eq!((lamp.normal(), lamp.centre()), (Vec3::NEG_Y, Vec3::new(0.0, 1.495, 0.0)), "{name}");
+        }
+    }
 }
 
 #[test]
@@ -303,7 +504,7 @@ fn files_include_files() {
     let a: &[u8] = b"Translate 1 0 0 Include \"b.pbrt\"";
     let b: &[u8] = b"Translate 0 1 0 Shape \"sphere\"";
     let scene = read_files(&[("m.pbrt", main.as_bytes()), ("parts/a.pbrt", a), ("b.pbrt", b)]).unwrap();
-    let centres: Vec<_> = scene.scene.objects.iter().map(|o| o.shape.centre.truncate().to_array()).collect();
+    let centres: Vec<_> = spheres(&scene).iter().map(|(centre, _)| centre.truncate().to_array()).collect();
     assert_eq!(centres, [[1.0, 1.0], [1.0, 1.0], [1.0, 2.0], [1.0, 1.0]], "Import gives the transform back");
     let main = in_world("Include \"a.pbrt\"");
     let including = |a: &[u8]| read_files(&[("m.pbrt", main.as_bytes()), ("a.pbrt", a)]);
@@ -341,25 +542,34 @@ fn chains_and_trees_of_files_end() {
 #[test]
 fn what_cannot_be_honoured_is_refused_with_its_place() {
     for (text, message) in [
-        (
-            "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]",
-            "Shape \"trianglemesh\"",
-        ),
-        ("Shape \"plymesh\" \"string filename\" \"knot.ply\"", "Shape \"plymesh\""),
+        ("Shape \"cone\"", "Shape \"cone\""),
+        ("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"texture alpha\" \"t\"", "\"texture alpha\""),
         ("Shape \"sphere\" \"float zmin\" 0", "zmin 0"),
         ("Shape \"sphere\" \"float phimax\" 90", "phimax 90"),
         ("Shape \"sphere\" \"rgb Kd\" [1 1 1]", "the parameter \"rgb Kd\""),
         ("Scale 1 2 1 Shape \"sphere\"", "ellipsoid"),
-        ("AreaLightSource \"diffuse\" \"rgb L\" [10 10 10]", "AreaLightSource"),
-        ("LightSource \"point\"", "LightSource \"point\""),
+        ("AreaLightSource \"diffuse\" \"float power\" 10", "\"float power\""),
+        ("AreaLightSource \"sphere\"", "AreaLightSource \"sphere\""),
+        ("LightSource \"spot\"", "LightSource \"spot\""),
+        ("Scale 2 2 2 LightSource \"point\" \"point from\" [1 0 0]", "lies elsewhere in pbrt-v3"),
+        ("LightSource \"distant\" \"float illuminance\" 1", "\"float illuminance\""),
         ("LightSource \"infinite\" \"blackbody L\" 5000", "\"blackbody L\""),
         ("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"", "\"spectrum L\""),
         ("LightSource \"infinite\" \"float illuminance\" 1", "\"float illuminance\""),
         ("LightSource \"infinite\" LightSource \"infinite\"", "a second light"),
-        ("Material \"conductor\" \"rgb eta\" [1 1 1]", "Material \"conductor\""),
+        ("Material \"plastic\"", "Material \"plastic\""),
+        ("Material \"glass\" \"float uroughness\" .1", "uroughness 0.1"),
+        ("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"", "\"spectrum eta\""),
+        ("Material \"dielectric\" \"rgb Kr\" [1 1 1]", "\"rgb Kr\""),
+        ("Material \"metal\" \"float uroughness\" .1 \"float vroughness\" .2", "0.1 and 0.2"),
+        ("Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\"", "\"spds/Au.eta.spd\" is not known"),
+        ("Material \"conductor\" \"spectrum k\" \"metal-Au-eta\"", "\"metal-Au-eta\" is not known"),
+        ("Material \"conductor\" \"spectrum k\" [400 1 700 2]", "by its samples"),
+        ("Material \"conductor\" \"string distribution\" \"blinn\"", "the distribution \"blinn\""),
+        ("ReverseOrientation Material \"glass\" Shape \"sphere\"", "ReverseOrientation of a sphere"),
         ("Material \"matte\" \"texture Kd\" \"checks\"", "\"texture Kd\""),
         ("Material \"matte\" \"float sigma\" 20", "sigma 20"),
-        ("MakeNamedMaterial \"a\" \"string type\" \"mirror\"", "MakeNamedMaterial \"a\" of type \"mirror\""),
+        ("MakeNamedMaterial \"a\" \"string type\" \"hair\"", "MakeNamedMaterial \"a\" of type \"hair\""),
         ("Texture \"checks\" \"color\" \"checkerboard\"", "Texture"),
         ("ObjectBegin \"a\"", "ObjectBegin"),
         ("MediumInterface \"\" \"fog\"", "MediumInterface"),
@@ -382,6 +592,7 @@ fn what_cannot_be_honoured_is_refused_with_its_place() {
         ("Integrator \"bdpt\"", "Integrator \"bdpt\""),
         ("Integrator \"path\" \"bool regularize\" true", "regularize"),
         ("Renderer \"metropolis\"", "Renderer \"metropolis\""),
+        ("SurfaceIntegrator \"path\" WorldBegin Material \"metal\"", "Material \"metal\" of pbrt-v2"),
         ("ColorSpace \"rec2020\"", "ColorSpace \"rec2020\""),
         ("Option \"bool disablepixeljitter\" true", "Option"),
     ] {
@@ -393,6 +604,8 @@ fn what_cannot_be_honoured_is_refused_with_its_place() {
 #[test]
 fn what_is_wrong_is_refused_with_its_place() {
     let deep = "TransformBegin\n".repeat(1025);
+    let mesh =
+        |rest: &str| format!("Shape \"trianglemesh\" \"integer indices\" {rest} \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     for (text, message) in [
         ("Sphere", ":7:1: \"Sphere\" is not a directive"),
         ("Camera \"perspective\"", ":7:1: Camera belongs before WorldBegin"),
@@ -411,6 +624,23 @@ fn what_is_wrong_is_refused_with_its_place() {
         ("Material \"matte\" \"rgb Kd\" [2 0 0]", "must be from 0 to 1, not 2"),
         ("Material \"matte\" \"rgb Kd\" [1 1]", "needs 3 numbers, not 2"),
         ("LightSource \"infinite\" \"rgb L\" [-1 0 0]", "must be from 0"),
+        ("LightSource \"distant\" \"point to\" [0 0 0]", ":7:1: LightSource \"distant\" needs from and to apart"),
+        ("LightSource \"point\" \"point from\" [1e20 0 0]", "out of range"),
+        ("AreaLightSource \"diffuse\" \"rgb L\" [1e30 0 0] \"float scale\" 1e30", "L times scale is out of range"),
+        ("Material \"glass\" \"float index\" 0", "must be above 0"),
+        ("Material \"conductor\" \"float roughness\" 2", "must be from 0 to 1, not 2"),
+        ("Shape \"trianglemesh\" \"integer indices\" [0 1 2]", ":7:1: Shape \"trianglemesh\" needs \"point3 P\""),
+        ("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1]", "needs \"integer indices\""),
+        ("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1]", "needs groups of 3 numbers, not 4 in all"),
+        (&mesh("[0 1 3]"), ":7:22: Shape \"trianglemesh\": vertex 3 of 3"),
+        (&mesh("[0 1 -1]"), "vertex -1 of 3"),
+        (&mesh("[0 1 .5]"), "vertex 0.5 of 3"),
+        (&mesh("[0 1]"), "needs groups of 3 numbers"),
+        (&mesh("[0 1 2] \"normal N\" [0 0 1]"), "has 3 P, but 1 N"),
+        (&mesh("[0 1 2] \"normal N\" [0 0 1 0 0 0 0 0 1]"), "a normal has no direction"),
+        ("Translate 1e20 0 0 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]", "out of range"),
+        ("Shape \"plymesh\"", "Shape \"plymesh\" needs a \"string filename\""),
+        ("Shape \"plymesh\" \"string filename\" \"no.ply\"", ":7:17: cannot read"),
         ("LightSource \"infinite\" \"integer nsamples\" 0", "must be a whole number from 1"),
         ("NamedMaterial \"a\"", ":7:1: no material named \"a\""),
         ("CoordSysTransform \"a\"", ":7:1: no coordinate system named \"a\""),
@@ -488,7 +718,7 @@ fn token_soup_breaks_nothing() {
         let text = soup.join(" ");
         std::fs::write(&path, &text).unwrap();
         if let Ok(scene) = read_file(&path) {
-            assert!(scene.scene.objects.iter().all(|o| o.shape.radius > 0.0 && o.shape.centre.is_finite()), "{text}");
+            assert!(spheres(&scene).iter().all(|(centre, radius)| *radius > 0.0 && centre.is_finite()), "{text}");
             whole += 1;
         }
     }

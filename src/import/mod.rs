@@ -1,6 +1,11 @@
-//! Scene files of other programs: each reader gives a [`Scene`] and what the file asks of a render.
+//! Scene and mesh files of other programs: scene readers give a [`Scene`] and what the file asks of a render.
 
+pub mod collada;
+pub mod mesh;
 pub mod pbrt;
+mod place;
+mod shape;
+mod transform;
 
 use crate::scene::{Request, Scene};
 use std::path::PathBuf;

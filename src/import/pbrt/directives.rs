@@ -2,11 +2,13 @@
 
 use super::lexer::Lexer;
 use super::params::Params;
-use super::place::{At, quote};
 use super::reader::{Reader, Stage};
-use super::{light, transform, world};
+use super::shape::Setting;
+use super::{light, material, shape};
 use crate::error::Result;
-use crate::scene::{Object, Shape};
+use crate::import::place::{At, quote};
+use crate::import::transform;
+use crate::scene::{Material, Object};
 use glam::{DMat4, DVec3};
 
 impl Reader<'_> {
@@ -31,7 +33,7 @@ impl Reader<'_> {
                 self.option(name, at, lexer)
             }
             "WorldEnd" | "AttributeBegin" | "AttributeEnd" | "Material" | "MakeNamedMaterial" | "NamedMaterial"
-            | "Shape" | "LightSource" => {
+            | "Shape" | "LightSource" | "AreaLightSource" => {
                 if self.stage == Stage::Options {
                     return Err(at.input(format!("{name} belongs after WorldBegin")));
                 }
@@ -102,29 +104,47 @@ impl Reader<'_> {
             _ => {}
         }
         let mut params = Params::read(lexer, name, at)?;
-        let warnings = &mut self.warnings;
+        let (warnings, v2) = (&mut self.warnings, self.setup.v2);
         match name {
-            "Material" => self.state.material = world::material(params, warnings)?,
+            "Material" => self.state.material = material::material(params, v2, warnings)?,
             "MakeNamedMaterial" => {
                 let kind = params.text("type")?;
                 let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
                 params.owner = format!("{} of type {}", params.owner, quote(&kind));
                 let material_name = std::mem::replace(&mut params.kind, kind);
-                self.materials.insert(material_name, world::material(params, warnings)?);
+                self.materials.insert(material_name, material::material(params, v2, warnings)?);
             }
             "Shape" => {
-                let shape = world::sphere(params, &self.state.transform, warnings)?;
-                self.objects.push(Object::new(Shape::Sphere(shape), self.state.material));
+                let (material, emission) = (self.state.material, self.state.emission);
+                // All else looks the same from both sides, or, in pbrt, shines on both.
+                let shows = emission.is_some() || matches!(material, Material::Glass { .. });
+                let setting = Setting {
+                    to_world: &self.state.transform,
+                    reversed: self.state.reversed && shows,
+                    folder: &self.folder,
+                    mesh_bytes: &mut self.mesh_bytes,
+                };
+                let shape = shape::shape(params, setting, warnings)?;
+                self.objects.push(Object { shape, material, emission });
+            }
+            "AreaLightSource" => {
+                let at = params.at.clone();
+                let (emission, samples) = light::area(params, warnings)?;
+                self.state.emission = Some(emission);
+                self.ask_for_samples(samples, &at);
             }
             _ => {
-                if self.light.is_some() {
-                    return Err(params
-                        .at
-                        .unsupported(format!("{}: a second light is not supported", params.owner))
-                        .with_hint("one light from infinity is supported"));
+                let (at, owner) = (params.at.clone(), params.owner.clone());
+                match light::source(params, &self.state.transform, &self.folder, self.options, warnings)? {
+                    light::Source::Simple(light) => self.lights.push(light),
+                    light::Source::Infinite(..) if self.environment.is_some() => {
+                        return Err(at.unsupported(format!("{owner}: a second light from infinity is not supported")));
+                    }
+                    light::Source::Infinite(environment, samples) => {
+                        self.environment = Some(environment);
+                        self.ask_for_samples(samples, &at);
+                    }
                 }
-                let to_world = &self.state.transform;
-                self.light = Some(light::infinite(params, to_world, &self.folder, self.options, warnings)?);
             }
         }
         Ok(())
@@ -138,8 +158,10 @@ impl Reader<'_> {
                 self.state.transform = self.end("TransformBegin", name, &at)?.transform;
                 return Ok(());
             }
-            // No material here tells the inside of a sphere from its outside.
-            "ReverseOrientation" => return Ok(()),
+            "ReverseOrientation" => {
+                self.state.reversed = !self.state.reversed;
+                return Ok(());
+            }
             "CoordinateSystem" => {
                 let system = lexer.text(name, &at, "a name")?;
                 self.systems.insert(system, self.state.transform);
@@ -180,7 +202,6 @@ impl Reader<'_> {
 /// A directive of pbrt that is not supported, or no directive at all.
 fn unknown(name: &str, at: &At) -> crate::error::Error {
     let hint = match name {
-        "AreaLightSource" => "one light is supported: LightSource \"infinite\"",
         "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
         "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => "repeat the shapes instead",
         "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",

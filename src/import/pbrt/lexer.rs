@@ -3,8 +3,8 @@
 //! White space separates; `#` starts a comment that runs to the end of its line. Lines end in LF, CR LF or CR. Columns
 //! count characters of UTF-8. Strings end on the line where they start and know the escapes `\n \t \r \b \f \\ \" \'`.
 
-use super::place::{At, quote};
 use crate::error::Result;
+use crate::import::place::{At, quote};
 use std::path::Path;
 use std::rc::Rc;
 

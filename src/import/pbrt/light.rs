@@ -1,14 +1,14 @@
-//! The light from infinity: its map, its scale, and how its frame lies in the world.
+//! Lights: from infinity with a map, from one direction, from a point, and from the surfaces of shapes.
 
 use super::PbrtOptions;
 use super::params::Params;
-use super::place::{At, quote};
 use super::setup::MAX_SAMPLES;
-use super::transform;
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
+use crate::import::place::{At, quote};
+use crate::import::transform::{self, in_range};
 use crate::raster::{Image, Rgb};
-use crate::scene::Environment;
+use crate::scene::{Emission, Environment, Falloff, Light, Role};
 use glam::{DMat3, DMat4, DVec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -17,29 +17,107 @@ use std::sync::Arc;
 /// +y: (sin θ cos φ, cos θ, sin θ sin φ) → (sin θ cos φ, sin θ sin φ, cos θ).
 const MAP_TO_LIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
-/// The light from infinity, and how many samples it asks for at each hit. A map's name is relative to `folder`.
-pub fn infinite(
+/// What a `LightSource` is.
+pub enum Source {
+    /// Light from infinity, and how many samples it asks for at each hit.
+    Infinite(Environment, u32),
+    /// A light that one sample finds.
+    Simple(Light),
+}
+
+/// `LightSource`. A map's name is relative to `folder`.
+pub fn source(
     mut p: Params,
     to_world: &DMat4,
     folder: &Path,
     options: &PbrtOptions,
     warnings: &mut Vec<String>,
-) -> Result<(Environment, u32)> {
-    if p.kind != "infinite" {
-        return Err(p.unsupported_kind("infinite"));
+) -> Result<Source> {
+    let light = match p.kind.as_str() {
+        "infinite" => return infinite(p, to_world, folder, options, warnings),
+        "distant" => distant(&mut p, to_world)?,
+        "point" => point(&mut p, to_world)?,
+        _ => return Err(p.unsupported_kind("infinite, distant, point")),
+    };
+    p.finish(&["nsamples", "samples"], warnings)?;
+    Ok(Source::Simple(light))
+}
+
+/// `AreaLightSource`: what shapes give off, and how many samples it asks for at each hit.
+pub fn area(mut p: Params, warnings: &mut Vec<String>) -> Result<(Emission, u32)> {
+    // pbrt-v2 knows it as "area", too.
+    if p.kind != "diffuse" && p.kind != "area" {
+        return Err(p.unsupported_kind("diffuse"));
     }
+    let radiance = scaled(&mut p, "L")?;
+    let two_sided = p.flag("twosided")?.unwrap_or(false);
+    let samples = samples(&mut p)?;
+    p.finish(&[], warnings)?;
+    Ok((Emission { radiance, two_sided, role: Role::Lamp }, samples))
+}
+
+/// Light along `from` → `to`. What pbrt calls its radiance L is the irradiance of a surface that faces it.
+fn distant(p: &mut Params, to_world: &DMat4) -> Result<Light> {
+    let irradiance = scaled(p, "L")?;
+    let [from, to] = [corner(p, "from")?.unwrap_or(DVec3::ZERO), corner(p, "to")?.unwrap_or(DVec3::Z)];
+    let direction = to_world.transform_vector3(to - from).try_normalize();
+    let direction = direction.ok_or_else(|| p.at.input(format!("{} needs from and to apart", p.owner)))?;
+    Ok(Light::Directional { direction: direction.as_vec3(), irradiance })
+}
+
+fn point(p: &mut Params, to_world: &DMat4) -> Result<Light> {
+    let intensity = scaled(p, "I")?;
+    let at = p.place("from");
+    let from = corner(p, "from")?.unwrap_or(DVec3::ZERO);
+    // pbrt-v2 and v3 add the point to the transform's place in the world; v4 transforms it.
+    let (added, transformed) = (to_world.w_axis.truncate() + from, to_world.transform_point3(from));
+    if !added.abs_diff_eq(transformed, 1e-6 * from.length()) {
+        return Err(at
+            .unsupported("a point that the transform turns or scales lies elsewhere in pbrt-v3 than in v4")
+            .with_hint("write the place as a Translate, without from"));
+    }
+    if !in_range(transformed) {
+        return Err(at.input(format!("a light at {transformed} is out of range")));
+    }
+    let position = transformed.as_vec3();
+    Ok(Light::Point { position, intensity, falloff: Falloff::InverseSquare })
+}
+
+fn corner(p: &mut Params, name: &'static str) -> Result<Option<DVec3>> {
+    Ok(p.numbers::<3>(name, &["point", "point3"], |_| true, "a number")?.map(DVec3::from_array))
+}
+
+/// A colour of light, white unless the file says otherwise, times `scale`: a colour in pbrt-v2 and v3, a number in v4.
+fn scaled(p: &mut Params, name: &'static str) -> Result<Rgb> {
+    let (valid, rule) = (|x: f64| (0.0..=1e30).contains(&x), "from 0 to 1e30");
+    let colour = p.rgb(name, valid, rule)?.unwrap_or(Rgb::ONE);
+    let scale = if p.has_type("scale", "float") {
+        p.float("scale", valid, rule)?.map(|x| Rgb::splat(x as f32))
+    } else {
+        p.rgb("scale", valid, rule)?
+    };
+    let product = colour * scale.unwrap_or(Rgb::ONE);
+    if product.is_finite() { Ok(product) } else { Err(p.at.input(format!("{name} times scale is out of range"))) }
+}
+
+/// pbrt-v3 calls it "samples", and takes the older name too.
+fn samples(p: &mut Params) -> Result<u32> {
+    let samples = p.integer("nsamples", 1..=MAX_SAMPLES)?;
+    Ok(p.integer("samples", 1..=MAX_SAMPLES)?.or(samples).unwrap_or(1))
+}
+
+fn infinite(
+    mut p: Params,
+    to_world: &DMat4,
+    folder: &Path,
+    options: &PbrtOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Source> {
     let Some((rotation, _)) = transform::similarity(to_world) else {
         return Err(p.at.unsupported("a light that its transform distorts is not supported"));
     };
-    let power = |x: f64| (0.0..=1e30).contains(&x);
-    let radiance = p.rgb("L", power, "from 0 to 1e30")?.unwrap_or(Rgb::ONE);
-    let scale = radiance * factor(&mut p, power)?;
-    if !scale.is_finite() {
-        return Err(p.at.input("L times scale is out of range"));
-    }
-    // pbrt-v3 calls it "samples", and takes the older name too.
-    let samples = p.integer("nsamples", 1..=MAX_SAMPLES)?;
-    let samples = p.integer("samples", 1..=MAX_SAMPLES)?.or(samples).unwrap_or(1);
+    let scale = scaled(&mut p, "L")?;
+    let samples = samples(&mut p)?;
     let file = MapFile::named_by(&mut p)?;
     let at = p.at.clone();
     p.finish(&[], warnings)?;
@@ -53,16 +131,7 @@ pub fn infinite(
             (Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into())
         }
     };
-    Ok((Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
-}
-
-/// `scale`: a colour in pbrt-v2 and v3, a number in v4.
-fn factor(p: &mut Params, valid: impl Fn(f64) -> bool) -> Result<Rgb> {
-    if p.has_type("scale", "float") {
-        Ok(p.float("scale", valid, "from 0 to 1e30")?.map_or(Rgb::ONE, |x| Rgb::splat(x as f32)))
-    } else {
-        Ok(p.rgb("scale", valid, "from 0 to 1e30")?.unwrap_or(Rgb::ONE))
-    }
+    Ok(Source::Infinite(Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
 }
 
 /// The map that a light names.

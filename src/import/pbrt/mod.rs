@@ -13,7 +13,7 @@
 //! | `PixelFilter` | `box` of one pixel |
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath` |
-//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse` |
+//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric` if smooth; `metal` (not pbrt-v2's), `conductor` with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets, on the outside only |
 //! | `Shape` | `sphere`, whole and round |
 //! | `LightSource` | one `infinite`, constant or with a lat-long map |
 //!
@@ -22,12 +22,11 @@
 mod directives;
 mod lexer;
 mod light;
+mod material;
 mod params;
-mod place;
 mod reader;
 mod setup;
-mod transform;
-mod world;
+mod shape;
 
 use super::Imported;
 use crate::envmap::EnvMap;

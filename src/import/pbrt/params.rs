@@ -1,8 +1,8 @@
 //! Parameter lists: `"type name" value` or `"type name" [values]`, read by name and type, none left over unnoticed.
 
 use super::lexer::{Lexer, Token};
-use super::place::{At, quote};
 use crate::error::Result;
+use crate::import::place::{At, quote};
 use crate::raster::Rgb;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -108,6 +108,17 @@ impl Params {
         }
     }
 
+    /// A list of numbers, in groups of `N`.
+    pub fn groups<const N: usize>(&mut self, name: &'static str, types: &[&str]) -> Result<Option<Vec<[f64; N]>>> {
+        let Some(param) = self.take(name, types)? else { return Ok(None) };
+        let wrong = |what: String| param.at.input(format!("{}: {} {what}", self.owner, param.label));
+        let Values::Numbers(numbers) = &param.values else { return Err(wrong("needs numbers".into())) };
+        match numbers.as_chunks() {
+            (groups, []) => Ok(Some(groups.to_vec())),
+            _ => Err(wrong(format!("needs groups of {}, not {} in all", count(N, "number"), numbers.len()))),
+        }
+    }
+
     /// A number that `valid` accepts.
     pub fn float(&mut self, name: &'static str, valid: impl Fn(f64) -> bool, rule: &str) -> Result<Option<f64>> {
         Ok(self.numbers::<1>(name, &["float"], valid, rule)?.map(|[value]| value))
@@ -135,6 +146,21 @@ impl Params {
         }
     }
 
+    /// The name of a spectrum, if the parameter is given as one.
+    pub fn spectrum(&mut self, name: &'static str) -> Result<Option<String>> {
+        if !self.has_type(name, "spectrum") {
+            return Ok(None);
+        }
+        match self.take(name, &["spectrum"])? {
+            Some(Param { values: Values::Texts(mut texts), .. }) if texts.len() == 1 => Ok(texts.pop()),
+            Some(param) => Err(param
+                .at
+                .unsupported(format!("{}: {} is not supported by its samples", self.owner, param.label))
+                .with_hint("give it as rgb")),
+            None => Ok(None),
+        }
+    }
+
     /// Where the parameter stands, as long as it has not been taken; else the directive.
     pub fn place(&self, name: &str) -> At {
         self.left.get(name).map_or(&self.at, |param| &param.at).clone()
@@ -156,16 +182,24 @@ impl Params {
         }
     }
 
-    /// A flag that may only be `false`, which it is anyway. It may be written with or without quotes.
+    /// A flag. It may be written with or without quotes.
+    pub fn flag(&mut self, name: &'static str) -> Result<Option<bool>> {
+        let Some(param) = self.take(name, &["bool"])? else { return Ok(None) };
+        match &param.values {
+            Values::Flags(flags) if flags.len() == 1 => Ok(Some(flags[0])),
+            Values::Texts(texts) if texts.len() == 1 && texts[0] == "true" => Ok(Some(true)),
+            Values::Texts(texts) if texts.len() == 1 && texts[0] == "false" => Ok(Some(false)),
+            _ => Err(param.at.input(format!("{}: {} needs true or false", self.owner, param.label))),
+        }
+    }
+
+    /// A flag that may only be `false`, which it is anyway.
     pub fn only_false(&mut self, name: &'static str) -> Result<()> {
-        let Some(param) = self.take(name, &["bool"])? else { return Ok(()) };
-        let set = match &param.values {
-            Values::Flags(flags) if flags.len() == 1 => flags[0],
-            Values::Texts(texts) if texts.len() == 1 && texts[0] == "true" => true,
-            Values::Texts(texts) if texts.len() == 1 && texts[0] == "false" => false,
-            _ => return Err(param.at.input(format!("{}: {} needs true or false", self.owner, param.label))),
-        };
-        if set { Err(param.at.unsupported(format!("{}: {name} is not supported", self.owner))) } else { Ok(()) }
+        let at = self.place(name);
+        match self.flag(name)? {
+            Some(true) => Err(at.unsupported(format!("{}: {name} is not supported", self.owner))),
+            _ => Ok(()),
+        }
     }
 
     /// Closes the list: what is left may be one of `harmless`, which gives a warning; anything else is an error.

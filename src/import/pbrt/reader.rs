@@ -2,13 +2,13 @@
 
 use super::PbrtOptions;
 use super::lexer::{Lexer, Token};
-use super::place::At;
 use super::setup::Setup;
-use super::world;
+use super::{material, shape};
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::Imported;
-use crate::scene::{Environment, Material, Object, Scene};
+use crate::import::place::At;
+use crate::scene::{Emission, Environment, Light, Material, Object, Scene};
 use glam::DMat4;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,12 @@ pub struct Reader<'a> {
     pub(super) materials: HashMap<String, Material>,
     pub(super) setup: Setup,
     pub(super) objects: Vec<Object>,
-    pub(super) light: Option<(Environment, u32)>,
+    pub(super) lights: Vec<Light>,
+    pub(super) environment: Option<Environment>,
+    /// The most samples that a light asks for at each hit.
+    light_samples: Option<u32>,
+    /// How many more bytes of mesh files may be read.
+    pub(super) mesh_bytes: u64,
     pub(super) warnings: Vec<String>,
 }
 
@@ -51,6 +56,10 @@ pub(super) enum Stage {
 pub(super) struct State {
     pub(super) transform: DMat4,
     pub(super) material: Material,
+    /// What shapes give off.
+    pub(super) emission: Option<Emission>,
+    /// Whether `ReverseOrientation` holds.
+    pub(super) reversed: bool,
 }
 
 /// A block that is open, with what it gives back at its end.
@@ -69,13 +78,16 @@ impl<'a> Reader<'a> {
             open: Vec::new(),
             bytes: 0,
             stage: Stage::Options,
-            state: State { transform: DMat4::IDENTITY, material: world::DEFAULT_MATERIAL },
+            state: State { transform: DMat4::IDENTITY, material: material::DEFAULT, emission: None, reversed: false },
             blocks: Vec::new(),
             systems: HashMap::new(),
             materials: HashMap::new(),
             setup: Setup::default(),
             objects: Vec::new(),
-            light: None,
+            lights: Vec::new(),
+            environment: None,
+            light_samples: None,
+            mesh_bytes: shape::MAX_MESH_BYTES,
             warnings: Vec::new(),
         };
         reader.file(path, None)?;
@@ -88,13 +100,14 @@ impl<'a> Reader<'a> {
             return Err(file.input("the file has no WorldBegin").with_hint("a scene is needed, not a part of one"));
         }
         self.all_closed()?;
-        if self.light.is_none() && self.options.environment.is_some() {
+        if self.environment.is_none() && self.options.environment.is_some() {
             self.warnings.push(file.warning("no light names a map: the given environment is not used"));
         }
-        let (environment, light_samples) = self.light.unzip();
-        let (camera, request, output) = self.setup.finish(light_samples.unwrap_or(1), &file, &mut self.warnings)?;
+        let light_samples = self.light_samples.unwrap_or(1);
+        let (camera, request, output) = self.setup.finish(light_samples, &file, &mut self.warnings)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let scene = Scene { name, camera, objects: self.objects, lights: Vec::new(), environment };
+        let (objects, lights, environment) = (self.objects, self.lights, self.environment);
+        let scene = Scene { name, camera, objects, lights, environment };
         Ok(Imported { scene, request, output, warnings: self.warnings })
     }
 
@@ -140,7 +153,17 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Opens a block: the transform and the material will come back at its end.
+    /// Notes how many samples a light asks for: all lights get as many as the one that asks for most.
+    pub(super) fn ask_for_samples(&mut self, samples: u32, at: &At) {
+        let before = self.light_samples.unwrap_or(samples);
+        if before != samples {
+            let most = before.max(samples);
+            self.warnings.push(at.warning(&format!("lights ask for {before} and {samples} samples: all get {most}")));
+        }
+        self.light_samples = Some(before.max(samples));
+    }
+
+    /// Opens a block: what the directives set will come back at its end.
     pub(super) fn begin(&mut self, opener: &'static str, at: At) -> Result<()> {
         if self.blocks.len() >= MAX_BLOCKS_DEEP {
             return Err(at.input(format!("more than {MAX_BLOCKS_DEEP} blocks inside one another")));

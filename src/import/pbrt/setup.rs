@@ -1,9 +1,9 @@
 //! What stands before `WorldBegin`: camera, film, filter, sampler and integrator, and what they ask of a render.
 
 use super::params::Params;
-use super::place::At;
-use super::transform::{self, in_range, in_size_range};
 use crate::error::Result;
+use crate::import::place::At;
+use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;
@@ -23,6 +23,8 @@ pub struct Setup {
     has_filter: bool,
     sampler: Option<Sampler>,
     integrator: Option<Integrator>,
+    /// Whether pbrt-v2 wrote the file: only it has a `SurfaceIntegrator`.
+    pub v2: bool,
 }
 
 struct View {
@@ -155,6 +157,7 @@ impl Setup {
     /// Their depths differ: path tracing to `maxdepth` N ends with the N-th surface's direct light in pbrt-v3 and v4, and
     /// with that of the surface after it in v2. Direct lighting follows only mirrors and glass beyond the first surface.
     pub fn integrator(&mut self, mut p: Params, v2: bool, warnings: &mut Vec<String>) -> Result<()> {
+        self.v2 = v2;
         let depth = p.integer("maxdepth", 0..=MAX_DEPTH)?.unwrap_or(DEFAULT_DEPTH);
         self.integrator = Some(match p.kind.as_str() {
             "directlighting" => {

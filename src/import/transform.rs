@@ -1,4 +1,4 @@
-//! The transforms of pbrt's directives, and what a matrix means for a light, a sphere or a camera.
+//! The transforms of scene files, and what a matrix means for a light, a sphere or a camera.
 
 use super::place::At;
 use crate::error::Result;
@@ -38,16 +38,22 @@ pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
     ))
 }
 
-/// Passes a matrix that is finite, affine and invertible.
-pub fn checked(matrix: DMat4, at: &At) -> Result<DMat4> {
+/// Passes a matrix that is finite and affine.
+pub fn affine(matrix: DMat4, at: &At) -> Result<DMat4> {
     if !matrix.is_finite() {
         return Err(at.input("the transform has left the range of numbers"));
     }
     if matrix.row(3) != glam::DVec4::W {
-        return Err(at
-            .unsupported("a projective transform")
-            .with_hint("the 16 numbers go column by column, so the 4th, 8th and 12th must be 0 and the 16th 1"));
+        return Err(at.unsupported("a projective transform").with_hint(
+            "the matrix's last row must be 0 0 0 1; pbrt lists a matrix column by column, COLLADA row by row",
+        ));
     }
+    Ok(matrix)
+}
+
+/// Passes a matrix that is finite, affine and invertible.
+pub fn checked(matrix: DMat4, at: &At) -> Result<DMat4> {
+    let matrix = affine(matrix, at)?;
     let [x, y, z] = columns(&matrix).map(DVec3::normalize_or_zero);
     let volume = x.cross(y).dot(z).abs();
     // Written so that NaN fails too.

@@ -1,0 +1,196 @@
+//! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
+
+use crate::error::{Error, Result};
+use crate::import::place::{At, quote};
+use crate::raster::Rgb;
+use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+
+/// Most elements and texts in a file: each takes about 70 bytes.
+const MAX_NODES: u32 = 1 << 22;
+/// Most warnings that are kept.
+const MAX_WARNINGS: usize = 100;
+
+/// An element.
+pub type Element<'a> = Node<'a, 'a>;
+
+/// A file that is XML.
+pub struct Document<'a> {
+    xml: &'a Xml<'a>,
+    path: Rc<Path>,
+    ids: HashMap<&'a str, Element<'a>>,
+    /// Where each line starts.
+    lines: Vec<usize>,
+    warnings: RefCell<Vec<String>>,
+}
+
+/// Parses the text of the file at `path`.
+pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Xml<'a>> {
+    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    Xml::parse_with_options(text, options).map_err(|e| match e {
+        XmlError::NodesLimitReached => Error::limit(path, format!("more than {MAX_NODES} elements")),
+        XmlError::UnclosedRootNode | XmlError::UnexpectedEndOfStream | XmlError::NoRootNode => {
+            let at = At::new(path.into(), text.lines().count().max(1), last_line(text).chars().count() + 1);
+            at.input("the file ends in the middle of its XML").with_hint("it is cut off: get it whole again")
+        }
+        _ => {
+            let (place, message) = (e.pos(), e.to_string());
+            let message = message.split(&format!(" at {place}")).next().unwrap_or_default();
+            At::new(path.into(), place.row as usize, place.col as usize).input(format!("broken XML: {message}"))
+        }
+    })
+}
+
+fn last_line(text: &str) -> &str {
+    text.lines().last().unwrap_or_default()
+}
+
+impl<'a> Document<'a> {
+    /// The document at `path`. Of two elements with the same `id` the later one counts.
+    pub fn new(xml: &'a Xml<'a>, path: &Path) -> Self {
+        let ids = xml.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
+        let ends = xml.input_text().bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let lines = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
+        Self { xml, path: path.into(), ids, lines, warnings: RefCell::default() }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The outermost element.
+    pub fn root(&self) -> Element<'a> {
+        self.xml.root_element()
+    }
+
+    /// The place of an element.
+    pub fn at(&self, node: Element) -> At {
+        self.place(node.range().start)
+    }
+
+    fn place(&self, offset: usize) -> At {
+        let line = self.lines.partition_point(|&start| start <= offset);
+        let before = &self.xml.input_text()[self.lines[line - 1]..offset];
+        At::new(self.path.clone(), line, before.chars().count() + 1)
+    }
+
+    /// Notes what was left out or filled in at an element.
+    pub fn warn(&self, node: Element, message: &str) {
+        let mut warnings = self.warnings.borrow_mut();
+        match warnings.len() {
+            0..MAX_WARNINGS => warnings.push(self.at(node).warning(message)),
+            MAX_WARNINGS => warnings.push(format!("{}: further warnings are left out", self.path.display())),
+            _ => {}
+        }
+    }
+
+    /// The notes.
+    pub fn into_warnings(self) -> Vec<String> {
+        self.warnings.into_inner()
+    }
+
+    /// The element at the end of a path of names, `a/b/c`, that `node` must have inside it.
+    pub fn require(&self, node: Element<'a>, names: &str) -> Result<Element<'a>> {
+        find(node, names).ok_or_else(|| self.at(node).input(format!("<{}> has no {names}", node.tag_name().name())))
+    }
+
+    /// The element that an attribute of `node` names, like `url="#id"`; its kind must be `name`.
+    pub fn follow(&self, node: Element<'a>, attribute: &str, name: &str) -> Result<Element<'a>> {
+        let (at, tag) = (self.at(node), node.tag_name().name());
+        let link = node.attribute(attribute).ok_or_else(|| at.input(format!("<{tag}> has no {attribute}")))?;
+        let Some(id) = link.strip_prefix('#') else {
+            return Err(
+                at.unsupported(format!("{} is in another file: only links within one are supported", quote(link)))
+            );
+        };
+        let found = self.ids.get(id).ok_or_else(|| at.input(format!("no element has the id {}", quote(id))))?;
+        if found.tag_name().name() != name {
+            let kind = found.tag_name().name();
+            return Err(at.input(format!("{} must be a <{name}>, not a <{kind}>", quote(id))));
+        }
+        Ok(*found)
+    }
+
+    /// The words in an element, each with its offset in the file.
+    fn words(&self, node: Element<'a>) -> impl Iterator<Item = (&'a str, usize)> {
+        let source = self.xml.input_text();
+        // As written in the file: numbers have no entities in them, and comments end a text.
+        let texts = node.children().filter(|child| child.node_type() == NodeType::Text).map(|text| text.range());
+        texts.flat_map(move |range| {
+            let text = &source[range];
+            text.split_ascii_whitespace().map(|word| (word, word.as_ptr() as usize - source.as_ptr() as usize))
+        })
+    }
+
+    /// All finite numbers in an element.
+    pub fn numbers(&self, node: Element<'a>) -> Result<Vec<f64>> {
+        let number = |(word, offset): (&str, usize)| {
+            let value = word.parse().ok().filter(|value: &f64| value.is_finite());
+            value.ok_or_else(|| self.place(offset).input(format!("{} is not a finite number", quote(word))))
+        };
+        self.words(node).map(number).collect()
+    }
+
+    /// All whole numbers in an element, from 0 on.
+    pub fn indices(&self, node: Element<'a>) -> Result<Vec<u32>> {
+        let index = |(word, offset): (&str, usize)| {
+            word.parse()
+                .map_err(|_| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word))))
+        };
+        self.words(node).map(index).collect()
+    }
+
+    /// The colour in an element: red, green and blue, each of which `valid` accepts, and perhaps an alpha, which is not
+    /// used.
+    pub fn colour(&self, node: Element<'a>, valid: impl Fn(f64) -> bool, rule: &str) -> Result<Rgb> {
+        let channels = match self.words(node).count() {
+            4 => self.exactly::<4>(node, valid, rule).map(|[r, g, b, _]| [r, g, b])?,
+            _ => self.exactly(node, valid, rule)?,
+        };
+        Ok(Rgb::from_array(channels.map(|channel| channel as f32)))
+    }
+
+    /// The `N` numbers of an element, each of which `valid` accepts; `rule` says what it accepts.
+    pub fn exactly<const N: usize>(
+        &self,
+        node: Element<'a>,
+        valid: impl Fn(f64) -> bool,
+        rule: &str,
+    ) -> Result<[f64; N]> {
+        let (numbers, tag) = (self.numbers(node)?, node.tag_name().name());
+        let Ok(numbers) = <[f64; N]>::try_from(numbers.as_slice()) else {
+            let message = format!("<{tag}> needs {N} number{}, not {}", if N == 1 { "" } else { "s" }, numbers.len());
+            return Err(self.at(node).input(message));
+        };
+        match numbers.iter().find(|&&number| !valid(number)) {
+            Some(bad) => Err(self.at(node).input(format!("<{tag}> must be {rule}, not {bad}"))),
+            None => Ok(numbers),
+        }
+    }
+}
+
+/// The first element at the end of a path of names, `a/b/c`, inside `node`.
+pub fn find<'a>(node: Element<'a>, names: &str) -> Option<Element<'a>> {
+    names.split('/').try_fold(node, |node, name| elements(node).find(|child| is(*child, name)))
+}
+
+/// The elements directly inside `node`.
+pub fn elements<'a>(node: Element<'a>) -> impl Iterator<Item = Element<'a>> {
+    node.children().filter(Node::is_element)
+}
+
+/// The part of an element that is meant for renderers of the course: it overrides what all programs share.
+pub fn course_profile<'a>(node: Element<'a>) -> Option<Element<'a>> {
+    let extras = elements(node).filter(|child| is(*child, "extra"));
+    let mut techniques = extras.flat_map(elements).filter(|child| is(*child, "technique"));
+    techniques.find(|technique| technique.attribute("profile") == Some("CGL"))
+}
+
+/// Whether an element has this name.
+pub fn is(node: Element, name: &str) -> bool {
+    node.tag_name().name() == name
+}

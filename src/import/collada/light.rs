@@ -1,0 +1,99 @@
+//! Lights, and which of them need a surface to be seen by.
+
+use super::document::{Document, Element, course_profile, elements};
+use crate::error::Result;
+use crate::import::transform::in_range;
+use crate::raster::Rgb;
+use crate::scene::{Emission, Falloff, Light, Material, Object, Rectangle, Role, Shape};
+use glam::{DMat4, DVec3, Vec3};
+
+/// How near a glowing mesh must come to an area light to be its picture, as a part of the light's diagonal.
+const OVERLAP: f32 = 0.05;
+/// Largest cosine between an area light's sides, or between its normal and its direction, that is no shear.
+const SHEAR: f64 = 1e-4;
+
+/// The light of a `<light>` element in a node; `None` for one that gives no light.
+pub fn light<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -> Result<Option<Light>> {
+    let technique = match course_profile(node) {
+        Some(technique) => technique,
+        None => document.require(node, "technique_common")?,
+    };
+    let kind = elements(technique).next().ok_or_else(|| document.at(technique).input("this light has no kind"))?;
+    let colour = || {
+        let node = document.require(kind, "color")?;
+        document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")
+    };
+    let origin = to_world.w_axis.truncate();
+    if !in_range(origin) {
+        return Err(document.at(node).input(format!("a light at {origin} is out of range")));
+    }
+    Ok(match kind.tag_name().name() {
+        "area" => {
+            let rectangle = unit_square(to_world).ok_or_else(|| {
+                document.at(node).unsupported("an area light that its transform makes no rectangle is not supported")
+            })?;
+            Some(Light::Rectangle { rectangle, radiance: colour()? })
+        }
+        "point" => Some(Light::Point { position: origin.as_vec3(), intensity: colour()?, falloff: Falloff::None }),
+        "directional" => {
+            let along = to_world.transform_vector3(DVec3::NEG_Z).try_normalize();
+            let along = along.ok_or_else(|| document.at(node).input("this light's transform leaves no direction"))?;
+            Some(Light::Directional { direction: along.as_vec3(), irradiance: colour()? })
+        }
+        // All zero in scenes that an environment map lights.
+        "ambient" => Some(colour()?).filter(|&c| c != Rgb::ZERO).map(|radiance| Light::Hemisphere { radiance }),
+        "spot" => {
+            document.warn(kind, "a spot light is black in the reference renderer: left out");
+            None
+        }
+        other => return Err(document.at(kind).unsupported(format!("a light of kind <{other}> is not supported"))),
+    })
+}
+
+/// The square of side 1 around the origin that shines along −z, in the world.
+fn unit_square(to_world: &DMat4) -> Option<Rectangle> {
+    let [x, y, along] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z].map(|v| to_world.transform_vector3(v));
+    let normal = x.cross(y).try_normalize()?;
+    let cosine = normal.dot(along.try_normalize()?);
+    // A mirror image shines to the other side of its sides' product.
+    let (x, y) = if cosine < 0.0 { (y, x) } else { (x, y) };
+    let [centre, half_x, half_y] = [to_world.w_axis.truncate(), x * 0.5, y * 0.5].map(|v| v.as_vec3());
+    Rectangle::new(centre, half_x, half_y).filter(|_| cosine.abs() > 1.0 - SHEAR)
+}
+
+/// Makes the area lights visible: one that no glowing mesh overlaps becomes an object, which lights and is seen.
+pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Light> {
+    let pictures: Vec<[Vec3; 2]> =
+        objects.iter().filter(|object| object.emission.is_some()).filter_map(|object| bounds(&object.shape)).collect();
+    let hidden = |light: &Light| {
+        let Light::Rectangle { rectangle, radiance } = *light else { return true };
+        let Some([low, high]) = around(corners(&rectangle)) else { return true };
+        let near = OVERLAP * low.distance(high);
+        if pictures.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
+            return true;
+        }
+        let emission = Some(Emission { radiance, two_sided: false, role: Role::Lamp });
+        let material = Material::Diffuse { albedo: Rgb::ZERO };
+        objects.push(Object { shape: Shape::Rectangle(rectangle), material, emission });
+        false
+    };
+    lights.into_iter().filter(hidden).collect()
+}
+
+/// The box around a shape; `None` for a mesh without triangles.
+pub fn bounds(shape: &Shape) -> Option<[Vec3; 2]> {
+    match shape {
+        Shape::Sphere(sphere) => Some([sphere.centre - sphere.radius, sphere.centre + sphere.radius]),
+        Shape::Rectangle(rectangle) => around(corners(rectangle)),
+        Shape::Mesh(mesh) => around(mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize])),
+    }
+}
+
+fn corners(rectangle: &Rectangle) -> [Vec3; 4] {
+    let ([x, y], centre) = (rectangle.half_sides(), rectangle.centre());
+    [centre - x - y, centre + x - y, centre + x + y, centre - x + y]
+}
+
+fn around(points: impl IntoIterator<Item = Vec3>) -> Option<[Vec3; 2]> {
+    points.into_iter().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
+}

@@ -1,0 +1,94 @@
+//! Materials: from a geometry's binding by way of its effect to what the renderer knows.
+
+use super::document::{Document, Element, course_profile, elements, find, is};
+use crate::error::Result;
+use crate::raster::Rgb;
+use crate::scene::{Conductor, Distribution, Emission, Material, Role};
+
+/// What a surface is made of, and whether it glows.
+pub type Surface = (Material, Option<Emission>);
+
+const GREY: Surface = (Material::Diffuse { albedo: Rgb::splat(0.5) }, None);
+
+/// The surface of an `<instance_geometry>`: one material for the whole of it, whatever symbol its faces name.
+pub fn surface<'a>(document: &Document<'a>, instance: Element<'a>) -> Result<Surface> {
+    let Some(binding) = find(instance, "bind_material/technique_common/instance_material") else {
+        document.warn(instance, "no material: grey (0.5) is taken");
+        return Ok(GREY);
+    };
+    if binding.next_sibling_element().is_some() {
+        document.warn(binding, "several materials for one mesh: the first is taken for all of it");
+    }
+    let material = document.follow(binding, "target", "material")?;
+    let effect = document.follow(document.require(material, "instance_effect")?, "url", "effect")?;
+    if let Some(profile) = course_profile(effect) {
+        return course_material(document, profile);
+    }
+    let common = find(effect, "profile_COMMON").and_then(|profile| {
+        elements(profile).find(|child| is(*child, "technique") && child.attribute("sid") == Some("common"))
+    });
+    let Some(colour) = common.and_then(|technique| find(technique, "phong/diffuse/color")) else {
+        document.warn(effect, "no phong/diffuse/color: grey (0.5) is taken");
+        return Ok(GREY);
+    };
+    Ok((Material::Diffuse { albedo: document.colour(colour, fraction, FRACTION)? }, None))
+}
+
+/// The course's own elements; the last one that is known counts.
+fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<Surface> {
+    let mut found = None;
+    for node in elements(profile) {
+        let colour = |name| document.colour(document.require(node, name)?, fraction, FRACTION);
+        let indices = |name| document.colour(document.require(node, name)?, index, INDEX);
+        let index = |name| document.exactly(document.require(node, name)?, index, INDEX).map(|[x]| x as f32);
+        let material = match node.tag_name().name() {
+            "emission" => {
+                let node = document.require(node, "radiance")?;
+                let radiance = document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")?;
+                // Seen only: in this dialect the lights do the lighting.
+                let emission = Emission { radiance, two_sided: true, role: Role::Picture };
+                found = Some((Material::Diffuse { albedo: Rgb::ZERO }, Some(emission)));
+                continue;
+            }
+            "mirror" => Material::Mirror { reflectance: colour("reflectance")? },
+            "refraction" => Material::Refraction { transmittance: colour("transmittance")?, eta: index("ior")? },
+            "glass" => Material::Glass {
+                reflectance: colour("reflectance")?,
+                transmittance: colour("transmittance")?,
+                eta: index("ior")?,
+            },
+            "microfacet" => {
+                let alpha = document.exactly(document.require(node, "alpha")?, fraction, FRACTION)?;
+                let (eta, k, [alpha]) = (indices("eta")?, indices("k")?, alpha.map(|alpha| alpha as f32));
+                Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann })
+            }
+            other => {
+                document.warn(node, &format!("<{other}> is no material that is known: left out"));
+                continue;
+            }
+        };
+        if let Some(roughness) = find(node, "roughness")
+            && document.exactly(roughness, |_| true, "")? != [0.0]
+        {
+            document.warn(roughness, "<roughness> has no effect: this surface is smooth, as in the reference");
+        }
+        found = Some((material, None));
+    }
+    Ok(found.unwrap_or_else(|| {
+        document.warn(profile, "no material that is known: grey (0.5) is taken");
+        GREY
+    }))
+}
+
+const FRACTION: &str = "from 0 to 1";
+
+fn fraction(x: f64) -> bool {
+    (0.0..=1.0).contains(&x)
+}
+
+/// Of refraction; beyond this there is no matter, and squares might leave single precision.
+const INDEX: &str = "above 0 and at most 1000";
+
+fn index(x: f64) -> bool {
+    x > 0.0 && x <= 1000.0
+}

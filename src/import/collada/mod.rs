@@ -1,0 +1,75 @@
+//! Reads scenes in the COLLADA 1.4 dialect of the rendering course whose renderer the second report used.
+//!
+//! | element | what becomes of it |
+//! |---|---|
+//! | `asset/up_axis` | turned so that y is up |
+//! | `node` with `matrix`, or `translate`, `rotate`, `scale`; `instance_node` | the product of the transforms |
+//! | `camera` | the last one gives direction and field of view; where it stands follows from the scene's size, as in the course's renderer, unless a settings file says it |
+//! | `light`: `area`, `point`, `directional`, `ambient` | a rectangle; a point without falloff; a direction; the upper hemisphere, itself not seen |
+//! | `light`: `spot` | left out with a warning: it is black in the course's renderer |
+//! | `effect`: `phong/diffuse`; of the profile `CGL`: `emission`, `mirror`, `refraction`, `glass`, `microfacet` | the same, `microfacet` with Beckmann's distribution |
+//! | `geometry`: `sphere` of the profile `CGL`, or the first `polylist` or `triangles` of a mesh | shaded smoothly across all edges; two triangles that make up a rectangle become one |
+//!
+//! Area lights light; glowing meshes are only seen. An area light that no glowing mesh overlaps is seen, too.
+//!
+//! Source: the format's specification (Khronos, COLLADA 1.4.1, 2008), and how the course's renderer reads it.
+
+mod camera;
+mod document;
+mod geometry;
+mod light;
+mod material;
+mod settings;
+mod transform;
+mod walk;
+
+use super::Imported;
+use crate::error::{Error, Place, Result};
+use crate::files::read_bounded;
+use crate::scene::{Request, Scene};
+use document::Document;
+use std::path::Path;
+
+/// Most bytes in a file.
+const MAX_BYTES: u64 = 128 << 20;
+
+/// What the reader needs beside the file.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ColladaOptions<'a> {
+    /// Width and height of the picture, on which the field of view depends. Without it: the settings file's window,
+    /// else 800 x 600.
+    pub resolution: Option<[usize; 2]>,
+    /// A file of camera settings, in place of the scene's own camera.
+    pub settings: Option<&'a Path>,
+}
+
+/// Reads the scene at `path`. The file asks for no samples or depth: the request has the course renderer's defaults,
+/// one of each. The camera fits the request's size only.
+///
+/// # Errors
+/// What is wrong or not supported in the file or in the settings, with its place.
+pub fn read(path: &Path, options: &ColladaOptions) -> Result<Imported> {
+    let bytes = read_bounded(path, MAX_BYTES)?;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let text = std::str::from_utf8(bytes)
+        .map_err(|e| Error::input(path, "not UTF-8").at(Place::Byte(e.valid_up_to() as u64)))?;
+    let xml = document::parse(text, path)?;
+    let document = Document::new(&xml, path);
+    let mut found = walk::walk(&document)?;
+    let (camera, size) = match options.settings {
+        Some(path) => settings::read(path).map(|(camera, window)| (camera, options.resolution.unwrap_or(window)))?,
+        None => {
+            let size = options.resolution.unwrap_or(camera::WINDOW);
+            let view = found.view.as_ref().ok_or_else(|| {
+                Error::input(path, "the scene has no camera").with_hint("give a file of camera settings")
+            })?;
+            let bounds = found.bounds().ok_or_else(|| Error::input(path, "the scene has nothing to look at"))?;
+            (view.place(&document, bounds, size)?, size)
+        }
+    };
+    let lights = light::show_area_lights(found.lights, &mut found.objects);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let scene = Scene { name, camera, objects: found.objects, lights, environment: None };
+    let request = Request { width: size[0], height: size[1], spp: 1, light_samples: 1, max_depth: 1 };
+    Ok(Imported { scene, request, output: None, warnings: document.into_warnings() })
+}

@@ -1,0 +1,64 @@
+//! Where nodes stand: the file's up axis, and the transforms of COLLADA's nodes.
+
+use super::document::{Document, Element, elements, find};
+use crate::error::Result;
+use crate::import::place::quote;
+use crate::import::transform::{affine, rotate};
+use glam::{DMat3, DMat4, DVec3};
+
+/// Takes the file's space to the world, y up: z up goes (x, y, z) → (−x, z, y), x up (x, y, z) → (y, x, −z).
+pub fn up_axis(document: &Document) -> Result<DMat4> {
+    let node = document.require(document.root(), "asset/up_axis")?;
+    let matrix = match node.text().unwrap_or_default().trim() {
+        "Y_UP" => DMat3::IDENTITY,
+        "Z_UP" => DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y),
+        "X_UP" => DMat3::from_cols(DVec3::Y, DVec3::X, DVec3::NEG_Z),
+        other => {
+            return Err(document.at(node).input(format!("the up axis is X_UP, Y_UP or Z_UP, not {}", quote(other))));
+        }
+    };
+    Ok(DMat4::from_mat3(matrix))
+}
+
+/// A node's own transform: its matrix if it has one, which replaces all else, otherwise the product of its rotations,
+/// translations and scales in the file's order.
+pub fn local<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
+    if let Some(node) = find(node, "matrix") {
+        return matrix(document, node);
+    }
+    let mut product = DMat4::IDENTITY;
+    for child in elements(node) {
+        let step = match child.tag_name().name() {
+            "translate" => DMat4::from_translation(DVec3::from_array(document.exactly(child, any, "")?)),
+            "scale" => DMat4::from_scale(DVec3::from_array(document.exactly(child, any, "")?)),
+            "rotate" => {
+                let [x, y, z, degrees] = document.exactly(child, any, "")?;
+                rotate(degrees, DVec3::new(x, y, z))
+                    .ok_or_else(|| document.at(child).input("<rotate> needs an axis that is not 0 0 0"))?
+            }
+            name @ ("lookat" | "skew") => {
+                return Err(document.at(child).unsupported(format!("<{name}> is not supported")));
+            }
+            _ => continue,
+        };
+        product = affine(product * step, &document.at(child))?;
+    }
+    Ok(product)
+}
+
+fn any(_: f64) -> bool {
+    true
+}
+
+/// 16 numbers row by row, for column vectors.
+fn matrix<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
+    let mut numbers = document.numbers(node)?;
+    if numbers.len() == 15 {
+        document.warn(node, "<matrix> has 15 numbers: the missing last one is taken as 1");
+        numbers.push(1.0);
+    }
+    let Ok(numbers) = <[f64; 16]>::try_from(numbers.as_slice()) else {
+        return Err(document.at(node).input(format!("<matrix> needs 16 numbers, not {}", numbers.len())));
+    };
+    affine(DMat4::from_cols_array(&numbers).transpose(), &document.at(node))
+}

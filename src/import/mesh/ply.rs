@@ -1,0 +1,177 @@
+//! PLY: the polygon format of Greg Turk (Stanford, 1994), as text or binary.
+
+use super::ply_header::{Element, Encoding, Header, Scalar};
+use super::{point, unit_normals};
+use crate::error::{Error, Place, Result};
+use crate::import::place::{At, quote};
+use crate::import::shape::fan;
+use crate::scene::Mesh;
+use std::path::Path;
+
+/// Reads the file at `path`, whose content is `bytes`.
+pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
+    let header = Header::read(path, bytes)?;
+    let find = |name: &str| header.elements.iter().find(|element| element.name == name);
+    let points = find("vertex").ok_or_else(|| Error::input(path, "the header has no vertex element"))?.count;
+    if find("face").is_none() {
+        return Err(Error::unsupported(path, "the file has points, but no faces"));
+    }
+    let mut body = Body { path, bytes, position: header.body, encoding: header.encoding };
+    let (mut mesh, mut normals) = (Mesh::default(), Vec::new());
+    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        match element.name.as_str() {
+            "vertex" => body.vertices(element, &mut mesh, &mut normals)?,
+            "face" => mesh.triangles = body.faces(element, points)?,
+            _ => (0..element.count).try_for_each(|_| body.row(element, |_, _| ()))?,
+        }
+    }
+    mesh.normals = unit_normals(path, &normals, warnings);
+    Ok(mesh)
+}
+
+/// The numbers after the header, read from the front.
+struct Body<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    position: usize,
+    encoding: Encoding,
+}
+
+impl Body<'_> {
+    fn vertices(&mut self, element: &Element, mesh: &mut Mesh, normals: &mut Vec<[f64; 3]>) -> Result<()> {
+        let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.length.is_none());
+        let names = ["x", "y", "z", "nx", "ny", "nz"];
+        if let Some(missing) = names[..3].iter().find(|name| !has(name)) {
+            return Err(Error::input(self.path, format!("the vertices have no {missing}")));
+        }
+        let with_normals = names[3..].iter().all(|name| has(name));
+        let slots: Vec<Option<usize>> =
+            element.properties.iter().map(|p| names.iter().position(|name| *name == p.name)).collect();
+        for _ in 0..element.count {
+            let (start, mut row) = (self.position, [0.0; 6]);
+            self.row(element, |property, value| {
+                if let Some(slot) = slots[property] {
+                    row[slot] = value;
+                }
+            })?;
+            let [x, y, z, nx, ny, nz] = row;
+            mesh.positions.push(
+                point([x, y, z]).ok_or_else(|| {
+                    self.error(start, format!("a vertex at {x} {y} {z} is not finite or out of range"))
+                })?,
+            );
+            if with_normals {
+                normals.push([nx, ny, nz]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The faces, cut into triangles; their corners are below `points`.
+    fn faces(&mut self, element: &Element, points: usize) -> Result<Vec<[u32; 3]>> {
+        let is_corners = |name: &str| name == "vertex_indices" || name == "vertex_index";
+        let corners = element.properties.iter().position(|p| is_corners(&p.name) && p.length.is_some());
+        let corners = corners.ok_or_else(|| Error::input(self.path, "the faces have no list vertex_indices"))?;
+        let (mut triangles, mut face) = (Vec::with_capacity(element.count), Vec::new());
+        for _ in 0..element.count {
+            let (start, mut bad) = (self.position, None);
+            face.clear();
+            self.row(element, |property, value| {
+                if property == corners {
+                    if !(value.fract() == 0.0 && (0.0..points as f64).contains(&value)) {
+                        bad = Some(value);
+                    }
+                    face.push(value as u32);
+                }
+            })?;
+            if let Some(bad) = bad {
+                return Err(self.error(start, format!("vertex {bad} of {points}, counted from 0, does not exist")));
+            }
+            if face.len() < 3 {
+                return Err(self.error(start, format!("a face of {} corners", face.len())));
+            }
+            triangles.extend(fan(&face));
+        }
+        Ok(triangles)
+    }
+
+    /// Reads a row and gives each of its values with the number of its property.
+    fn row(&mut self, element: &Element, mut take: impl FnMut(usize, f64)) -> Result<()> {
+        for (number, property) in element.properties.iter().enumerate() {
+            let Some(length) = property.length else {
+                take(number, self.value(property.scalar)?);
+                continue;
+            };
+            let start = self.position;
+            let length = self.value(length)?;
+            // One too long runs into the file's end.
+            if !(length >= 0.0 && length.fract() == 0.0) {
+                return Err(self.error(start, format!("a list of {length} numbers")));
+            }
+            for _ in 0..length as u64 {
+                take(number, self.value(property.scalar)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn value(&mut self, scalar: Scalar) -> Result<f64> {
+        match self.encoding {
+            Encoding::Ascii => self.word(),
+            Encoding::LittleEndian => self.binary(scalar, false),
+            Encoding::BigEndian => self.binary(scalar, true),
+        }
+    }
+
+    fn word(&mut self) -> Result<f64> {
+        let rest = &self.bytes[self.position..];
+        let skipped = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let word = &rest[skipped..];
+        let word = &word[..word.iter().take_while(|byte| !byte.is_ascii_whitespace()).count()];
+        let start = self.position + skipped;
+        self.position = start + word.len();
+        let text = std::str::from_utf8(word).ok().filter(|text| !text.is_empty());
+        text.and_then(|text| text.parse().ok()).ok_or_else(|| match word {
+            [] => self.cut_off(),
+            _ => self.error(start, format!("{} is not a number", quote(&String::from_utf8_lossy(word)))),
+        })
+    }
+
+    fn binary(&mut self, scalar: Scalar, big: bool) -> Result<f64> {
+        let end = self.position + scalar.size();
+        let bytes = self.bytes.get(self.position..end).ok_or_else(|| self.cut_off())?;
+        self.position = end;
+        let mut number = [0; 8];
+        let number = &mut number[..bytes.len()];
+        number.copy_from_slice(bytes);
+        if big {
+            number.reverse();
+        }
+        Ok(match (scalar, &*number) {
+            (Scalar::I8, &[a]) => f64::from(a as i8),
+            (Scalar::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
+            (Scalar::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
+            (Scalar::I32, &[a, b, c, d]) => f64::from(i32::from_le_bytes([a, b, c, d])),
+            (Scalar::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+            (Scalar::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+            (_, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+            (_, rest) => f64::from(rest[0]),
+        })
+    }
+
+    fn cut_off(&self) -> Error {
+        let message = "the file ends before all that its header claims";
+        self.error(self.bytes.len(), message.into()).with_hint("it is cut off or damaged: get it whole again")
+    }
+
+    /// The error at an offset: of a text its line and column.
+    fn error(&self, offset: usize, message: String) -> Error {
+        if self.encoding != Encoding::Ascii {
+            return Error::input(self.path, message).at(Place::Byte(offset as u64));
+        }
+        let spaces = self.bytes[offset..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let before = String::from_utf8_lossy(&self.bytes[..offset + spaces]).replace("\r\n", "\n").replace('\r', "\n");
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        At::new(self.path.into(), before.matches('\n').count() + 1, column).input(message)
+    }
+}

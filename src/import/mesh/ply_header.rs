@@ -1,0 +1,158 @@
+//! The header of a PLY file: which elements follow, how many of each, and of what numbers they are made.
+
+use crate::error::{Error, Result};
+use crate::import::place::{At, quote};
+use std::path::Path;
+
+/// How numbers are written after the header.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A type of number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+/// One number of an element, or a list of them.
+pub struct Property {
+    pub name: String,
+    pub scalar: Scalar,
+    /// For a list, the type of its length, which comes first.
+    pub length: Option<Scalar>,
+}
+
+/// A table in the file: rows that all have the same properties.
+pub struct Element {
+    pub name: String,
+    pub count: usize,
+    pub properties: Vec<Property>,
+}
+
+pub struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// Where the numbers start.
+    pub body: usize,
+}
+
+impl Scalar {
+    /// Size in a binary file, in bytes.
+    pub fn size(self) -> usize {
+        match self {
+            Scalar::I8 | Scalar::U8 => 1,
+            Scalar::I16 | Scalar::U16 => 2,
+            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
+            Scalar::F64 => 8,
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Scalar::I8,
+            "uchar" | "uint8" => Scalar::U8,
+            "short" | "int16" => Scalar::I16,
+            "ushort" | "uint16" => Scalar::U16,
+            "int" | "int32" => Scalar::I32,
+            "uint" | "uint32" => Scalar::U32,
+            "float" | "float32" => Scalar::F32,
+            "double" | "float64" => Scalar::F64,
+            _ => return None,
+        })
+    }
+}
+
+impl Element {
+    /// Fewest bytes that a row takes. In text each number has a digit and, but for the last one in the file, a space.
+    pub fn least_bytes(&self, encoding: Encoding) -> usize {
+        let size = |p: &Property| if encoding == Encoding::Ascii { 2 } else { p.length.unwrap_or(p.scalar).size() };
+        self.properties.iter().map(size).sum()
+    }
+}
+
+impl Header {
+    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
+        if !bytes.starts_with(b"ply\n") && !bytes.starts_with(b"ply\r") {
+            return Err(Error::input(path, "the first line is not \"ply\": this is no PLY file"));
+        }
+        let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), body: 0 };
+        let mut has_format = false;
+        for number in 1.. {
+            let at = At::new(path.into(), number, 1);
+            let line = header.line(bytes).ok_or_else(|| at.input("the file ends before its header's end_header"))?;
+            let line = String::from_utf8_lossy(line);
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            match words.as_slice() {
+                ["end_header"] => break,
+                [] | ["ply" | "comment" | "obj_info", ..] => {}
+                ["format", encoding, "1.0"] => {
+                    has_format = true;
+                    header.encoding = match *encoding {
+                        "ascii" => Encoding::Ascii,
+                        "binary_little_endian" => Encoding::LittleEndian,
+                        "binary_big_endian" => Encoding::BigEndian,
+                        other => return Err(at.unsupported(format!("the format {} is not supported", quote(other)))),
+                    };
+                }
+                ["element", name, count] => {
+                    let count = count.parse().map_err(|_| at.input(format!("{} is no count", quote(count))))?;
+                    if header.elements.iter().any(|element| element.name == *name) {
+                        return Err(at.input(format!("a second element {}", quote(name))));
+                    }
+                    header.elements.push(Element { name: (*name).into(), count, properties: Vec::new() });
+                }
+                ["property", types @ .., name] => {
+                    let named = |name: &str| {
+                        Scalar::named(name).ok_or_else(|| at.input(format!("{} is no type of number", quote(name))))
+                    };
+                    let (length, scalar) = match types {
+                        ["list", length, scalar] => (Some(named(length)?), named(scalar)?),
+                        [scalar] => (None, named(scalar)?),
+                        _ => return Err(at.input("a property is a type and a name, or a list, two types and a name")),
+                    };
+                    let element = header.elements.last_mut();
+                    let element = element.ok_or_else(|| at.input("a property before the first element"))?;
+                    element.properties.push(Property { name: (*name).into(), scalar, length });
+                }
+                _ => return Err(at.input(format!("{} is no line of a PLY header", quote(&line)))),
+            }
+        }
+        if !has_format {
+            return Err(Error::input(path, "the header has no format line"));
+        }
+        header.check_counts(path, bytes.len() - header.body)?;
+        Ok(header)
+    }
+
+    /// Takes the next line, which ends in LF, CR LF or CR.
+    fn line<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let rest = &bytes[self.body..];
+        let end = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r')?;
+        self.body += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+        Some(&rest[..end])
+    }
+
+    /// Refuses counts that the file has no room for, before anything is made from them.
+    fn check_counts(&self, path: &Path, room: usize) -> Result<()> {
+        let need = |element: &Element| element.count.checked_mul(element.least_bytes(self.encoding));
+        let total = self.elements.iter().try_fold(0usize, |sum, element| sum.checked_add(need(element)?));
+        // The last number of a text may have nothing after it.
+        if total.is_some_and(|total| total <= room + 1) {
+            return Ok(());
+        }
+        let claims: Vec<String> = self.elements.iter().map(|e| format!("{} {}", e.count, quote(&e.name))).collect();
+        let message = format!("the header claims {}, but only {room} bytes follow", claims.join(", "));
+        Err(Error::input(path, message).with_hint("the file is cut off or damaged: get it whole again"))
+    }
+}

@@ -1,0 +1,145 @@
+//! Materials: diffuse surfaces, mirrors, smooth glass and metals.
+
+use super::params::Params;
+use crate::error::Result;
+use crate::import::place::quote;
+use crate::optics::metals;
+use crate::raster::Rgb;
+use crate::scene::{Conductor, Distribution, Material};
+
+/// The material of shapes before the file sets one.
+pub const DEFAULT: Material = Material::Diffuse { albedo: Rgb::splat(0.5) };
+
+/// A material. `v2` says that pbrt-v2 wrote the file, whose metals are of another kind.
+pub fn material(mut p: Params, v2: bool, warnings: &mut Vec<String>) -> Result<Material> {
+    let material = match p.kind.as_str() {
+        "matte" => {
+            p.only_float("sigma", |x| x == 0.0, "0 (Lambert's law)")?;
+            reflectance(&mut p, "Kd")?.map_or(DEFAULT, |albedo| Material::Diffuse { albedo })
+        }
+        "diffuse" => reflectance(&mut p, "reflectance")?.map_or(DEFAULT, |albedo| Material::Diffuse { albedo }),
+        "mirror" => Material::Mirror { reflectance: reflectance(&mut p, "Kr")?.unwrap_or(Rgb::splat(0.9)) },
+        "glass" => {
+            let [reflectance, transmittance] =
+                [reflectance(&mut p, "Kr")?, reflectance(&mut p, "Kt")?].map(|colour| colour.unwrap_or(Rgb::ONE));
+            let index = p.float("index", is_index, INDEX)?;
+            let eta = glass_index(&mut p)?.or(index).unwrap_or(1.5) as f32;
+            Material::Glass { reflectance, transmittance, eta }
+        }
+        "dielectric" => {
+            let eta = glass_index(&mut p)?.unwrap_or(1.5) as f32;
+            Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta }
+        }
+        "metal" if v2 => {
+            return Err(p
+                .at
+                .unsupported("Material \"metal\" of pbrt-v2 is not supported: its microfacets are Blinn's")
+                .with_hint("write Integrator in place of SurfaceIntegrator to have it read as pbrt-v3's"));
+        }
+        "metal" | "conductor" => Material::Conductor(conductor(&mut p, warnings)?),
+        _ => return Err(p.unsupported_kind("matte, diffuse, mirror, glass, dielectric, metal, conductor")),
+    };
+    // Where nothing is rough, there is nothing to remap.
+    p.finish(&["remaproughness"], warnings)?;
+    Ok(material)
+}
+
+fn reflectance(p: &mut Params, name: &'static str) -> Result<Option<Rgb>> {
+    p.rgb(name, |x| (0.0..=1.0).contains(&x), "from 0 to 1")
+}
+
+const INDEX: &str = "above 0 and at most 1000";
+
+fn is_index(x: f64) -> bool {
+    x > 0.0 && x <= 1000.0
+}
+
+/// The index of refraction of a dielectric, whose surface must be smooth.
+fn glass_index(p: &mut Params) -> Result<Option<f64>> {
+    for name in ["roughness", "uroughness", "vroughness"] {
+        p.only_float(name, |x| x == 0.0, "0 (smooth)")?;
+    }
+    p.float("eta", is_index, INDEX)
+}
+
+/// pbrt-v3's `metal` and pbrt-v4's `conductor`. Their microfacets are GGX's (Trowbridge and Reitz); `"string
+/// distribution" "beckmann"` is this program's own addition.
+fn conductor(p: &mut Params, warnings: &mut Vec<String>) -> Result<Conductor> {
+    let eta = index_spectrum(p, "eta", |metal| metal.eta, warnings)?;
+    let k = index_spectrum(p, "k", |metal| metal.k, warnings)?;
+    let v3 = p.kind == "metal";
+    let is_roughness = |x: f64| (0.0..=1.0).contains(&x);
+    let both = p.float("roughness", is_roughness, "from 0 to 1")?.unwrap_or(if v3 { 0.01 } else { 0.0 });
+    let place = p.place("vroughness");
+    let u = p.float("uroughness", is_roughness, "from 0 to 1")?.unwrap_or(both);
+    let v = p.float("vroughness", is_roughness, "from 0 to 1")?.unwrap_or(both);
+    if u != v {
+        return Err(place.unsupported(format!("{}: roughnesses that differ are not supported: {u} and {v}", p.owner)));
+    }
+    let remap = p.flag("remaproughness")?.unwrap_or(true);
+    let alpha = if !remap {
+        u
+    } else if v3 {
+        remapped_v3(u)
+    } else {
+        u.sqrt()
+    };
+    let place = p.place("distribution");
+    let distribution = match p.text("distribution")?.as_deref() {
+        None | Some("ggx") => Distribution::Ggx,
+        Some("beckmann") => Distribution::Beckmann,
+        Some(other) => {
+            return Err(place.unsupported(format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other))));
+        }
+    };
+    Ok(Conductor { eta, k, alpha: alpha as f32, distribution })
+}
+
+/// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.
+fn remapped_v3(roughness: f64) -> f64 {
+    let x = roughness.max(1e-3).ln();
+    1.62142 + x * (0.819_955 + x * (0.1734 + x * (0.017_120_1 + x * 0.000_640_711)))
+}
+
+/// `eta` or `k`: three numbers, or a metal's spectrum by name, like `metal-Au-eta`. Without it: copper's, as in pbrt.
+fn index_spectrum(
+    p: &mut Params,
+    name: &'static str,
+    of: impl Fn(&metals::Metal) -> [f64; 3],
+    warnings: &mut Vec<String>,
+) -> Result<Rgb> {
+    let at = p.place(name);
+    let spectrum = p.spectrum(name)?;
+    if spectrum.is_none()
+        && let Some(rgb) = p.rgb(name, |x| (0.0..=1000.0).contains(&x), "from 0 to 1000")?
+    {
+        return Ok(rgb);
+    }
+    let spectrum = spectrum.unwrap_or_else(|| format!("metal-Cu-{name}"));
+    let symbol = spectrum.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(name)?.strip_suffix('-'));
+    let metal = symbol.and_then(|symbol| metals::METALS.iter().find(|metal| metal.symbol == symbol));
+    let Some(metal) = metal else {
+        let known: Vec<String> = metals::METALS.iter().map(|m| format!("metal-{}-{name}", m.symbol)).collect();
+        return Err(at
+            .unsupported(format!("{}: the spectrum {} is not known", p.owner, quote(&spectrum)))
+            .with_hint(format!("give it as rgb, or as one of {}", known.join(", "))));
+    };
+    let [r, g, b] = metals::WAVELENGTHS_NM;
+    warnings.push(at.warning(&format!("{}: {name} is {}'s at {r}, {g} and {b} nm", p.owner, metal.name)));
+    Ok(Rgb::from_array(of(metal).map(|x| x as f32)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_third_versions_roughness_has_its_known_values() {
+        // The polynomial at 1 is its constant; below 0.001 it stays.
+        assert_eq!(remapped_v3(1.0), 1.62142);
+        assert_eq!(remapped_v3(0.0), remapped_v3(1e-3));
+        // 1.62142 − 0.819955·2.302585 + 0.1734·5.301898 − 0.0171201·12.20807 + 0.000640711·28.11012
+        assert!((remapped_v3(0.1) - 0.461_760).abs() < 1e-6, "{}", remapped_v3(0.1));
+        assert!((1..1000).all(|i| remapped_v3(f64::from(i) / 1e3) < remapped_v3(f64::from(i + 1) / 1e3)));
+    }
+}

@@ -1,0 +1,93 @@
+//! Triangles to the shape that a renderer traces fastest: two that make up a rectangle become one.
+
+use crate::scene::{Mesh, Rectangle, Shape};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Most vertices and triangles in a scene, all its meshes together.
+pub const MAX_TRIANGLES: usize = 1 << 25;
+
+/// How far a vertex normal may lean, as a distance between unit vectors, before a flat shape is shaded as a curved one.
+const FLAT: f32 = 1e-4;
+
+/// The triangles of a polygon: a fan around its first corner.
+pub fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+}
+
+/// The mesh as it is, or the rectangle that it is: two triangles wound the same way, with one side in common and no
+/// shading normals that bend them. The rectangle's front is where its corners run counter-clockwise.
+pub fn simplest(mesh: Mesh) -> Shape {
+    match rectangle(&mesh) {
+        Some(rectangle) => Shape::Rectangle(rectangle),
+        None => Shape::Mesh(Arc::new(mesh)),
+    }
+}
+
+fn rectangle(mesh: &Mesh) -> Option<Rectangle> {
+    let &[one, two] = mesh.triangles.as_slice() else { return None };
+    let [one, two] = [one, two].map(|triangle| triangle.map(|i| mesh.positions[i as usize]));
+    // The common side runs from p to q in the first triangle and back in the second.
+    let turns = |[a, b, c]: [Vec3; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let (p, q, r, s) = turns(one).into_iter().find_map(|[p, q, r]| {
+        turns(two).into_iter().find(|[a, b, _]| (*a, *b) == (q, p)).map(|[_, _, s]| (p, q, r, s))
+    })?;
+    let rectangle = Rectangle::from_corners([p, s, q, r])?;
+    let flat = |&i: &u32| mesh.normals.get(i as usize).is_none_or(|n| n.distance(rectangle.normal()) <= FLAT);
+    mesh.triangles.iter().flatten().all(flat).then_some(rectangle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
+
+    fn shape(positions: &[Vec3], triangles: &[[u32; 3]], normals: &[Vec3]) -> Option<Rectangle> {
+        let mesh = Mesh { positions: positions.into(), normals: normals.into(), triangles: triangles.into() };
+        match simplest(mesh) {
+            Shape::Rectangle(rectangle) => Some(rectangle),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn fans_keep_the_winding() {
+        assert_eq!(fan(&[7, 8, 9, 4]).collect::<Vec<_>>(), [[7, 8, 9], [7, 9, 4]]);
+        assert_eq!(fan(&[1, 2]).count(), 0);
+    }
+
+    #[test]
+    fn two_triangles_are_a_rectangle_however_they_are_written() {
+        for one in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+            for two in [[0, 2, 3], [2, 3, 0], [3, 0, 2]] {
+                for triangles in [[one, two], [two, one]] {
+                    let r = shape(&SQUARE, &triangles, &[]).unwrap();
+                    assert_eq!((r.centre(), r.normal(), r.area()), (Vec3::new(0.5, 1.0, 0.0), Vec3::Z, 2.0));
+                }
+            }
+        }
+        let back = shape(&SQUARE, &[[0, 2, 1], [0, 3, 2]], &[]).unwrap();
+        assert_eq!(back.normal(), Vec3::NEG_Z);
+        // Corners that are written twice.
+        let six = [0, 1, 2, 0, 2, 3].map(|i: usize| SQUARE[i]);
+        assert!(shape(&six, &[[0, 1, 2], [3, 4, 5]], &[]).is_some());
+        assert!(shape(&SQUARE, &[[0, 1, 2], [0, 2, 3]], &[Vec3::Z; 4]).is_some());
+    }
+
+    #[test]
+    fn anything_else_stays_a_mesh() {
+        let whole = [[0, 1, 2], [0, 2, 3]];
+        assert!(shape(&SQUARE, &[[0, 1, 2], [0, 3, 2]], &[]).is_none(), "wound both ways");
+        assert!(shape(&SQUARE, &whole[..1], &[]).is_none(), "one triangle");
+        assert!(shape(&SQUARE, &[whole[0], whole[0]], &[]).is_none(), "the same triangle twice");
+        assert!(shape(&SQUARE, &whole, &[Vec3::Z, Vec3::Z, Vec3::Y, Vec3::Z]).is_none(), "shaded as if bent");
+        let mut bent = SQUARE;
+        bent[3].z = 1.0;
+        assert!(shape(&bent, &whole, &[]).is_none());
+        let mut kite = SQUARE;
+        kite[2].y = 3.0;
+        assert!(shape(&kite, &whole, &[]).is_none());
+        assert!(shape(&[Vec3::ZERO; 4], &whole, &[]).is_none());
+    }
+}
