@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod rectangle;
 pub mod request;
 pub mod sphere;
+pub mod statue;
 
 pub use bvh::{MeshBvh, MeshHit, Rays};
 pub use camera::{Camera, Projection, Ray};
