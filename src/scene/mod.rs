@@ -11,6 +11,7 @@ pub mod rectangle;
 pub mod request;
 mod scattering;
 pub mod sphere;
+pub mod statue;
 
 pub use bvh::{MeshBvh, MeshHit, Rays};
 pub use camera::{Camera, Projection, Ray};
