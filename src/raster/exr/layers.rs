@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 const MAX_FILE_BYTES: u64 = 1 << 33;
 /// More pixels than these, all layers together, are refused: 3 GiB in memory.
 const MAX_PIXELS: usize = 1 << 28;
+/// Pixels whose integers are set together.
+const RUN: usize = 16;
 
 /// An OpenEXR file whose header has been read.
 #[derive(Debug, Clone)]
@@ -136,10 +138,14 @@ impl ExrFile {
             |block, bytes| {
                 let lines = bytes.chunks_exact(block.width * header.channels.bytes_per_pixel);
                 for (y, line) in (block.y..).zip(lines) {
-                    for (channel, before) in places.iter().enumerate() {
-                        let values = line[before * block.width..][..4 * block.width].chunks_exact(4);
-                        for (pixel, b) in (y * width + block.x..).zip(values) {
-                            set(&mut result, channel, pixel, u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+                    // All channels of a few pixels, then the next pixels: those in `T` stay in the cache meanwhile.
+                    for start in (0..block.width).step_by(RUN) {
+                        let run = RUN.min(block.width - start);
+                        for (channel, before) in places.iter().enumerate() {
+                            let values = line[before * block.width + 4 * start..][..4 * run].chunks_exact(4);
+                            for (pixel, b) in (y * width + block.x + start..).zip(values) {
+                                set(&mut result, channel, pixel, u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+                            }
                         }
                     }
                 }

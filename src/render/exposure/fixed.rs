@@ -183,6 +183,9 @@ mod tests {
         assert_eq!(spread(1, Fixed::MAX, Fixed::default()), 0.0);
         // n · MAX needs all words: 2^32 · 2^64, and the square of MAX: 2^128.
         assert_eq!(spread(u32::MAX, Fixed::default(), Fixed::MAX), f64::from(u32::MAX) * TWO_64);
+        // A third of 2^64, less what carries: three times that is 2^64 + 2 and a bit.
+        let third = Fixed { high: u64::MAX / 3, low: u64::MAX };
+        assert_eq!(spread(3, Fixed::default(), third), TWO_64);
         assert_eq!(to_f64(square(Fixed::MAX)) / TWO_64 / TWO_64, TWO_64 * TWO_64);
     }
 }
