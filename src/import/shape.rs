@@ -4,9 +4,6 @@ use crate::scene::{Mesh, Rectangle, Shape};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Most vertices and triangles in a scene, all its meshes together.
-pub const MAX_TRIANGLES: usize = 1 << 25;
-
 /// How far a vertex normal may lean, as a distance between unit vectors, before a flat shape is shaded as a curved one.
 const FLAT: f32 = 1e-4;
 

@@ -4,13 +4,15 @@ use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::raster::Rgb;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
 
 /// Most elements and texts in a file: each takes about 70 bytes.
 const MAX_NODES: u32 = 1 << 22;
+/// Most bytes of elements that links lead to, each counted as often as it is reached: what an instance costs in time.
+const MAX_LINKED_BYTES: usize = 1 << 30;
 /// Most warnings that are kept.
 const MAX_WARNINGS: usize = 100;
 
@@ -24,6 +26,8 @@ pub struct Document<'a> {
     ids: HashMap<&'a str, Element<'a>>,
     /// Where each line starts.
     lines: Vec<usize>,
+    /// How many more bytes of elements links may lead to.
+    linked_bytes: Cell<usize>,
     warnings: RefCell<Vec<String>>,
 }
 
@@ -54,7 +58,14 @@ impl<'a> Document<'a> {
         let ids = xml.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
         let ends = xml.input_text().bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let lines = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
-        Self { xml, path: path.into(), ids, lines, warnings: RefCell::default() }
+        Self {
+            xml,
+            path: path.into(),
+            ids,
+            lines,
+            linked_bytes: Cell::new(MAX_LINKED_BYTES),
+            warnings: RefCell::default(),
+        }
     }
 
     /// The file.
@@ -112,6 +123,10 @@ impl<'a> Document<'a> {
             let kind = found.tag_name().name();
             return Err(at.input(format!("{} must be a <{name}>, not a <{kind}>", quote(id))));
         }
+        let left = self.linked_bytes.get().checked_sub(found.range().len());
+        self.linked_bytes.set(left.ok_or_else(|| {
+            Error::limit(self.path(), format!("its instances are more than {} MiB", MAX_LINKED_BYTES >> 20))
+        })?);
         Ok(*found)
     }
 

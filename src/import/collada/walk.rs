@@ -4,7 +4,6 @@ use super::camera::View;
 use super::document::{Document, Element, elements, is};
 use super::{geometry, light, material, transform};
 use crate::error::{Error, Result};
-use crate::import::shape::MAX_TRIANGLES;
 use crate::import::transform::affine;
 use crate::scene::{Light, Object};
 use glam::{DMat4, DVec3};
@@ -36,7 +35,7 @@ pub fn walk<'a>(document: &Document<'a>) -> Result<Found<'a>> {
     let instance = document.require(document.root(), "scene/instance_visual_scene")?;
     let scene = document.follow(instance, "url", "visual_scene")?;
     let mut walker =
-        Walker { document, found: Found::default(), open: Vec::new(), nodes: MAX_NODES, room: MAX_TRIANGLES };
+        Walker { document, found: Found::default(), open: Vec::new(), nodes: MAX_NODES, room: geometry::MAX_TRIANGLES };
     walker.children(scene, &up)?;
     Ok(walker.found)
 }
