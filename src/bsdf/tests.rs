@@ -1,6 +1,6 @@
 //! One contract, checked on grids: what holds for every material, and what each conserves.
 
-use super::report_model::ReportConventions;
+use super::report_model::{ReportConventions, printed_pdf};
 use super::*;
 use crate::optics::metals::by_name;
 use crate::optics::microfacet::Distribution;
@@ -21,7 +21,6 @@ fn gold(alpha: f32, distribution: Distribution) -> Material {
 }
 
 /// A metal that reflects all light but 10⁻⁸.
-#[expect(dead_code)]
 fn white(alpha: f32, distribution: Distribution) -> Material {
     let (eta, k) = (Rgb::splat(1.0), Rgb::splat(2e4));
     Material::Conductor(ConductorMaterial { eta, k, alpha, distribution })
@@ -136,4 +135,213 @@ fn light_takes_the_same_way_back() {
             }
         }
     }
+}
+
+/// What `bsdf` reflects of even light, and the share of samples that carry any: means over a grid of (0,2)-points.
+fn furnace(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
+    let n = 1 << 12;
+    let (mut light, mut drawn) = (0.0, 0.0);
+    for i in 0..n {
+        let u = [(f64::from(i) + 0.5) / f64::from(n), f64::from(u32::reverse_bits(i as u32)) / 2f64.powi(32)];
+        if let Some(s) = bsdf.sample(wo, u[1] as f32, u.map(|u| u as f32)) {
+            light += f64::from(s.weight.max_element());
+            drawn += 1.0;
+        }
+    }
+    (light / f64::from(n), drawn / f64::from(n))
+}
+
+#[test]
+fn nothing_reflects_more_than_it_gets() {
+    for alpha in ALPHAS {
+        for distribution in DISTRIBUTIONS {
+            for degrees in DEGREES {
+                let wo = towards(degrees, 1.0);
+                let [visible, all] = [Normals::Visible, Normals::All].map(|normals| {
+                    furnace(&white(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() }), wo).0
+                });
+                let case = format!("{distribution:?} {alpha} at {degrees}: {visible} {all}");
+                assert!(visible <= 1.0, "{case}");
+                // Two quadratures of one integral; that over all normals has unbounded weights.
+                assert!((visible - all).abs() < 0.01, "{case}");
+                // A narrow lobe keeps all light, unless it meets the horizon.
+                if alpha <= 1e-3 && degrees <= 60.0 {
+                    assert!((visible - 1.0).abs() < 1e-6 && (all - 1.0).abs() < 1e-5, "{case}");
+                }
+            }
+        }
+    }
+    // By hand for GGX at α = 1 from above, where D is even: ∫ G₂/G₁ is 1 − ln 2.
+    let (light, drawn) = furnace(&white(1.0, Distribution::Ggx).bsdf(ScatterModel::default()), Vec3::Z);
+    assert!((light - (1.0 - 2f64.ln())).abs() < 1e-6 && (drawn - 0.5).abs() < 1e-6, "{light} {drawn}");
+}
+
+#[test]
+fn smooth_materials_lose_nothing() {
+    let one = Rgb::ONE;
+    let glass = Material::Glass { reflectance: one, transmittance: one, eta: 1.45 };
+    let model = ScatterModel::default();
+    let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
+    let report = ScatterModel { report: ReportConventions::ALL, ..model };
+    for wo in directions() {
+        for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(report)] {
+            for i in 0..1000 {
+                let Some(s) = bsdf.sample(wo, i as f32 / 1000.0, [0.5; 2]) else { panic!("glass loses light") };
+                // Power, that is radiance over n², is what is conserved.
+                let eta2 = if s.wi.z * wo.z >= 0.0 { 1.0 } else { 1.45f32.powi(if wo.z < 0.0 { -2 } else { 2 }) };
+                assert!((s.weight.x * eta2 - 1.0).abs() < 1e-6, "{wo}: {s:?}");
+            }
+        }
+        let s = Material::Mirror { reflectance: one }.bsdf(model).sample(wo, 0.0, [0.5; 2]).unwrap();
+        assert_eq!((s.weight, s.wi), (one, Vec3::new(-wo.x, -wo.y, wo.z)));
+        let diffuse = Material::Diffuse { albedo: one }.bsdf(model);
+        if wo.z != 0.0 {
+            assert_eq!(furnace(&diffuse, wo), (1.0, 1.0));
+        }
+    }
+}
+
+#[test]
+fn a_slab_dims_nothing_and_turns_nothing() {
+    let bsdf = Material::Refraction { transmittance: Rgb::ONE, eta: 1.45 }.bsdf(ScatterModel::default());
+    // At 89.99 degrees the last bit of the direction inside decides whether it gets out.
+    for degrees in &DEGREES[..5] {
+        let wo = towards(*degrees, 0.3);
+        let inside = bsdf.sample(wo, 0.0, [0.5; 2]).unwrap();
+        // The far face looks the other way.
+        let at_far_face = Vec3::new(-inside.wi.x, -inside.wi.y, inside.wi.z);
+        let out = bsdf.sample(at_far_face, 0.0, [0.5; 2]).unwrap();
+        assert!((inside.weight.x * out.weight.x - 1.0).abs() < 1e-6);
+        assert!((inside.weight.x - 1.0 / 1.45f32.powi(2)).abs() < 1e-6);
+        assert!((out.wi.truncate() + wo.truncate()).length() < 1e-6, "{degrees}: {wo} {}", out.wi);
+    }
+    // Beyond the critical angle, 43.6 degrees from inside, no light passes; glass reflects it.
+    let wo = -towards(44.0, 0.3);
+    assert_eq!(bsdf.sample(wo, 0.99, [0.5; 2]), None);
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let s = glass.bsdf(ScatterModel::default()).sample(wo, 0.99, [0.5; 2]).unwrap();
+    assert!(s.wi.z < 0.0 && s.weight == Rgb::ONE);
+}
+
+#[test]
+fn exact_glass_reflects_as_often_as_fresnel_says() {
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let bsdf = glass.bsdf(ScatterModel::default());
+    for (wo, eta) in [(towards(40.0, 0.0), 1.5f32), (-towards(40.0, 0.0), 1.0 / 1.5)] {
+        let f = crate::optics::dielectric::fresnel(wo.z.abs(), eta).unpolarized();
+        let reflects = |uc: f32| bsdf.sample(wo, uc, [0.5; 2]).unwrap().wi.z * wo.z > 0.0;
+        assert!(reflects(0.0) && reflects(f - 1e-6) && !reflects(f + 1e-6));
+    }
+}
+
+/// The integral of the density over the directions that facets reflect to, on a grid of normals in the sampler's own
+/// measure, at f64.
+fn mass(bsdf: &Bsdf, normal: impl Fn([f64; 2]) -> ([f64; 3], f64), wo: Vec3) -> f64 {
+    let (n, m) = (256, 128);
+    let mut sum = 0.0;
+    for i in 0..n * m {
+        let u = [(f64::from(i / m) + 0.5) / f64::from(n), (f64::from(i % m) + 0.5) / f64::from(m)];
+        let (wm, density) = normal(u);
+        let wm = glam::DVec3::from_array(wm);
+        let cos = wo.as_dvec3().dot(wm);
+        let wi = (2.0 * cos * wm - wo.as_dvec3()).as_vec3();
+        if cos > 0.0 {
+            sum += f64::from(bsdf.pdf(wo, wi)) * 4.0 * cos / density;
+        }
+    }
+    sum / f64::from(n * m)
+}
+
+#[test]
+fn densities_integrate_to_the_share_of_samples() {
+    use crate::optics::microfacet::{Beckmann, Ggx};
+    use crate::sampling::normals::SampleNormals;
+    for alpha in ALPHAS {
+        for distribution in DISTRIBUTIONS {
+            for normals in [Normals::Visible, Normals::All] {
+                let bsdf = gold(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
+                for degrees in DEGREES {
+                    let wo = towards(degrees, 1.0);
+                    // Below this two f32 directions do not tell the facet's normal.
+                    if alpha * wo.z < 1e-7 {
+                        continue;
+                    }
+                    let exact = wo.to_array().map(f64::from);
+                    let a = f64::from(alpha);
+                    let draw = |u: [f64; 2]| match (distribution, normals) {
+                        (Distribution::Beckmann, Normals::Visible) => {
+                            let wm = Beckmann::new(a).sample_visible(exact, u);
+                            (wm, Beckmann::new(a).pdf_visible(exact, wm))
+                        }
+                        (Distribution::Beckmann, _) => {
+                            let wm = Beckmann::new(a).sample_all(u);
+                            (wm, Beckmann::new(a).pdf_all(wm))
+                        }
+                        (Distribution::Ggx, Normals::Visible) => {
+                            let wm = Ggx::new(a).sample_visible(exact, u);
+                            (wm, Ggx::new(a).pdf_visible(exact, wm))
+                        }
+                        (Distribution::Ggx, _) => {
+                            let wm = Ggx::new(a).sample_all(u);
+                            (wm, Ggx::new(a).pdf_all(wm))
+                        }
+                    };
+                    let (mass, drawn) = (mass(&bsdf, draw, wo), furnace(&bsdf, wo).1);
+                    let case = format!("{distribution:?} {normals:?} {alpha} at {degrees}: {mass} {drawn}");
+                    // Both are quadratures over a region whose edge they see to one of 4096 points, at best.
+                    assert!((mass - drawn).abs() < 3e-3, "{case}");
+                }
+            }
+        }
+    }
+}
+
+/// Counts of drawn directions in 16 x 16 cells of equal area with `None` apart, against the integrals of `pdf`.
+fn chi_square_of(bsdf: &impl Scatter, pdf: impl Fn(Vec3, Vec3) -> f32, wo: Vec3) -> f64 {
+    use crate::sampling::stream::{Independent, Stream};
+    const CELLS: usize = 16;
+    const SAMPLES: u32 = 1 << 16;
+    const FINE: usize = 32;
+    let mut expected = vec![0.0; CELLS * CELLS];
+    let side = CELLS * FINE;
+    for i in 0..side * side {
+        let place = [i / side, i % side].map(|j| (j as f64 + 0.5) / side as f64);
+        let wi = crate::sampling::warp::uniform_hemisphere(place).as_vec3();
+        expected[i / side / FINE * CELLS + i % side / FINE] += f64::from(pdf(wo, wi));
+    }
+    let area = std::f64::consts::TAU * f64::from(SAMPLES) / (side * side) as f64;
+    expected.iter_mut().for_each(|e| *e *= area);
+    expected.push(f64::from(SAMPLES) - expected.iter().sum::<f64>());
+    let mut observed = vec![0; CELLS * CELLS + 1];
+    for i in 0..SAMPLES {
+        let u = Independent::new(1, 0, i).pair(0).map(|u| u as f32);
+        let cell = bsdf.sample(wo, 0.0, u).map_or(CELLS * CELLS, |s| {
+            let place = crate::sampling::warp::invert_uniform_hemisphere(s.wi.as_dvec3());
+            let [row, column] = place.map(|x| ((x * CELLS as f64) as usize).min(CELLS - 1));
+            row * CELLS + column
+        });
+        observed[cell] += 1;
+    }
+    crate::stats::chi_square::chi_square(&observed, &expected).map_or(0.0, |test| test.p)
+}
+
+#[test]
+fn drawn_directions_have_their_density() {
+    let wo = towards(40.0, 1.0);
+    for distribution in DISTRIBUTIONS {
+        for normals in NORMALS {
+            let bsdf = gold(0.3, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
+            let p = chi_square_of(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
+            // One in a thousand for the eight tests here together.
+            assert!(p > 1.25e-4, "{distribution:?} {normals:?}: p = {p}");
+        }
+    }
+    let diffuse = Diffuse::new(Rgb::ONE);
+    assert!(chi_square_of(&diffuse, |wo, wi| diffuse.pdf(wo, wi), wo) > 1.25e-4);
+    // The second report's metal: its directions follow their own density and not the printed one.
+    let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
+    let bsdf = gold(0.3, Distribution::Beckmann).bsdf(report);
+    assert!(chi_square_of(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo) > 1.25e-4);
+    let printed = |wo, wi| printed_pdf(crate::optics::microfacet::Beckmann::new(0.3), wo, wi);
+    assert!(chi_square_of(&bsdf, printed, wo) < 1e-6, "the planted fault is seen");
 }
