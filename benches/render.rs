@@ -24,7 +24,7 @@ fn sphere_env(c: &mut Criterion) {
         ("BSDF", Sampling::Bsdf, LightDensity::Map, false),
     ] {
         let settings = Settings { sampling, density, general, ..Settings::default() };
-        group.bench_function(name, |b| b.iter(|| black_box(render(&scene, &request, &settings, &|| ()))));
+        group.bench_function(name, |b| b.iter(|| black_box(render(&scene, &request, &settings, &Silent))));
     }
     group.finish();
 }

@@ -107,8 +107,8 @@ impl Render {
             max_depth: self.max_depth.unwrap_or(asked.max_depth),
         };
         let scene = Scene { camera: scene.camera.fitted([asked.width, asked.height], [width, height]), ..scene };
-        let bar = console.progress(height as u64, &scene.name);
-        let rendered = render::render(&scene, &request, &self.settings(global.seed), &|| bar.inc(1))?;
+        let bar = console.progress((width * height) as u64 * u64::from(request.spp), &scene.name);
+        let rendered = render::render(&scene, &request, &self.settings(global.seed), &Bar(&bar))?;
         bar.finish_and_clear();
         let files = self.write(&scene, &rendered, global)?;
         if rendered.dropped.total() > 0 {
@@ -168,6 +168,7 @@ impl Render {
             },
             seed,
             general: self.general,
+            ..Settings::default()
         }
     }
 
@@ -241,4 +242,11 @@ fn mean(rendered: &Rendered) -> [f64; 3] {
     let pixels = rendered.image.pixels();
     let sum: glam::DVec3 = pixels.iter().map(|p| p.as_dvec3()).sum();
     (sum / pixels.len() as f64).to_array()
+}
+
+struct Bar<'a>(&'a indicatif::ProgressBar);
+impl render::Control for Bar<'_> {
+    fn done(&self, n: u64) {
+        self.0.inc(n);
+    }
 }

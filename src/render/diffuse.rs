@@ -2,8 +2,8 @@
 
 use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Paths, Points, Shadows, ZERO3};
-use super::lights::{Kind, LightSample, Sampled};
-use super::wide::wide;
+use super::lights::{Kind, SampleLight, Sampled};
+use super::wide::{Wide, wide};
 use crate::sampling::elementary::Elementary;
 use glam::Vec3;
 use pulp::Arch;
@@ -14,84 +14,75 @@ pub fn towards_light(arch: Arch, points: &Points, light: &Sampled, u: &[Lane; 2]
     shadows.count = points.count;
     shadows.slot = points.slot;
     shadows.word = points.word;
-    // One loop per kind of light, so that each vectorizes.
     match &light.kind {
-        Kind::Panel(panel) => wide(
-            arch,
-            #[inline(always)]
-            || {
-                fill(
-                    points,
-                    u,
-                    scale,
-                    shadows,
-                    #[inline(always)]
-                    |p, u| panel.sample(p, u),
-                )
-            },
-        ),
-        _ => fill(
-            points,
-            u,
-            scale,
-            shadows,
-            #[inline(always)]
-            |p, u| light.sample(p, u),
-        ),
+        // A loop without a case distinction inside, which vectorizes.
+        Kind::Panel(panel) => wide(arch, TowardsLight { points, u, scale, shadows, light: panel }),
+        _ => TowardsLight { points, u, scale, shadows, light }.run(),
     }
 }
 
-#[inline(always)]
-fn fill(
-    points: &Points,
-    u: &[Lane; 2],
+struct TowardsLight<'a, L> {
+    points: &'a Points,
+    light: &'a L,
+    u: &'a [Lane; 2],
     scale: f32,
-    shadows: &mut Shadows,
-    sample: impl Fn(Vec3, [f32; 2]) -> LightSample,
-) {
-    // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
-    let (position, normal, weight, u) = (points.position, points.normal, points.weight, *u);
-    let (mut direction, mut value, mut limit) = (ZERO3, ZERO3, [0.0; LANES]);
-    for i in 0..points.count.min(LANES) {
-        let light = sample(at(&position, i), [u[0][i], u[1][i]]);
-        let cos = at(&normal, i).dot(light.wi).max(0.0);
-        set(&mut direction, i, light.wi);
-        set(&mut value, i, at(&weight, i) * light.weight * (cos * scale * FRAC_1_PI));
-        limit[i] = light.distance;
+    shadows: &'a mut Shadows,
+}
+
+impl<L: SampleLight> Wide for TowardsLight<'_, L> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { points, light, u, scale, shadows } = self;
+        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+        let (position, normal, weight, u) = (points.position, points.normal, points.weight, *u);
+        let (mut direction, mut value, mut limit) = (ZERO3, ZERO3, [0.0; LANES]);
+        for i in 0..points.count.min(LANES) {
+            let light = light.sample(at(&position, i), [u[0][i], u[1][i]]);
+            let cos = at(&normal, i).dot(light.wi).max(0.0);
+            set(&mut direction, i, light.wi);
+            set(&mut value, i, at(&weight, i) * light.weight * (cos * scale * FRAC_1_PI));
+            limit[i] = light.distance;
+        }
+        (shadows.rays.origin, shadows.rays.direction) = (position, direction);
+        (shadows.value, shadows.limit) = (value, limit);
     }
-    (shadows.rays.origin, shadows.rays.direction) = (position, direction);
-    (shadows.value, shadows.limit) = (value, limit);
 }
 
 /// Appends to `next` each point's path, carried on in a direction of density cos θ / π.
 pub fn carry_on(arch: Arch, points: &Points, u: &[Lane; 2], next: &mut Paths) {
-    let start = next.count;
-    assert!(start + points.count <= LANES);
-    wide(
-        arch,
-        #[inline(always)]
-        || {
-            for i in 0..points.count.min(LANES - start) {
-                let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
-                let r = u[0][i].sqrt();
-                let (x, y, z) = (r * cos_phi, r * sin_phi, (1.0 - u[0][i]).sqrt());
-                let normal = at(&points.normal, i);
-                let (tangent, bitangent) = frame(normal);
-                let j = start + i;
-                set(&mut next.rays.origin, j, at(&points.position, i));
-                set(&mut next.rays.direction, j, tangent * x + bitangent * y + normal * z);
-                set(&mut next.throughput, j, at(&points.weight, i));
-            }
-        },
-    );
-    let part = start..start + points.count;
+    assert!(next.count + points.count <= LANES);
+    wide(arch, CarryOn { points, u, next });
+    let part = next.count..next.count + points.count;
     next.pdf[part.clone()].fill(0.0);
     next.sky[part.clone()].fill(0.0);
     next.slot[part.clone()].copy_from_slice(&points.slot[..points.count]);
-    for (word, &old) in next.word[part].iter_mut().zip(&points.word) {
-        *word = old << 1;
-    }
+    next.word[part].copy_from_slice(&points.word[..points.count]);
     next.count += points.count;
+}
+
+struct CarryOn<'a> {
+    points: &'a Points,
+    u: &'a [Lane; 2],
+    next: &'a mut Paths,
+}
+
+impl Wide for CarryOn<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { points, u, next } = self;
+        let start = next.count.min(LANES);
+        for i in 0..points.count.min(LANES - start) {
+            let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
+            let r = u[0][i].sqrt();
+            let (x, y, z) = (r * cos_phi, r * sin_phi, (1.0 - u[0][i]).sqrt());
+            let normal = at(&points.normal, i);
+            let (tangent, bitangent) = frame(normal);
+            let j = start + i;
+            set(&mut next.rays.origin, j, at(&points.position, i));
+            set(&mut next.rays.direction, j, tangent * x + bitangent * y + normal * z);
+            set(&mut next.throughput, j, at(&points.weight, i));
+        }
+    }
 }
 
 /// Two unit vectors that make a right-handed frame with a unit normal.

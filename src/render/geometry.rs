@@ -5,7 +5,8 @@
 //! only where there is a mesh.
 
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
-use super::wide::wide;
+use super::wide::{Wide, wide};
+use crate::scene::bvh::{self, MeshBvh};
 use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
@@ -27,8 +28,9 @@ impl Panel {
         let normal = rectangle.normal();
         Self { normal, height: normal.dot(rectangle.centre()), across, offset, object }
     }
+}
 
-    /// Distance along the ray to the rectangle; NaN, negative or infinite where it does not meet it.
+impl Solid for Panel {
     #[inline(always)]
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
@@ -61,64 +63,61 @@ pub struct Geometry<'a> {
     offsets: Vec<f32>,
     /// Panels that can stand between two points of the scene: a wall with everything on one side cannot.
     blockers: Vec<Panel>,
+    meshes: Option<Meshes>,
     arch: Arch,
 }
 
+/// The triangles of all meshes.
+struct Meshes {
+    tree: MeshBvh,
+    /// The object that each mesh is.
+    object: Vec<u32>,
+}
+
 impl<'a> Geometry<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
+    /// Prepares the shapes; `with_meshes` says whether to build the tree of triangles if there are none.
+    pub fn new(scene: &'a Scene, with_meshes: bool) -> Self {
         let objects = &scene.objects;
         let mut panels = Vec::new();
         let mut spheres = Vec::new();
+        let (mut meshes, mut mesh_objects) = (Vec::new(), Vec::new());
         for (i, object) in objects.iter().enumerate() {
             match &object.shape {
                 Shape::Rectangle(rectangle) => panels.push(Panel::new(rectangle, i as u32)),
                 Shape::Sphere(sphere) => spheres.push((*sphere, i as u32)),
-                Shape::Mesh(_) => {}
+                Shape::Mesh(mesh) => {
+                    meshes.push(&**mesh);
+                    mesh_objects.push(i as u32);
+                }
             }
         }
         let offsets = objects.iter().map(|object| 16.0 * f32::EPSILON * extent(&object.shape)).collect();
         let blockers = panels.iter().copied().filter(|panel| !encloses(panel, scene)).collect();
-        Self { objects, panels, spheres, offsets, blockers, arch: Arch::new() }
+        let meshes = with_meshes.then(|| Meshes { tree: MeshBvh::build(&meshes), object: mesh_objects });
+        Self { objects, panels, spheres, offsets, blockers, meshes, arch: Arch::new() }
     }
 
     /// The nearest object of the first `count` rays.
     pub fn nearest(&self, rays: &Rays, count: usize, hits: &mut Hits) {
         hits.t[..count].fill(f32::INFINITY);
         hits.object[..count].fill(NOTHING);
-        let (t, object) = (&mut hits.t, &mut hits.object);
         for panel in &self.panels {
-            wide(
-                self.arch,
-                #[inline(always)]
-                || {
-                    nearer(
-                        rays,
-                        count,
-                        t,
-                        object,
-                        panel.object,
-                        #[inline(always)]
-                        |o, d| panel.distance(o, d),
-                    )
-                },
-            );
+            wide(self.arch, Nearest { solid: panel, object: panel.object, rays, count, hits });
         }
-        for (sphere, id) in &self.spheres {
-            wide(
-                self.arch,
-                #[inline(always)]
-                || {
-                    nearer(
-                        rays,
-                        count,
-                        t,
-                        object,
-                        *id,
-                        #[inline(always)]
-                        |o, d| sphere.distance(o, d),
-                    )
-                },
-            );
+        for (sphere, object) in &self.spheres {
+            wide(self.arch, Nearest { solid: sphere, object: *object, rays, count, hits });
+        }
+        if let Some(meshes) = &self.meshes {
+            let mut found = [None; LANES];
+            meshes.tree.nearest_many(limited(rays, &hits.t, count), &mut found[..count]);
+            for (i, hit) in found[..count].iter().enumerate() {
+                if let Some(hit) = hit {
+                    hits.t[i] = hit.t;
+                    hits.object[i] = meshes.object[meshes.tree.mesh_of(hit.triangle) as usize];
+                    hits.triangle[i] = hit.triangle;
+                    (hits.u[i], hits.v[i]) = (hit.u, hit.v);
+                }
+            }
         }
     }
 
@@ -126,37 +125,21 @@ impl<'a> Geometry<'a> {
     pub fn occluded(&self, rays: &Rays, count: usize, limit: &Lane, light: u32, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
         for panel in self.blockers.iter().filter(|panel| panel.object != light) {
-            wide(
-                self.arch,
-                #[inline(always)]
-                || {
-                    blocks(
-                        rays,
-                        count,
-                        limit,
-                        blocked,
-                        #[inline(always)]
-                        |o, d| panel.distance(o, d),
-                    )
-                },
-            );
+            wide(self.arch, Blocked { solid: panel, rays, count, limit, blocked });
         }
-        for (sphere, id) in &self.spheres {
-            if *id != light {
-                wide(
-                    self.arch,
-                    #[inline(always)]
-                    || {
-                        blocks(
-                            rays,
-                            count,
-                            limit,
-                            blocked,
-                            #[inline(always)]
-                            |o, d| sphere.distance(o, d),
-                        )
-                    },
-                );
+        for (sphere, _) in self.spheres.iter().filter(|(_, object)| *object != light) {
+            wide(self.arch, Blocked { solid: sphere, rays, count, limit, blocked });
+        }
+        if let Some(meshes) = &self.meshes {
+            let mut left = [0.0; LANES];
+            for i in 0..count {
+                // A ray that is stopped already needs no tree.
+                left[i] = if blocked[i] == 0 { limit[i] } else { 0.0 };
+            }
+            let mut found = [false; LANES];
+            meshes.tree.occluded_many(limited(rays, &left, count), &mut found[..count]);
+            for i in 0..count {
+                blocked[i] |= u32::from(found[i]);
             }
         }
     }
@@ -179,9 +162,22 @@ impl<'a> Geometry<'a> {
                 let normal = (origin - s.centre + hits.t[i] * direction).normalize();
                 Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
             }
-            Shape::Mesh(_) => unreachable!(),
+            Shape::Mesh(mesh) => {
+                let local = self.meshes.as_ref().map_or(0, |meshes| meshes.tree.local(hits.triangle[i]));
+                match mesh.surface(local, hits.u[i], hits.v[i]) {
+                    Some(s) => Surface { position: s.point, normal: s.normal, shading: s.shading, offset },
+                    // Triangles without area are never hit.
+                    None => Surface { position, normal: -direction, shading: -direction, offset },
+                }
+            }
         }
     }
+}
+
+/// The first `count` rays up to the given distances.
+fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
+    let part = |lanes: &'a [Lane; 3]| lanes.each_ref().map(|lane| &lane[..count]);
+    bvh::Rays { origin: part(&rays.origin), direction: part(&rays.direction), t_max: &t_max[..count] }
 }
 
 /// Component `i` of three lanes.
@@ -198,28 +194,59 @@ pub fn set(lanes: &mut [Lane; 3], i: usize, value: Vec3) {
     lanes[2][i] = value.z;
 }
 
-#[inline(always)]
-fn nearer(
-    rays: &Rays,
-    count: usize,
-    t: &mut Lane,
-    object: &mut [u32; LANES],
-    id: u32,
-    distance: impl Fn(Vec3, Vec3) -> f32,
-) {
-    for i in 0..count.min(LANES) {
-        let found = distance(at(&rays.origin, i), at(&rays.direction, i));
-        let hit = (found >= 0.0) & (found < t[i]);
-        t[i] = if hit { found } else { t[i] };
-        object[i] = if hit { id } else { object[i] };
+/// A shape that is tried against all rays.
+trait Solid {
+    /// Distance along the ray to the shape; NaN, negative or infinite where it does not meet it.
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32;
+}
+
+impl Solid for Sphere {
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        self.distance(origin, direction)
     }
 }
 
-#[inline(always)]
-fn blocks(rays: &Rays, count: usize, limit: &Lane, blocked: &mut [u32; LANES], distance: impl Fn(Vec3, Vec3) -> f32) {
-    for i in 0..count.min(LANES) {
-        let found = distance(at(&rays.origin, i), at(&rays.direction, i));
-        blocked[i] |= u32::from((found >= 0.0) & (found < limit[i]));
+/// The loop over all rays that looks for the nearest hit.
+struct Nearest<'a, S> {
+    solid: &'a S,
+    object: u32,
+    rays: &'a Rays,
+    count: usize,
+    hits: &'a mut Hits,
+}
+
+impl<S: Solid> Wide for Nearest<'_, S> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { solid, object, rays, count, hits } = self;
+        let (t, objects) = (&mut hits.t, &mut hits.object);
+        for i in 0..count.min(LANES) {
+            let found = solid.distance(at(&rays.origin, i), at(&rays.direction, i));
+            let hit = (found >= 0.0) & (found < t[i]);
+            t[i] = if hit { found } else { t[i] };
+            objects[i] = if hit { object } else { objects[i] };
+        }
+    }
+}
+
+/// The loop over all rays that looks for any hit.
+struct Blocked<'a, S> {
+    solid: &'a S,
+    rays: &'a Rays,
+    count: usize,
+    limit: &'a Lane,
+    blocked: &'a mut [u32; LANES],
+}
+
+impl<S: Solid> Wide for Blocked<'_, S> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { solid, rays, count, limit, blocked } = self;
+        for i in 0..count.min(LANES) {
+            let found = solid.distance(at(&rays.origin, i), at(&rays.direction, i));
+            blocked[i] |= u32::from((found >= 0.0) & (found < limit[i]));
+        }
     }
 }
 
@@ -228,7 +255,7 @@ fn extent(shape: &Shape) -> f32 {
     match shape {
         Shape::Sphere(s) => s.radius + s.centre.abs().max_element(),
         Shape::Rectangle(r) => (r.centre().abs() + r.half_sides()[0].abs() + r.half_sides()[1].abs()).max_element(),
-        Shape::Mesh(mesh) => mesh.positions.iter().fold(0.0, |m, p| p.abs().max_element().max(m)),
+        Shape::Mesh(mesh) => mesh.bounds().map_or(0.0, |[low, high]| low.abs().max(high.abs()).max_element()),
     }
 }
 
@@ -248,7 +275,9 @@ fn encloses(panel: &Panel, scene: &Scene) -> bool {
         match &object.shape {
             Shape::Sphere(s) => point(s.centre, s.radius),
             Shape::Rectangle(r) => r.corners().into_iter().for_each(|corner| point(corner, 0.0)),
-            Shape::Mesh(mesh) => mesh.positions.iter().for_each(|&p| point(p, 0.0)),
+            Shape::Mesh(mesh) => mesh.bounds().into_iter().for_each(|ends| {
+                (0..8).for_each(|i| point(Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z), 0.0));
+            }),
         }
     }
     for light in &scene.lights {

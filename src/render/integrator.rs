@@ -5,53 +5,40 @@
 //! loops that vectorize, the rest one by one. That keeps the arithmetic of a Cornell box four to eight lanes wide
 //! without a line of vector code, and the order of the paths does not matter: every random number is a function of its
 //! pixel, sample and dimension, so a path's light has the same bits in any company.
+//!
+//! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
 
 use super::diffuse;
+use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
 use super::lanes::{Hits, LANES, Lane, Lane3, NOTHING, Paths, Points, Shadows};
 use super::lens::Lens;
-use super::lights::Sampled;
+use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
 use super::strategies::Strategies;
 use super::{Sampling, Settings};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Scatter};
 use crate::raster::Rgb;
-use crate::scene::{Emission, Environment, Material, Request, Role, Scene};
-use glam::{DVec3, Vec3};
+use crate::render::exposure::{Classes, Word};
+use crate::scene::{Emission, Request, Role, Scene};
+use glam::Vec3;
 use pulp::Arch;
 
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
 
-/// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
-const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
-
 /// A scene made ready for rendering.
 pub struct Integrator<'a> {
-    pub scene: &'a Scene,
-    pub request: Request,
-    geometry: Geometry<'a>,
-    faces: Vec<Face>,
-    lights: Vec<Sampled>,
-    strategies: Strategies,
-    sampling: Sampling,
-    arch: Arch,
-}
-
-/// What an object does to light.
-struct Face {
-    scatter: Scatter,
-    emission: Option<Emission>,
-    /// The number of the light in [`Integrator::lights`] that samples this object.
-    light: Option<usize>,
-}
-
-enum Scatter {
-    /// Absorbs everything.
-    Black,
-    Diffuse(Rgb),
-    Other(Bsdf),
+    pub(super) scene: &'a Scene,
+    pub(super) request: Request,
+    pub(super) geometry: Geometry<'a>,
+    pub(super) faces: Vec<Face>,
+    pub(super) lights: Vec<Sampled>,
+    pub(super) strategies: Strategies,
+    pub(super) sampling: Sampling,
+    pub(super) arch: Arch,
+    classes: Option<Classes>,
 }
 
 /// What one thread works with.
@@ -61,99 +48,150 @@ pub struct Workspace {
     pub pixel: [u32; LANES],
     /// The light found so far, by slot.
     pub radiance: Lane3,
+    /// The same by path class, all classes of a slot side by side; empty if they are not kept apart.
+    pub layers: Vec<Rgb>,
+    classes: Option<Classes>,
     paths: Paths,
     next: Paths,
-    hits: Hits,
-    points: Points,
-    others: Vec<u32>,
-    shadows: Shadows,
-    blocked: [u32; LANES],
-    u: [Lane; 2],
+    pub(super) hits: Hits,
+    pub(super) points: Points,
+    delta: Vec<u32>,
+    pub(super) rough: Vec<RoughHit>,
+    pub(super) shadows: Shadows,
+    pub(super) blocked: [u32; LANES],
+    pub(super) u: [Lane; 2],
+}
+
+/// A hit on a rough surface, in its own frame.
+#[derive(Clone, Copy)]
+pub struct RoughHit {
+    pub surface: Surface,
+    pub frame: Frame,
+    pub wo: Vec3,
+    pub throughput: Rgb,
+    pub slot: u32,
+    pub word: Word,
+    pub object: u32,
+}
+
+/// A local frame: the normal at +z.
+#[derive(Clone, Copy)]
+pub struct Frame {
+    pub x: Vec3,
+    pub y: Vec3,
+    pub z: Vec3,
+}
+
+impl Frame {
+    #[inline(always)]
+    fn new(normal: Vec3) -> Self {
+        let (x, y) = diffuse::frame(normal);
+        Self { x, y, z: normal }
+    }
+
+    #[inline(always)]
+    pub fn local(&self, w: Vec3) -> Vec3 {
+        Vec3::new(self.x.dot(w), self.y.dot(w), self.z.dot(w))
+    }
+
+    #[inline(always)]
+    pub fn world(&self, w: Vec3) -> Vec3 {
+        self.x * w.x + self.y * w.y + self.z * w.z
+    }
 }
 
 impl Workspace {
     pub fn new(settings: &Settings) -> Self {
+        let classes = settings.paths.map(Classes::up_to);
         Self {
-            paths: Paths::default(),
-            pixel: [0; LANES],
             numbers: Numbers::new(settings.stream, settings.seed),
+            pixel: [0; LANES],
             radiance: [[0.0; LANES]; 3],
+            layers: vec![Rgb::ZERO; LANES * classes.map_or(0, Classes::count)],
+            classes,
+            paths: Paths::default(),
             next: Paths::default(),
             hits: Hits::default(),
             points: Points::default(),
-            others: Vec::with_capacity(LANES),
+            delta: Vec::with_capacity(LANES),
+            rough: Vec::with_capacity(LANES),
             shadows: Shadows::default(),
             blocked: [0; LANES],
             u: [[0.0; LANES]; 2],
         }
     }
 
+    /// Light that a path of class `word` has found.
     #[inline(always)]
-    fn add(&mut self, slot: u32, value: Rgb) {
+    pub(super) fn add(&mut self, slot: u32, word: Word, value: Rgb) {
         let slot = slot as usize % LANES;
         self.radiance[0][slot] += value.x;
         self.radiance[1][slot] += value.y;
         self.radiance[2][slot] += value.z;
+        if let Some(classes) = self.classes {
+            self.layers[slot * classes.count() + classes.index(word)] += value;
+        }
     }
 }
 
-/// Pairs of random numbers that each scattering draws from, after the one for the film position: one for the
-/// material's direction, one for its choices, and one per light.
+/// Pairs of random numbers that each scattering draws from, after the one for the film position.
 #[derive(Clone, Copy)]
-struct Dimensions {
+pub struct Dimensions {
     first: u32,
 }
 
 impl Dimensions {
-    fn bsdf(self) -> u32 {
+    const OTHERS: u32 = 4;
+
+    /// Where the path goes on.
+    pub fn bsdf(self) -> u32 {
         self.first
     }
 
-    fn choice(self) -> u32 {
+    /// Which of its lobes the material chooses, and Russian roulette.
+    pub fn choice(self) -> u32 {
         self.first + 1
     }
 
-    fn environment(self) -> u32 {
+    /// Where light is looked for without regard to where it is.
+    pub fn gather(self) -> u32 {
         self.first + 2
     }
 
-    fn light(self, number: usize) -> u32 {
-        self.first + 3 + number as u32
+    pub fn environment(self) -> u32 {
+        self.first + 3
+    }
+
+    pub fn light(self, number: usize) -> u32 {
+        self.first + Self::OTHERS + number as u32
     }
 }
 
 impl<'a> Integrator<'a> {
-    pub fn new(scene: &'a Scene, request: &Request, settings: &Settings, strategies: Strategies) -> Self {
-        let lights = Sampled::all(scene);
-        let faces = scene
-            .objects
-            .iter()
-            .enumerate()
-            .map(|(i, object)| Face {
-                scatter: match object.material {
-                    Material::Diffuse { albedo } if albedo == Rgb::ZERO => Scatter::Black,
-                    Material::Diffuse { albedo } => Scatter::Diffuse(albedo),
-                    ref other => Scatter::Other(Bsdf::new(other)),
-                },
-                emission: object.emission,
-                light: lights.iter().position(|light| light.object == i as u32),
-            })
-            .collect();
+    pub fn new(
+        scene: &'a Scene,
+        request: &Request,
+        settings: &Settings,
+        strategies: Strategies,
+        geometry: Geometry<'a>,
+    ) -> Self {
+        let lights = Sampled::all(scene, settings);
         Self {
             scene,
             request: *request,
-            geometry: Geometry::new(scene),
-            faces,
+            geometry,
+            faces: Face::all(scene, settings, &lights),
             lights,
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
+            classes: settings.paths.map(Classes::up_to),
         }
     }
 
-    /// Pairs of numbers per scattering.
     fn dimensions(&self, scatterings: u32) -> Dimensions {
-        Dimensions { first: 1 + scatterings * (3 + self.lights.len() as u32) }
+        let each = Dimensions::OTHERS + self.lights.len() as u32;
+        Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
     }
 
     /// Makes the camera rays of the first `count` slots, which belong to row `y`.
@@ -170,63 +208,80 @@ impl<'a> Integrator<'a> {
         }
         paths.pdf[..count].fill(f32::INFINITY);
         paths.sky[..count].fill(1.0);
-        paths.word[..count].fill(1);
+        paths.word[..count].fill(Word::DIRECT);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
         }
+        work.layers[..count * self.classes.map_or(0, Classes::count)].fill(Rgb::ZERO);
     }
 
-    /// Follows the camera rays in `work.paths` to their ends and adds the light that they find to `work.radiance`.
+    /// Follows the camera rays to their ends and adds the light that they find to `work.radiance`.
     pub fn trace<const NEEDS: u32>(&self, work: &mut Workspace) {
-        let has = |need: u32| NEEDS & need != 0;
         let mut scatterings = 0;
         while work.paths.count > 0 {
             let count = work.paths.count;
             self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
-            work.points.count = 0;
-            work.others.clear();
-            let last = scatterings == self.request.max_depth;
-            for i in 0..count {
-                let id = work.hits.object[i];
-                if id == NOTHING {
-                    if has(Needs::ENVIRONMENT) {
-                        self.leave(work, i);
-                    }
-                    continue;
-                }
-                let face = &self.faces[id as usize];
-                if let Some(emission) = &face.emission {
-                    self.glow(work, i, face, emission);
-                }
-                if last {
-                    continue;
-                }
-                match face.scatter {
-                    Scatter::Black => {}
-                    Scatter::Diffuse(albedo) => self.collect(work, i, albedo),
-                    Scatter::Other(_) => work.others.push(i as u32),
-                }
-            }
+            self.sort_hits::<NEEDS>(work, scatterings == self.request.max_depth);
             let dimensions = self.dimensions(scatterings);
             scatterings += 1;
             work.next.count = 0;
-            let goes_on = has(Needs::OCCLUSION) && scatterings < self.request.max_depth;
+            let last = scatterings == self.request.max_depth;
             if work.points.count > 0 {
                 self.light_diffuse::<NEEDS>(work, dimensions);
-                if goes_on {
+                // The light at a diffuse hit has been sampled: there is nothing to find after the last one.
+                if Needs::OCCLUSION.is_in(NEEDS) && !last {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
                 }
             }
-            for k in 0..work.others.len() {
-                let i = work.others[k] as usize;
-                self.scatter_other(work, i, dimensions);
+            if Needs::DELTA.is_in(NEEDS) {
+                for k in 0..work.delta.len() {
+                    self.scatter_delta(work, work.delta[k] as usize, dimensions);
+                }
+            }
+            if Needs::ROUGH.is_in(NEEDS) && !work.rough.is_empty() {
+                self.light_rough::<NEEDS>(work, dimensions);
+                for k in 0..work.rough.len() {
+                    self.scatter_rough(work, work.rough[k], dimensions);
+                }
             }
             if scatterings > ROULETTE_AFTER {
-                self.roulette(work, dimensions);
+                roulette(&mut work.next, &work.numbers, dimensions.choice());
             }
             std::mem::swap(&mut work.paths, &mut work.next);
+        }
+    }
+
+    /// Adds the light that the rays have hit, and sorts the hits by what is to be done with them, if anything.
+    fn sort_hits<const NEEDS: u32>(&self, work: &mut Workspace, last: bool) {
+        work.points.count = 0;
+        work.delta.clear();
+        work.rough.clear();
+        for i in 0..work.paths.count {
+            let id = work.hits.object[i];
+            if id == NOTHING {
+                if Needs::ENVIRONMENT.is_in(NEEDS) {
+                    self.leave(work, i);
+                }
+                continue;
+            }
+            let face = &self.faces[id as usize];
+            if Needs::LAMPS.is_in(NEEDS)
+                && let Some(emission) = &face.emission
+            {
+                self.glow(work, i, face, emission);
+            }
+            if last {
+                continue;
+            }
+            match face.kind {
+                Kind::Black => {}
+                Kind::Diffuse { albedo } => self.collect(work, i, albedo),
+                Kind::Delta(_) if Needs::DELTA.is_in(NEEDS) => work.delta.push(i as u32),
+                Kind::Rough(_) if Needs::ROUGH.is_in(NEEDS) => self.collect_rough(work, i),
+                Kind::Delta(_) | Kind::Rough(_) => {}
+            }
         }
     }
 
@@ -238,7 +293,8 @@ impl<'a> Integrator<'a> {
             && share > 0.0
         {
             let radiance = environment.radiance(at(&work.paths.rays.direction, i).as_dvec3());
-            work.add(work.paths.slot[i], at(&work.paths.throughput, i) * radiance * share);
+            let value = at(&work.paths.throughput, i) * radiance * share;
+            work.add(work.paths.slot[i], work.paths.word[i], value);
         }
     }
 
@@ -246,22 +302,22 @@ impl<'a> Integrator<'a> {
     #[inline]
     fn glow(&self, work: &mut Workspace, i: usize, face: &Face, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        let direction = at(&work.paths.rays.direction, i);
-        if !emission.two_sided && surface.normal.dot(direction) > 0.0 {
+        if !emission.two_sided && surface.normal.dot(at(&work.paths.rays.direction, i)) > 0.0 {
             return;
         }
         let pdf = work.paths.pdf[i];
         let share = match (emission.role, face.light) {
             _ if pdf == f32::INFINITY => 1.0,
-            (Role::Picture, _) => 0.0,
             (Role::Lamp, None) => 1.0,
+            (Role::Picture, _) => 0.0,
             (Role::Lamp, Some(_)) if pdf == 0.0 => 0.0,
             (Role::Lamp, Some(light)) => {
                 let other = self.lights[light].pdf(at(&work.paths.rays.origin, i));
                 power_heuristic(pdf, self.request.light_samples as f32 * other)
             }
         };
-        work.add(work.paths.slot[i], at(&work.paths.throughput, i) * emission.radiance * share);
+        let value = at(&work.paths.throughput, i) * emission.radiance * share;
+        work.add(work.paths.slot[i], work.paths.word[i], value);
     }
 
     /// Puts a diffuse hit with the others.
@@ -275,138 +331,120 @@ impl<'a> Integrator<'a> {
         set(&mut points.normal, j, surface.shading * side);
         set(&mut points.weight, j, at(&work.paths.throughput, i) * albedo);
         points.slot[j] = work.paths.slot[i];
-        points.word[j] = work.paths.word[i];
+        points.word[j] = work.paths.word[i].then(false);
         points.count += 1;
     }
 
-    /// Adds the light that comes straight to the diffuse hits.
-    fn light_diffuse<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
-        let samples = self.request.light_samples;
-        for (number, light) in self.lights.iter().enumerate() {
-            for index in 0..samples {
-                let slots = &work.points.slot[..work.points.count];
-                work.numbers.fill(self.arch, slots, dimensions.light(number), (index, samples), &mut work.u);
-                let scale = 1.0 / samples as f32;
-                diffuse::towards_light(self.arch, &work.points, light, &work.u, scale, &mut work.shadows);
-                self.cast(work, light.object);
-            }
-        }
-        if NEEDS & Needs::ENVIRONMENT != 0
-            && let (Some(environment), Some(_)) = (&self.scene.environment, self.strategies.light())
-        {
-            for index in 0..samples {
-                self.environment_light::<NEEDS>(work, environment, dimensions.environment(), (index, samples));
-            }
-        }
-    }
-
-    /// Adds what the shadow rays bring that nothing stands in the way of.
-    fn cast(&self, work: &mut Workspace, light: u32) {
-        let shadows = &mut work.shadows;
-        for limit in &mut shadows.limit[..shadows.count] {
-            *limit *= SHORT_OF_LIGHT;
-        }
-        self.geometry.occluded(&shadows.rays, shadows.count, &shadows.limit, light, &mut work.blocked);
-        for i in 0..work.shadows.count {
-            if work.blocked[i] == 0 {
-                work.add(work.shadows.slot[i], at(&work.shadows.value, i));
-            }
-        }
-    }
-
-    fn environment_light<const NEEDS: u32>(
-        &self,
-        work: &mut Workspace,
-        environment: &Environment,
-        dimension: u32,
-        draw: (u32, u32),
-    ) {
-        let Some(sampler) = self.strategies.light() else { return };
-        let scale = environment.scale / (draw.1 as f32 * std::f32::consts::PI);
-        let mut count = 0;
-        for i in 0..work.points.count {
-            let normal = at(&work.points.normal, i).as_dvec3();
-            let u = work.numbers.pair(work.points.slot[i], dimension, draw);
-            let Some(light) = sampler.sample_for(u, environment.to_map(normal)) else { continue };
-            let wi: DVec3 = environment.to_world * light.wi;
-            let cos = normal.dot(wi);
-            if cos <= 0.0 {
-                continue;
-            }
-            let value = at(&work.points.weight, i) * scale * light.radiance * (cos / light.pdf) as f32;
-            if NEEDS & Needs::OCCLUSION == 0 {
-                work.add(work.points.slot[i], value);
-                continue;
-            }
-            set(&mut work.shadows.rays.origin, count, at(&work.points.position, i));
-            set(&mut work.shadows.rays.direction, count, wi.as_vec3());
-            set(&mut work.shadows.value, count, value);
-            work.shadows.limit[count] = f32::INFINITY;
-            work.shadows.slot[count] = work.points.slot[i];
-            work.shadows.word[count] = work.points.word[i];
-            count += 1;
-        }
-        work.shadows.count = count;
-        self.cast(work, NOTHING);
-    }
-
-    /// Scatters one path at a surface that is not diffuse.
-    #[inline]
-    fn scatter_other(&self, work: &mut Workspace, i: usize, dimensions: Dimensions) {
-        let Scatter::Other(bsdf) = &self.faces[work.hits.object[i] as usize].scatter else { return };
+    fn collect_rough(&self, work: &mut Workspace, i: usize) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
         let direction = at(&work.paths.rays.direction, i);
-        let (tangent, bitangent) = diffuse::frame(surface.shading);
-        let local = |w: Vec3| Vec3::new(tangent.dot(w), bitangent.dot(w), surface.shading.dot(w));
-        let wo = local(-direction);
-        let slot = work.paths.slot[i];
-        let u = work.numbers.pair(slot, dimensions.bsdf(), (0, 1));
-        let [uc, _] = work.numbers.pair(slot, dimensions.choice(), (0, 1));
-        let Some(sample) = bsdf.sample(wo, uc as f32, u.map(|u| u as f32)) else { return };
-        let wi = tangent * sample.wi.x + bitangent * sample.wi.y + surface.shading * sample.wi.z;
-        let Surface { position, normal, offset, .. } = surface;
-        let side = if normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
-        let next = &mut work.next;
-        let j = next.count;
-        set(&mut next.rays.origin, j, position + normal * (side * offset));
-        set(&mut next.rays.direction, j, wi);
-        set(&mut next.throughput, j, at(&work.paths.throughput, i) * sample.weight);
-        next.pdf[j] = f32::INFINITY;
-        next.sky[j] = 1.0;
-        next.slot[j] = slot;
-        next.word[j] = work.paths.word[i] << 1 | 1;
-        next.count += 1;
+        if surface.normal.dot(direction) > 0.0 {
+            return;
+        }
+        let frame = surface.frame(-direction);
+        let wo = frame.local(-direction);
+        work.rough.push(RoughHit {
+            surface,
+            frame,
+            wo,
+            throughput: at(&work.paths.throughput, i),
+            slot: work.paths.slot[i],
+            word: work.paths.word[i].then(false),
+            object: work.hits.object[i],
+        });
     }
 
-    /// Ends paths at random that carry little light, and lets the others stand for them.
-    fn roulette(&self, work: &mut Workspace, dimensions: Dimensions) {
-        let next = &mut work.next;
-        let mut kept = 0;
-        for i in 0..next.count {
-            let throughput = at(&next.throughput, i);
-            let survival = throughput.max_element().min(1.0);
-            let [_, u] = work.numbers.pair(next.slot[i], dimensions.choice(), (0, 1));
-            if u as f32 >= survival {
-                continue;
-            }
-            let (origin, direction) = (at(&next.rays.origin, i), at(&next.rays.direction, i));
-            set(&mut next.rays.origin, kept, origin);
-            set(&mut next.rays.direction, kept, direction);
-            set(&mut next.throughput, kept, throughput / survival);
-            next.pdf[kept] = next.pdf[i];
-            next.sky[kept] = next.sky[i];
-            next.slot[kept] = next.slot[i];
-            next.word[kept] = next.word[i];
-            kept += 1;
+    /// Scatters one path in a mirror or in glass.
+    #[inline]
+    fn scatter_delta(&self, work: &mut Workspace, i: usize, dimensions: Dimensions) {
+        let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { return };
+        let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+        let direction = at(&work.paths.rays.direction, i);
+        let frame = surface.frame(-direction);
+        let slot = work.paths.slot[i];
+        let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
+        let Some(sample) = bsdf.sample(frame.local(-direction), uc, [0.0; 2]) else { return };
+        let wi = frame.world(sample.wi);
+        let throughput = at(&work.paths.throughput, i) * sample.weight;
+        work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
+    }
+
+    /// Scatters one path at a rough surface.
+    #[inline]
+    fn scatter_rough(&self, work: &mut Workspace, hit: RoughHit, dimensions: Dimensions) {
+        let Some(bsdf) = self.rough_bsdf(&hit) else { return };
+        let u = work.numbers.short_pair(hit.slot, dimensions.bsdf(), (0, 1));
+        let [uc, _] = work.numbers.short_pair(hit.slot, dimensions.choice(), (0, 1));
+        let Some(sample) = bsdf.sample(hit.wo, uc, u) else { return };
+        let wi = hit.frame.world(sample.wi);
+        if hit.surface.normal.dot(wi) <= 0.0 {
+            return;
         }
-        next.count = kept;
+        let j = work.next.count;
+        work.next.push(hit.surface.leave(wi), wi, hit.throughput * sample.weight, hit.slot, hit.word);
+        (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
+            // Pictures are left to mirrors and glass: the pdf is finite.
+            Sampling::Bsdf => (f32::MAX, 1.0),
+            Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
+            Sampling::Mis => (sample.pdf, self.sky_share(&hit, wi, sample.pdf)),
+        };
+    }
+
+    /// The share of the environment's light that a direction drawn by a rough material brings.
+    #[inline]
+    fn sky_share(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
+        let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 1.0 };
+        let map = |w: Vec3| environment.to_map(w.as_dvec3());
+        let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
+        power_heuristic(pdf, self.request.light_samples as f32 * other)
+    }
+
+    #[inline]
+    pub(super) fn rough_bsdf(&self, hit: &RoughHit) -> Option<&Bsdf> {
+        match &self.faces[hit.object as usize].kind {
+            Kind::Rough(bsdf) => Some(bsdf),
+            _ => None,
+        }
+    }
+}
+
+impl Surface {
+    /// The frame for shading, seen from `wo`: where the interpolated normal faces away, that of the surface itself.
+    #[inline]
+    fn frame(&self, wo: Vec3) -> Frame {
+        let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
+        Frame::new(if same_side { self.shading } else { self.normal })
+    }
+
+    /// Where a ray to `wi` starts.
+    #[inline]
+    pub fn leave(&self, wi: Vec3) -> Vec3 {
+        let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
+        self.position + self.normal * (side * self.offset)
+    }
+}
+
+/// Ends paths at random that carry little light, and lets the others stand for them.
+fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
+    let count = std::mem::take(&mut paths.count);
+    for i in 0..count {
+        let throughput = at(&paths.throughput, i);
+        let survival = throughput.max_element().min(1.0);
+        let [_, u] = numbers.short_pair(paths.slot[i], dimension, (0, 1));
+        if u < survival {
+            let (pdf, sky) = (paths.pdf[i], paths.sky[i]);
+            let j = paths.count;
+            let (origin, direction) = (at(&paths.rays.origin, i), at(&paths.rays.direction, i));
+            paths.push(origin, direction, throughput / survival, paths.slot[i], paths.word[i]);
+            (paths.pdf[j], paths.sky[j]) = (pdf, sky);
+        }
     }
 }
 
 /// The share of a sample of density `p` when other samples find the same light with density `q`: p² / (p² + q²).
 /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 4.
 #[inline]
-fn power_heuristic(p: f32, q: f32) -> f32 {
+pub(super) fn power_heuristic(p: f32, q: f32) -> f32 {
     let ratio = q / p;
     1.0 / (1.0 + ratio * ratio)
 }

@@ -1,5 +1,10 @@
 //! Many paths side by side, component by component, so that loops over them vectorize.
 
+use super::geometry::set;
+use crate::raster::Rgb;
+use crate::render::exposure::Word;
+use glam::Vec3;
+
 /// How many paths are followed at once: their arrays fit the nearest caches.
 pub const LANES: usize = 128;
 
@@ -40,8 +45,8 @@ pub struct Paths {
     pub sky: Lane,
     /// The camera sample that the path belongs to.
     pub slot: [u32; LANES],
-    /// What scattered the path so far: a 1, then one bit per scattering from the camera on, 1 for specular.
-    pub word: [u32; LANES],
+    /// What scattered the path so far.
+    pub word: [Word; LANES],
 }
 
 /// Points on surfaces, with the light that their paths still carry.
@@ -54,7 +59,7 @@ pub struct Points {
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
     pub slot: [u32; LANES],
-    pub word: [u32; LANES],
+    pub word: [Word; LANES],
 }
 
 /// Rays towards light samples, and what each brings if nothing is in its way.
@@ -65,7 +70,7 @@ pub struct Shadows {
     pub limit: Lane,
     pub value: Lane3,
     pub slot: [u32; LANES],
-    pub word: [u32; LANES],
+    pub word: [Word; LANES],
 }
 
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
@@ -91,19 +96,57 @@ impl Default for Paths {
             pdf: [0.0; LANES],
             sky: [0.0; LANES],
             slot: [0; LANES],
-            word: [0; LANES],
+            word: [Word::DIRECT; LANES],
         }
     }
 }
 
 impl Default for Points {
     fn default() -> Self {
-        Self { count: 0, position: ZERO3, normal: ZERO3, weight: ZERO3, slot: [0; LANES], word: [0; LANES] }
+        Self { count: 0, position: ZERO3, normal: ZERO3, weight: ZERO3, slot: [0; LANES], word: [Word::DIRECT; LANES] }
     }
 }
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self { count: 0, rays: Rays::default(), limit: [0.0; LANES], value: ZERO3, slot: [0; LANES], word: [0; LANES] }
+        Self {
+            count: 0,
+            rays: Rays::default(),
+            limit: [0.0; LANES],
+            value: ZERO3,
+            slot: [0; LANES],
+            word: [Word::DIRECT; LANES],
+        }
+    }
+}
+
+impl Paths {
+    /// Adds a path whose ray finds all the light that it meets.
+    #[inline(always)]
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, throughput: Rgb, slot: u32, word: Word) {
+        let i = self.count;
+        set(&mut self.rays.origin, i, origin);
+        set(&mut self.rays.direction, i, direction);
+        set(&mut self.throughput, i, throughput);
+        self.pdf[i] = f32::INFINITY;
+        self.sky[i] = 1.0;
+        self.slot[i] = slot;
+        self.word[i] = word;
+        self.count += 1;
+    }
+}
+
+impl Shadows {
+    /// Adds a ray.
+    #[inline(always)]
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, limit: f32, value: Rgb, slot: u32, word: Word) {
+        let i = self.count;
+        set(&mut self.rays.origin, i, origin);
+        set(&mut self.rays.direction, i, direction);
+        set(&mut self.value, i, value);
+        self.limit[i] = limit;
+        self.slot[i] = slot;
+        self.word[i] = word;
+        self.count += 1;
     }
 }

@@ -2,7 +2,7 @@
 
 use super::geometry::set;
 use super::lanes::{LANES, Lane, Rays};
-use super::wide::wide;
+use super::wide::{Wide, wide};
 use crate::scene::{Camera, Projection};
 use glam::Vec3;
 use pulp::Arch;
@@ -38,22 +38,32 @@ impl Lens {
 
     /// The rays through row `y` of the film at the given columns, `u` inside each pixel.
     pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
-        let (columns, u) = (*columns, *u);
-        let Self { position, forward, right, up, parallel, step } = *self;
-        wide(
-            arch,
-            #[inline(always)]
-            || {
-                for i in 0..count.min(LANES) {
-                    let across = (columns[i] as i32 as f32 + u[0][i]) * step[0] - 1.0;
-                    let down = (y as i32 as f32 + u[1][i]) * step[1] - 1.0;
-                    let on_film = right * across - up * down;
-                    let origin = if parallel { position + on_film } else { position };
-                    let direction = if parallel { forward } else { forward + on_film };
-                    set(&mut rays.origin, i, origin);
-                    set(&mut rays.direction, i, direction * (1.0 / direction.length()));
-                }
-            },
-        );
+        wide(arch, Expose { lens: self, columns, y, u, count, rays });
+    }
+}
+
+struct Expose<'a> {
+    lens: &'a Lens,
+    columns: &'a [u32; LANES],
+    y: u32,
+    u: &'a [Lane; 2],
+    count: usize,
+    rays: &'a mut Rays,
+}
+
+impl Wide for Expose<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { columns, y, u, count, rays, .. } = self;
+        let Lens { position, forward, right, up, parallel, step } = *self.lens;
+        for i in 0..count.min(LANES) {
+            let across = (columns[i] as i32 as f32 + u[0][i]) * step[0] - 1.0;
+            let down = (y as i32 as f32 + u[1][i]) * step[1] - 1.0;
+            let on_film = right * across - up * down;
+            let origin = if parallel { position + on_film } else { position };
+            let direction = if parallel { forward } else { forward + on_film };
+            set(&mut rays.origin, i, origin);
+            set(&mut rays.direction, i, direction * (1.0 / direction.length()));
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
+use super::Settings;
 use crate::raster::Rgb;
 use crate::sampling::elementary::Elementary;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
@@ -19,6 +20,15 @@ pub struct LightSample {
     pub pdf: f32,
 }
 
+/// Draws directions towards a light.
+pub trait SampleLight {
+    /// A direction towards the light from a point.
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
+
+    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
+    fn pdf(&self, point: Vec3) -> f32;
+}
+
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
@@ -30,10 +40,21 @@ pub struct Sampled {
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Panel(PanelLight),
+    /// [`super::Model::inverse_distance`].
+    ReportPanel(PanelLight),
     Ball(BallLight),
-    Point { position: Vec3, intensity: Rgb, falloff: Falloff },
-    Directional { towards: Vec3, irradiance: Rgb },
-    Hemisphere { radiance: Rgb },
+    Point {
+        position: Vec3,
+        intensity: Rgb,
+        falloff: Falloff,
+    },
+    Directional {
+        towards: Vec3,
+        irradiance: Rgb,
+    },
+    Hemisphere {
+        radiance: Rgb,
+    },
 }
 
 /// A glowing rectangle in its own axes.
@@ -74,9 +95,11 @@ impl PanelLight {
         let [hx, hy] = self.half;
         ([[x - hx, x + hx], [y - hy, y + hy]], height.abs(), -height)
     }
+}
 
+impl SampleLight for PanelLight {
     #[inline(always)]
-    pub fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         let ([xs, ys], depth, side) = self.seen_from(point);
         let seen = SphericalRectangle::new(xs, ys, depth);
         let [x, y] = seen.sample(u);
@@ -104,7 +127,9 @@ impl BallLight {
         // 1 − √(1 − s²) without the cancellation.
         if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 2.0 }
     }
+}
 
+impl SampleLight for BallLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         let opening = self.opening(point);
@@ -130,11 +155,15 @@ impl BallLight {
 
 impl Sampled {
     /// All lights of a scene that are sampled at every hit.
-    pub fn all(scene: &Scene) -> Vec<Self> {
+    pub fn all(scene: &Scene, settings: &Settings) -> Vec<Self> {
+        let panel = |rectangle: &Rectangle, radiance, two_sided| {
+            let panel = PanelLight::new(rectangle, radiance, two_sided);
+            if settings.model.inverse_distance { Kind::ReportPanel(panel) } else { Kind::Panel(panel) }
+        };
         let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
             let emission = object.emission.filter(|e| e.role == Role::Lamp && e.radiance != Rgb::ZERO)?;
             let kind = match &object.shape {
-                Shape::Rectangle(r) => Kind::Panel(PanelLight::new(r, emission.radiance, emission.two_sided)),
+                Shape::Rectangle(r) => panel(r, emission.radiance, emission.two_sided),
                 // From inside a sphere only its back is seen.
                 Shape::Sphere(s) if !emission.two_sided => {
                     Kind::Ball(BallLight { sphere: *s, radiance: emission.radiance })
@@ -145,9 +174,7 @@ impl Sampled {
         });
         let others = scene.lights.iter().map(|light| {
             let kind = match *light {
-                Light::Rectangle { ref rectangle, radiance } => {
-                    Kind::Panel(PanelLight::new(rectangle, radiance, false))
-                }
+                Light::Rectangle { ref rectangle, radiance } => panel(rectangle, radiance, false),
                 Light::Point { position, intensity, falloff } => Kind::Point { position, intensity, falloff },
                 Light::Directional { direction, irradiance } => Kind::Directional { towards: -direction, irradiance },
                 Light::Hemisphere { radiance } => Kind::Hemisphere { radiance },
@@ -157,16 +184,21 @@ impl Sampled {
         lamps.chain(others).collect()
     }
 
-    /// Whether rays can meet the light by chance, so that light samples compete with them.
+    /// Whether its light comes from more than one direction.
     pub fn has_extent(&self) -> bool {
-        self.object != super::lanes::NOTHING
+        !matches!(self.kind, Kind::Point { .. } | Kind::Directional { .. })
     }
+}
 
-    /// A direction towards the light from a point.
+impl SampleLight for Sampled {
     #[inline(always)]
-    pub fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
             Kind::Panel(panel) => panel.sample(point, u),
+            Kind::ReportPanel(panel) => {
+                let sample = panel.sample(point, u);
+                LightSample { weight: sample.weight * sample.distance, ..sample }
+            }
             Kind::Ball(ball) => ball.sample(point, u),
             Kind::Point { position, intensity, falloff } => {
                 let to = *position - point;
@@ -190,11 +222,10 @@ impl Sampled {
         }
     }
 
-    /// Density per solid angle of [`Sampled::sample`] from a point, for a direction that meets the light.
     #[inline(always)]
-    pub fn pdf(&self, point: Vec3) -> f32 {
+    fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Panel(panel) => panel.pdf(point),
+            Kind::Panel(panel) | Kind::ReportPanel(panel) => panel.pdf(point),
             Kind::Ball(ball) => ball.pdf(point),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }

@@ -1,10 +1,13 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
 mod diffuse;
+mod direct;
 pub mod exposure;
-mod film;
+mod faces;
+mod fingerprint;
 mod geometry;
 mod integrator;
+mod job;
 mod lanes;
 mod lens;
 mod lights;
@@ -13,17 +16,15 @@ mod numbers;
 mod strategies;
 mod wide;
 
-pub use film::Dropped;
+pub use exposure::Dropped;
+pub use job::{Control, Job, Silent};
 
 use crate::error::{Error, Result};
-use crate::raster::Image;
+use crate::raster::{Image, Metadata};
 use crate::sampling::stream::StreamKind;
+use crate::scene::scattering::ScatterModel;
 use crate::scene::{Request, Scene};
-use integrator::{Integrator, Workspace};
-use lens::Lens;
-use needs::Needs;
-use std::time::Instant;
-use strategies::Strategies;
+use exposure::Part;
 
 /// How directions towards the light are chosen at a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,7 +33,8 @@ pub enum Sampling {
     Light,
     /// By the material's density.
     Bsdf,
-    /// By both, combined by the balance heuristic.
+    /// By both, combined by multiple importance sampling, as far as both are of use: at a diffuse surface a lamp's
+    /// solid angle, or the environment's radiance × cosine, leaves nothing to the material's directions but noise.
     #[default]
     Mis,
     /// Uniformly over the hemisphere.
@@ -51,6 +53,15 @@ pub enum LightDensity {
     Compensated,
 }
 
+/// What light does at surfaces and on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Model {
+    pub scattering: ScatterModel,
+    /// The light of rectangles falls off with the distance, not its square: the course's renderer divides by the
+    /// length of a vector that it takes for a unit vector. In the report's room that is 0.9 to 1.8 times the light.
+    pub inverse_distance: bool,
+}
+
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
@@ -58,6 +69,9 @@ pub struct Settings {
     pub stream: StreamKind,
     pub seed: u64,
     pub density: LightDensity,
+    pub model: Model,
+    /// Keep the light apart by the class of its path, up to this many scatterings.
+    pub paths: Option<u32>,
     /// Run the kernel with nothing left out, for comparison.
     pub general: bool,
 }
@@ -66,6 +80,8 @@ pub struct Settings {
 #[derive(Debug, Clone)]
 pub struct Rendered {
     pub image: Image,
+    /// The film: every pixel's samples, their standard error, and the light by path class.
+    pub part: Part,
     pub request: Request,
     /// Wall-clock time of preparation and rendering, without reading or writing files.
     pub seconds: f64,
@@ -74,62 +90,31 @@ pub struct Rendered {
     pub left_out: Vec<&'static str>,
 }
 
-/// Renders a scene on rayon's current thread pool; `row_done` is called once per finished image row.
+/// Renders a scene on rayon's current thread pool.
 ///
 /// The picture depends on the scene, the request and the settings alone, to the last bit: not on the number of
 /// threads, and not on what was left out.
-pub fn render(scene: &Scene, request: &Request, settings: &Settings, row_done: &(dyn Fn() + Sync)) -> Result<Rendered> {
-    check(request)?;
-    let start = Instant::now();
-    let needs = if settings.general { Needs::EVERYTHING } else { Needs::of(scene, request, settings) };
-    let strategies = Strategies::new(scene, settings, &needs)?;
-    let integrator = Integrator::new(scene, request, settings, strategies);
-    let run = Run { integrator, settings: *settings, row_done };
-    let (image, dropped) = match needs.kernel() {
-        Needs::ALL => run.film::<{ Needs::ALL }>(),
-        _ => run.film::<{ Needs::OCCLUSION }>(),
-    };
-    let left_out = needs.left_out(scene);
-    Ok(Rendered { image, request: *request, seconds: start.elapsed().as_secs_f64(), dropped, left_out })
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible request and for settings that exclude each other.
+pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &dyn Control) -> Result<Rendered> {
+    let job = Job::new(scene, request, settings)?;
+    let mut part = job.part(Metadata::default())?;
+    job.run(&mut part, 0..request.spp, control);
+    Ok(Rendered {
+        image: part.exposure.image(),
+        dropped: part.exposure.dropped(),
+        part,
+        request: *request,
+        seconds: job.seconds(),
+        left_out: job.left_out(),
+    })
 }
-
-/// Everything that a kernel runs on, before it is known which kernel.
-struct Run<'a> {
-    integrator: Integrator<'a>,
-    settings: Settings,
-    row_done: &'a (dyn Fn() + Sync),
-}
-
-impl Run<'_> {
-    fn film<const NEEDS: u32>(&self) -> (Image, Dropped) {
-        let Request { width, height, spp, .. } = self.integrator.request;
-        let camera = &self.integrator.scene.camera;
-        let lens = Lens::new(camera, width, height);
-        let workspace = || Workspace::new(&self.settings);
-        film::expose(width, height, spp, self.row_done, workspace, |work, y, first, count, radiance| {
-            for slot in 0..count {
-                let at = first + slot as u64;
-                let (x, sample) = ((at / u64::from(spp)) as usize, (at % u64::from(spp)) as u32);
-                work.numbers.assign(slot, (y * width + x) as u64, sample);
-                work.pixel[slot] = x as u32;
-            }
-            self.integrator.start(work, count, &lens, y as u32);
-            self.integrator.trace::<NEEDS>(work);
-            for slot in 0..count {
-                radiance(work.pixel[slot] as usize, geometry::at(&work.radiance, slot));
-            }
-        })
-    }
-}
-
-/// Largest number of pixels that a render may ask for.
-const MAX_PIXELS: usize = 1 << 26;
 
 fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, .. } = *request;
-    if width == 0 || height == 0 || width.saturating_mul(height) > MAX_PIXELS {
-        return Err(Error::parameter("-r", format!("cannot render {width}x{height} pixels"))
-            .with_hint("ask for at least 1x1 and at most 2^26 pixels"));
+    if width == 0 || height == 0 {
+        return Err(Error::parameter("-r", format!("cannot render {width}x{height} pixels")));
     }
     if spp == 0 || light_samples == 0 {
         return Err(Error::parameter(if spp == 0 { "-s" } else { "-l" }, "must be at least 1"));
@@ -173,7 +158,7 @@ mod tests {
                 let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
                 let on = |threads: usize, settings: Settings| {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                    pool.install(|| render(&scene, &request, &settings, &|| ()).unwrap().image)
+                    pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
                 };
                 let one = on(1, settings);
                 assert_eq!(one, on(3, settings));
@@ -189,7 +174,7 @@ mod tests {
         for sampling in [Sampling::Bsdf, Sampling::Mis] {
             for density in [LightDensity::Cosine, LightDensity::Map, LightDensity::Compensated] {
                 let settings = Settings { sampling, density, ..Settings::default() };
-                let image = render(&scene, &request, &settings, &|| ()).unwrap().image;
+                let image = render(&scene, &request, &settings, &Silent).unwrap().image;
                 let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
                 // BSDF sampling is exact sample by sample; MIS only on average.
                 let tolerance = if sampling == Sampling::Bsdf { 1e-6 } else { 5e-3 };
@@ -203,12 +188,12 @@ mod tests {
         let (mut scene, request) = sphere(Image::new(4, 2));
         for sampling in ALL {
             let settings = Settings { sampling, ..Settings::default() };
-            let rendered = render(&scene, &request, &settings, &|| ()).unwrap();
+            let rendered = render(&scene, &request, &settings, &Silent).unwrap();
             assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
             assert_eq!(rendered.dropped, Dropped::default());
         }
         scene.environment = None;
-        let rendered = render(&scene, &request, &Settings::default(), &|| ()).unwrap();
+        let rendered = render(&scene, &request, &Settings::default(), &Silent).unwrap();
         assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
     }
 
@@ -222,9 +207,9 @@ mod tests {
             Request { light_samples: 0, ..request },
             Request { spp: u32::MAX, light_samples: 2, ..request },
         ] {
-            assert!(render(&scene, &bad, &Settings::default(), &|| ()).is_err(), "{bad:?}");
+            assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
         }
         let alone = Settings { density: LightDensity::Compensated, sampling: Sampling::Light, ..Settings::default() };
-        assert!(render(&scene, &request, &alone, &|| ()).is_err());
+        assert!(render(&scene, &request, &alone, &Silent).is_err());
     }
 }

@@ -1,61 +1,122 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
 use super::{Sampling, Settings};
-use crate::scene::{Projection, Request, Scene, Shape};
+use crate::scene::{Material, Projection, Request, Scene, Shape};
 
-/// The parts of the renderer that a scene can do without.
+/// A part of the renderer that some scenes can do without, as a bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Need(u32);
+
+impl Need {
+    /// Whether a set of bits has this one.
+    #[inline(always)]
+    pub const fn is_in(self, set: u32) -> bool {
+        set & self.0 != 0
+    }
+}
+
+/// The parts of the renderer that a scene needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Needs {
-    pub environment: bool,
+    bits: u32,
     /// A table to draw directions towards the environment from.
     pub environment_table: bool,
-    /// Asking whether a ray that leaves a surface meets another one: shadow rays and further bounces.
-    pub occlusion: bool,
+    /// A tree of triangles.
+    pub meshes: bool,
 }
 
 impl Needs {
-    /// Everything, whether needed or not.
-    pub const EVERYTHING: Self = Self { environment: true, environment_table: true, occlusion: true };
+    /// Asking whether a ray that leaves a surface meets another one: shadow rays and further bounces.
+    pub const OCCLUSION: Need = Need(1);
+    /// Light from infinity.
+    pub const ENVIRONMENT: Need = Need(2);
+    /// Glowing surfaces, and lights that are not objects.
+    pub const LAMPS: Need = Need(4);
+    /// Mirrors and glass.
+    pub const DELTA: Need = Need(8);
+    /// Rough metal.
+    pub const ROUGH: Need = Need(16);
+    const ALL: u32 = 31;
 
-    pub const OCCLUSION: u32 = 1;
-    pub const ENVIRONMENT: u32 = 2;
-    pub const ALL: u32 = 3;
+    /// The sets that kernels are compiled for.
+    pub const LEAN: [u32; 5] = [
+        Self::ENVIRONMENT.0,
+        Self::OCCLUSION.0 | Self::LAMPS.0,
+        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::DELTA.0,
+        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::ROUGH.0,
+        Self::ALL,
+    ];
 
-    pub fn kernel(&self) -> u32 {
-        Self::OCCLUSION * u32::from(self.occlusion) | Self::ENVIRONMENT * u32::from(self.environment)
+    /// Everything, whether needed or not, as far as the scene has it.
+    #[must_use]
+    pub fn everything(scene: &Scene) -> Self {
+        Self { bits: Self::ALL, environment_table: scene.environment.is_some(), meshes: true }
     }
 
     /// Looks at a scene once.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
         let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
+        let any = |wanted: fn(&Material) -> bool| {
+            request.max_depth > 0 && scene.objects.iter().any(|object| wanted(&object.material))
+        };
+        // A metal that is all but smooth is a mirror, but telling is left to the kernel.
+        let delta = |m: &Material| !matches!(m, Material::Diffuse { .. });
+        let rough = |m: &Material| matches!(m, Material::Conductor(_));
+        let lamps = !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
+        let bits = [
+            (Self::OCCLUSION, !lone_convex_from_outside(scene)),
+            (Self::ENVIRONMENT, scene.environment.is_some()),
+            (Self::LAMPS, lamps),
+            (Self::DELTA, any(delta)),
+            (Self::ROUGH, any(rough)),
+        ];
         Self {
-            environment: scene.environment.is_some(),
+            bits: bits.into_iter().filter(|(_, needed)| *needed).map(|(need, _)| need.0).sum(),
             environment_table: by_light && request.max_depth > 0 && scene.environment.is_some(),
-            occlusion: !lone_convex_from_outside(scene),
+            meshes: scene.objects.iter().any(|object| matches!(object.shape, Shape::Mesh(_))),
         }
+    }
+
+    fn has(&self, need: Need) -> bool {
+        need.is_in(self.bits)
+    }
+
+    /// The kernel to run: the number of the first in [`Needs::LEAN`] that has all needs.
+    #[must_use]
+    pub fn kernel(&self) -> usize {
+        Self::LEAN.iter().position(|set| self.bits & !set == 0).unwrap_or(Self::LEAN.len() - 1)
     }
 
     /// What is missing, in words.
     #[must_use]
     pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
+        let compiled = Need(Self::LEAN[self.kernel()]).0;
         let mut list = Vec::new();
-        if scene.environment.is_none() {
-            list.push("environment light");
-        } else if !self.environment_table {
+        let parts = [
+            (Self::ENVIRONMENT, "environment light"),
+            (Self::LAMPS, "lamps"),
+            (Self::DELTA, "mirrors and glass"),
+            (Self::ROUGH, "rough metal"),
+        ];
+        list.extend(parts.into_iter().filter(|(need, _)| !need.is_in(compiled)).map(|(_, name)| name));
+        if scene.environment.is_some() && !self.environment_table {
             list.push("environment sampling table");
         }
-        if !self.occlusion {
+        if !self.meshes {
+            list.push("triangle tree");
+        }
+        if !Self::OCCLUSION.is_in(compiled) {
             list.extend(["shadow rays", "further bounces"]);
         }
         list
     }
 }
 
-/// Whether no ray that leaves a surface can meet another: one convex object, seen from outside.
+/// Whether no ray that leaves a surface can meet another: one convex diffuse object, seen from outside.
 fn lone_convex_from_outside(scene: &Scene) -> bool {
     let [object] = scene.objects.as_slice() else { return scene.objects.is_empty() };
-    let Shape::Sphere(sphere) = &object.shape else { return false };
+    let (Shape::Sphere(sphere), Material::Diffuse { .. }) = (&object.shape, &object.material) else { return false };
     let (centre, radius) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
     let offset = scene.camera.position - centre;
     match scene.camera.projection {
@@ -79,15 +140,25 @@ mod tests {
         let map = Arc::new(EnvMap::new(Image::new(2, 1)));
         let (mut scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
         let needs = |scene: &Scene| Needs::of(scene, &request, &Settings::default());
-        assert!(!needs(&scene).occlusion && needs(&scene).environment_table);
+        assert!(!needs(&scene).has(Needs::OCCLUSION) && needs(&scene).environment_table);
+        assert_eq!(needs(&scene).kernel(), 0);
         let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
         assert!(!Needs::of(&scene, &request, &bsdf).environment_table);
         scene.camera.position = DVec3::ZERO;
-        assert!(needs(&scene).occlusion, "from inside every ray meets the sphere again");
+        assert!(needs(&scene).has(Needs::OCCLUSION), "from inside every ray meets the sphere again");
         scene.camera.position = DVec3::Z;
         let mut second = scene.objects[0].clone();
         second.shape = Shape::Sphere(Sphere { centre: Vec3::splat(3.0), radius: 1.0 });
         scene.objects.push(second);
-        assert!(needs(&scene).occlusion);
+        assert!(needs(&scene).has(Needs::OCCLUSION));
+    }
+
+    #[test]
+    fn scenes_get_the_leanest_kernel_that_will_do() {
+        let kernel = |(scene, request): (Scene, Request)| Needs::of(&scene, &request, &Settings::default()).kernel();
+        assert_eq!(kernel(builtin::cornell_lambert()), 1);
+        assert_eq!(kernel(builtin::cornell_spheres()), 2);
+        let (scene, request) = builtin::cornell_spheres();
+        assert_eq!(kernel((scene, Request { max_depth: 0, ..request })), 1, "without scattering no mirrors");
     }
 }

@@ -1,9 +1,10 @@
 //! The random numbers of many camera samples at once.
 
 use super::lanes::{LANES, Lane};
-use super::wide::wide;
+use super::wide::{Wide, wide};
 use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
 use pulp::Arch;
+use std::marker::PhantomData;
 
 /// The streams of the camera samples in flight, by slot.
 pub struct Numbers {
@@ -35,14 +36,7 @@ impl Numbers {
         }
     }
 
-    fn fill_with<S: Stream>(
-        &self,
-        arch: Arch,
-        slots: &[u32],
-        dimension: u32,
-        (index, count): (u32, u32),
-        out: &mut [Lane; 2],
-    ) {
+    fn fill_with<S: Stream>(&self, arch: Arch, slots: &[u32], dimension: u32, draw: (u32, u32), out: &mut [Lane; 2]) {
         let mut key = [0; LANES];
         let mut sample = [0; LANES];
         for (i, &slot) in slots.iter().enumerate() {
@@ -51,12 +45,7 @@ impl Numbers {
         }
         wide(
             arch,
-            #[inline(always)]
-            || {
-                for i in 0..slots.len().min(LANES) {
-                    [out[0][i], out[1][i]] = S::join(key[i], sample[i]).short_pair_of(dimension, index, count);
-                }
-            },
+            Fill { key: &key, sample: &sample, count: slots.len(), dimension, draw, out, stream: PhantomData::<S> },
         );
     }
 
@@ -67,6 +56,36 @@ impl Numbers {
         match self.kind {
             StreamKind::Sobol => Sobol::join(key, sample).pair_of(dimension, index, count),
             StreamKind::Independent => Independent::join(key, sample).pair_of(dimension, index, count),
+        }
+    }
+
+    /// [`Numbers::pair`] rounded down to 24 bits.
+    #[inline]
+    pub fn short_pair(&self, slot: u32, dimension: u32, (index, count): (u32, u32)) -> [f32; 2] {
+        let (key, sample) = (self.key[slot as usize % LANES], self.sample[slot as usize % LANES]);
+        match self.kind {
+            StreamKind::Sobol => Sobol::join(key, sample).short_pair_of(dimension, index, count),
+            StreamKind::Independent => Independent::join(key, sample).short_pair_of(dimension, index, count),
+        }
+    }
+}
+
+struct Fill<'a, S> {
+    key: &'a [u64; LANES],
+    sample: &'a [u32; LANES],
+    count: usize,
+    dimension: u32,
+    draw: (u32, u32),
+    out: &'a mut [Lane; 2],
+    stream: PhantomData<S>,
+}
+
+impl<S: Stream> Wide for Fill<'_, S> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { key, sample, count, dimension, draw: (index, of), out, .. } = self;
+        for i in 0..count.min(LANES) {
+            [out[0][i], out[1][i]] = S::join(key[i], sample[i]).short_pair_of(dimension, index, of);
         }
     }
 }

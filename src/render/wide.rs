@@ -2,21 +2,27 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Runs `body` in code compiled for the widest vectors that the machine has (AVX2 at most), if the closure is marked
-/// `#[inline(always)]`. Nothing is contracted or reordered, so every machine gets the same bits.
-#[inline]
-pub fn wide(arch: Arch, body: impl FnMut()) {
-    arch.dispatch(Body(body));
+/// A loop whose iterations do not depend on each other.
+pub trait Wide {
+    /// Runs the loop. Everything that it calls must be `#[inline(always)]`, so as to become part of [`wide`].
+    fn run(self);
 }
 
-struct Body<F>(F);
+/// Runs a loop in code compiled for the widest vectors that the machine has (AVX2 at most).
+///
+/// Nothing is contracted or reordered, so every machine gets the same bits.
+#[inline]
+pub fn wide(arch: Arch, work: impl Wide) {
+    arch.dispatch(Compiled(work));
+}
 
-impl<F: FnMut()> WithSimd for Body<F> {
+struct Compiled<W>(W);
+
+impl<W: Wide> WithSimd for Compiled<W> {
     type Output = ();
 
-    // A direct call of the closure: by way of pulp's own closure support it would not be inlined.
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
-        (self.0)();
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.run();
     }
 }

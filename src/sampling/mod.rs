@@ -3,7 +3,7 @@
 pub mod alias;
 pub mod batch;
 pub mod elementary;
-mod hash;
+pub(crate) mod hash;
 pub mod normals;
 mod prefetch;
 pub mod rectangle;

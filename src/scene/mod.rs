@@ -9,7 +9,7 @@ pub mod material;
 pub mod mesh;
 pub mod rectangle;
 pub mod request;
-mod scattering;
+pub mod scattering;
 pub mod sphere;
 pub mod statue;
 

@@ -3,7 +3,7 @@
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
 use crate::error::Result;
-use crate::render::{Rendered, Settings, render};
+use crate::render::{Rendered, Settings, Silent, render};
 use crate::scene::{Environment, Request, builtin};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ pub fn shoot(map: &Arc<EnvMap>, source: &str, spp: u32, exact: &Exact, settings:
     let environment = Environment::upright(map.clone(), source, builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
     let request = Request { width: exact.size, height: exact.size, spp, ..request };
-    let rendered = render(&scene, &request, settings, &|| ())?;
+    let rendered = render(&scene, &request, settings, &Silent)?;
     let (mut sum, mut sum2, mut ratio2, mut truth, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let mut relative_error = vec![f64::NAN; exact.pixels.len()];
     for (i, pixel) in exact.pixels.iter().enumerate() {

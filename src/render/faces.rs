@@ -1,0 +1,48 @@
+//! What each object does to light, made ready: scene materials become BSDFs under the settings of the render.
+
+use super::Settings;
+use super::lights::Sampled;
+use crate::bsdf::Bsdf;
+use crate::raster::Rgb;
+use crate::scene::{Emission, Material, Scene};
+
+/// What an object does to light.
+pub struct Face {
+    pub kind: Kind,
+    pub emission: Option<Emission>,
+    /// The number of the light that samples this object.
+    pub light: Option<usize>,
+}
+
+/// How a hit is dealt with.
+pub enum Kind {
+    /// All light is absorbed.
+    Black,
+    /// Together with other diffuse hits.
+    Diffuse {
+        albedo: Rgb,
+    },
+    /// In one of finitely many directions, which no light sample can find.
+    Delta(Bsdf),
+    Rough(Bsdf),
+}
+
+impl Face {
+    /// The faces of all objects; `lights` are those that are sampled.
+    pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
+        let kind = |material: &Material| match *material {
+            Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
+            Material::Diffuse { albedo } => Kind::Diffuse { albedo },
+            ref other => {
+                let bsdf = other.bsdf(settings.model.scattering);
+                if bsdf.is_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
+            }
+        };
+        let face = |(i, object): (usize, &crate::scene::Object)| Self {
+            kind: kind(&object.material),
+            emission: object.emission,
+            light: lights.iter().position(|light| light.object == i as u32),
+        };
+        scene.objects.iter().enumerate().map(face).collect()
+    }
+}

@@ -1,0 +1,46 @@
+//! Tells whether two renders have the same samples, so that only such are merged.
+
+use super::Settings;
+use crate::sampling::hash::mix64;
+use crate::scene::{Request, Scene, Shape};
+
+/// A hash of all that a sample depends on: the scene to the last bit, the settings, and of the request all but the
+/// number of samples.
+pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
+    let mut hash = Hash(0);
+    // What was left out changes no sample.
+    let settings = Settings { general: false, ..*settings };
+    let request = Request { spp: 0, ..*request };
+    hash.text(&format!("{settings:?} {request:?} {:?} {:?}", scene.camera, scene.lights));
+    for object in &scene.objects {
+        hash.text(&format!("{:?} {:?}", object.material, object.emission));
+        match &object.shape {
+            Shape::Mesh(mesh) => {
+                hash.words(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array().map(f32::to_bits)));
+                hash.words(mesh.triangles.iter().flatten().copied());
+            }
+            other => hash.text(&format!("{other:?}")),
+        }
+    }
+    if let Some(environment) = &scene.environment {
+        hash.text(&format!("{:?} {:?}", environment.scale, environment.to_world));
+        let image = environment.map.image();
+        hash.words([image.width() as u32, image.height() as u32]);
+        hash.words(image.pixels().iter().flat_map(|p| p.to_array().map(f32::to_bits)));
+    }
+    format!("{:016x}", hash.0)
+}
+
+struct Hash(u64);
+
+impl Hash {
+    fn words(&mut self, words: impl IntoIterator<Item = u32>) {
+        for word in words {
+            self.0 = mix64(self.0 ^ u64::from(word)).wrapping_add(1);
+        }
+    }
+
+    fn text(&mut self, text: &str) {
+        self.words(text.bytes().map(u32::from));
+    }
+}

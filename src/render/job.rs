@@ -1,0 +1,153 @@
+//! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
+
+use super::exposure::{Classes, Exposure, Part, Row};
+use super::geometry::{Geometry, at};
+use super::integrator::{Integrator, Workspace};
+use super::lanes::LANES;
+use super::lens::Lens;
+use super::needs::Needs;
+use super::strategies::Strategies;
+use super::{Settings, check, fingerprint};
+use crate::error::Result;
+use crate::raster::Metadata;
+use crate::scene::{Request, Scene};
+use std::ops::Range;
+use std::time::Instant;
+
+/// Follows a render and may stop it.
+pub trait Control: Sync {
+    /// Called now and then, from any thread, with the number of camera samples done since the last call.
+    fn done(&self, samples: u64);
+
+    /// Whether the render should end as soon as possible; the samples so far are kept.
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+/// Lets a render run to its end without a word.
+pub struct Silent;
+
+impl Control for Silent {
+    fn done(&self, _samples: u64) {}
+}
+
+/// A scene made ready to be rendered.
+pub struct Job<'a> {
+    integrator: Integrator<'a>,
+    settings: Settings,
+    needs: Needs,
+    lens: Lens,
+    start: Instant,
+}
+
+/// Samples per pixel that are rendered before the next round over the picture begins, so that a render that is stopped
+/// leaves a whole picture.
+const ROUND: u32 = 64;
+
+impl<'a> Job<'a> {
+    /// Prepares a render: builds what the scene needs.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for an impossible request and for settings that exclude each other.
+    pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
+        check(request)?;
+        let start = Instant::now();
+        let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
+        let strategies = Strategies::new(scene, settings, &needs)?;
+        let geometry = Geometry::new(scene, needs.meshes);
+        let integrator = Integrator::new(scene, request, settings, strategies, geometry);
+        let lens = Lens::new(&scene.camera, request.width, request.height);
+        Ok(Self { integrator, settings: *settings, needs, lens, start })
+    }
+
+    /// An empty film for this render.
+    ///
+    /// # Errors
+    /// As [`Exposure::new`].
+    pub fn part(&self, metadata: Metadata) -> Result<Part> {
+        let Request { width, height, spp, .. } = self.integrator.request;
+        let exposure = Exposure::new(width, height, self.settings.paths.map(Classes::up_to))?;
+        Ok(Part::new(exposure, spp, self.fingerprint(), metadata))
+    }
+
+    /// Equal for renders whose samples are the same; the number of samples is no part of it.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        fingerprint::of(self.integrator.scene, &self.integrator.request, &self.settings)
+    }
+
+    /// Wall-clock time since the preparation began.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// What the scene does not need and the kernel hence does not have.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<&'static str> {
+        self.needs.left_out(self.integrator.scene)
+    }
+
+    /// Renders those samples of the range that `part` does not have yet, or as many as `control` lets it.
+    pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
+        let kernels: [Kernel<'a>; Needs::LEAN.len()] = [
+            Self::expose::<{ Needs::LEAN[0] }>,
+            Self::expose::<{ Needs::LEAN[1] }>,
+            Self::expose::<{ Needs::LEAN[2] }>,
+            Self::expose::<{ Needs::LEAN[3] }>,
+            Self::expose::<{ Needs::LEAN[4] }>,
+        ];
+        let kernel = kernels[self.needs.kernel()];
+        let mut start = samples.start;
+        while start < samples.end && !control.stop() {
+            let round = start..(start + ROUND.min(samples.end - start));
+            start = round.end;
+            while let Some(task) = part.next(round.clone()) {
+                part.exposure.expose(|row| self.row(row, &|n| task.left(n), kernel, control));
+                if control.stop() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Renders the samples that the pixels of a row still need.
+    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, kernel: Kernel<'a>, control: &dyn Control) {
+        let mut work = Workspace::new(&self.settings);
+        let (mut filled, mut done) = (0, 0);
+        let width = self.integrator.request.width;
+        for x in 0..width {
+            for sample in left(row.samples(x)) {
+                let pixel = row.y() as u64 * width as u64 + x as u64;
+                work.numbers.assign(filled, pixel, sample);
+                work.pixel[filled] = x as u32;
+                filled += 1;
+                if filled == LANES {
+                    if control.stop() {
+                        return;
+                    }
+                    kernel(self, &mut work, row, filled);
+                    done += filled as u64;
+                    filled = 0;
+                }
+            }
+        }
+        kernel(self, &mut work, row, filled);
+        control.done(done + filled as u64);
+    }
+
+    /// Traces the camera samples in the first `count` slots and adds them to the film.
+    fn expose<const NEEDS: u32>(&self, work: &mut Workspace, row: &mut Row, count: usize) {
+        self.integrator.start(work, count, &self.lens, row.y() as u32);
+        self.integrator.trace::<NEEDS>(work);
+        let classes = work.layers.len() / LANES;
+        for slot in 0..count {
+            let layers = &work.layers[slot * classes..][..classes];
+            row.add(work.pixel[slot] as usize, at(&work.radiance, slot), layers);
+        }
+    }
+}
+
+/// [`Job::expose`] for some set of needs.
+type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
