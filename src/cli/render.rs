@@ -180,10 +180,8 @@ impl Render {
             map_file::warn_upside_down(&info, &source.name, console);
             return Ok(builtin::sphere_env(Environment::upright(source.map, source.name, builtin::SPHERE_ENV_SCALE)));
         }
-        match self.scene.as_str() {
-            "cornell-spheres" => return Ok(builtin::cornell_spheres()),
-            "cornell-lambert" => return Ok(builtin::cornell_lambert()),
-            _ => {}
+        if let Some(found) = builtin::by_name(&self.scene, None)? {
+            return Ok(found);
         }
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pbrt")) {
             let environment = match &self.envmap {

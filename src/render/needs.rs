@@ -1,7 +1,7 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
 use super::{Sampling, Settings};
-use crate::scene::{Material, Projection, Request, Scene, Shape};
+use crate::scene::{Conductor, Material, Projection, Request, Scene, Shape};
 
 /// A part of the renderer that some scenes can do without, as a bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,9 +60,13 @@ impl Needs {
         let any = |wanted: fn(&Material) -> bool| {
             request.max_depth > 0 && scene.objects.iter().any(|object| wanted(&object.material))
         };
-        // A metal that is all but smooth is a mirror, but telling is left to the kernel.
-        let delta = |m: &Material| !matches!(m, Material::Diffuse { .. });
-        let rough = |m: &Material| matches!(m, Material::Conductor(_));
+        // A metal that is all but smooth is a mirror.
+        let delta = |m: &Material| match m {
+            Material::Diffuse { .. } => false,
+            Material::Conductor(metal) => metal.alpha < Conductor::SMOOTH_ALPHA,
+            Material::Mirror { .. } | Material::Refraction { .. } | Material::Glass { .. } => true,
+        };
+        let rough = |m: &Material| matches!(m, Material::Conductor(metal) if metal.alpha >= Conductor::SMOOTH_ALPHA);
         let lamps = !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
         let bits = [
             (Self::OCCLUSION, !lone_convex_from_outside(scene)),
@@ -76,10 +80,6 @@ impl Needs {
             environment_table: by_light && request.max_depth > 0 && scene.environment.is_some(),
             meshes: scene.objects.iter().any(|object| matches!(object.shape, Shape::Mesh(_))),
         }
-    }
-
-    fn has(&self, need: Need) -> bool {
-        need.is_in(self.bits)
     }
 
     /// The kernel to run: the number of the first in [`Needs::LEAN`] that has all needs.
@@ -140,17 +140,17 @@ mod tests {
         let map = Arc::new(EnvMap::new(Image::new(2, 1)));
         let (mut scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
         let needs = |scene: &Scene| Needs::of(scene, &request, &Settings::default());
-        assert!(!needs(&scene).has(Needs::OCCLUSION) && needs(&scene).environment_table);
+        assert!(!Needs::OCCLUSION.is_in(needs(&scene).bits) && needs(&scene).environment_table);
         assert_eq!(needs(&scene).kernel(), 0);
         let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
         assert!(!Needs::of(&scene, &request, &bsdf).environment_table);
         scene.camera.position = DVec3::ZERO;
-        assert!(needs(&scene).has(Needs::OCCLUSION), "from inside every ray meets the sphere again");
+        assert!(Needs::OCCLUSION.is_in(needs(&scene).bits), "from inside every ray meets the sphere again");
         scene.camera.position = DVec3::Z;
         let mut second = scene.objects[0].clone();
         second.shape = Shape::Sphere(Sphere { centre: Vec3::splat(3.0), radius: 1.0 });
         scene.objects.push(second);
-        assert!(needs(&scene).has(Needs::OCCLUSION));
+        assert!(Needs::OCCLUSION.is_in(needs(&scene).bits));
     }
 
     #[test]

@@ -1,10 +1,16 @@
 //! The built-in scenes.
 
+use super::statue::statue;
 use super::{
-    Camera, Emission, Environment, Material, Object, Projection, Rectangle, Request, Role, Scene, Shape, Sphere,
+    Camera, Conductor, Distribution, Emission, Environment, Material, Mesh, Object, Projection, Rectangle, Request,
+    Role, Scene, Shape, Sphere,
 };
-use crate::raster::Rgb;
+use crate::envmap::EnvMap;
+use crate::error::{Error, Result};
+use crate::optics::metals::{self, Metal};
+use crate::raster::{Image, Rgb};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, seen in parallel along −z
 /// from the plane z = 1 that touches it.
@@ -86,4 +92,106 @@ pub fn cornell_spheres() -> (Scene, Request) {
 pub fn cornell_lambert() -> (Scene, Request) {
     let white = Material::Diffuse { albedo: Rgb::splat(0.6) };
     cornell("cornell-lambert", balls(white, white))
+}
+
+/// A statue of metal in the same room: the built-in one, or another mesh set down in its place.
+///
+/// # Errors
+/// That of [`Mesh::fitted`].
+pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(Scene, Request)> {
+    let mesh = match mesh {
+        Some(mesh) => mesh.fitted(Vec3::ZERO, STATUE_BOX)?,
+        None => statue(),
+    };
+    let material = Material::Conductor(Conductor {
+        eta: Rgb::from_array(metal.eta.map(|x| x as f32)),
+        k: Rgb::from_array(metal.k.map(|x| x as f32)),
+        alpha,
+        distribution: Distribution::Beckmann,
+    });
+    let name = format!("cornell-statue-{}", metal.symbol.to_lowercase());
+    Ok(cornell(&name, vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
+}
+
+/// Where a statue stands, on the middle of the floor: width, height and depth.
+const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
+
+/// A white furnace: light of radiance 1 from everywhere on a white diffuse ball, a mirror, glass, and a rough metal
+/// that reflects everything. The first three must vanish before the background; the last shows the light that a model
+/// of single scattering loses.
+#[must_use]
+pub fn furnace() -> (Scene, Request) {
+    let map = EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE));
+    let environment = Environment::upright(Arc::new(map), "constant", 1.0);
+    let perfect = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: 0.5, distribution: Distribution::Beckmann };
+    let materials = [
+        Material::Diffuse { albedo: Rgb::ONE },
+        Material::Mirror { reflectance: Rgb::ONE },
+        Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 },
+        Material::Conductor(perfect),
+    ];
+    let ball = |(i, material): (usize, Material)| {
+        let sphere = Sphere { centre: Vec3::new(2.25 * i as f32 - 3.375, 0.0, 0.0), radius: 1.0 };
+        Object::new(Shape::Sphere(sphere), material)
+    };
+    let camera = Camera {
+        position: DVec3::new(0.0, 0.0, 20.0),
+        right: DVec3::X,
+        up: DVec3::Y,
+        forward: DVec3::NEG_Z,
+        projection: Projection::Orthographic { half_width: 4.8, half_height: 1.2 },
+    };
+    let objects = materials.into_iter().enumerate().map(ball).collect();
+    let scene = Scene { name: "furnace".into(), camera, objects, lights: Vec::new(), environment: Some(environment) };
+    (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })
+}
+
+/// The name of every built-in scene, and what it shows.
+pub const SCENES: [(&str, &str); 7] = [
+    ("sphere-env", "white diffuse ball under an environment map (the first report)"),
+    ("cornell-spheres", "mirror and glass ball in a room with a lamp (the second report)"),
+    ("cornell-lambert", "the same with diffuse balls"),
+    ("cornell-statue-au", "golden statue of 98,976 triangles in the same room, alpha 0.25"),
+    ("cornell-statue-cu", "the statue in copper, alpha 0.05"),
+    ("cornell-statue-fe", "the statue in iron, alpha 0.5"),
+    ("furnace", "diffuse, mirror, glass and metal balls that must vanish before light from everywhere"),
+];
+
+/// The built-in scene of that name, if there is one; `sphere-env`, which needs a map, is [`sphere_env`].
+///
+/// # Errors
+/// [`Error::Parameter`] when a mesh is given that the scene has no place for or that cannot be fitted.
+pub fn by_name(name: &str, mesh: Option<Mesh>) -> Result<Option<(Scene, Request)>> {
+    let statue = [("au", 0.25), ("cu", 0.05), ("fe", 0.5)].into_iter().find_map(|(symbol, alpha)| {
+        (name.strip_prefix("cornell-statue-")? == symbol).then_some((metals::by_name(symbol)?, alpha))
+    });
+    if let Some((metal, alpha)) = statue {
+        return cornell_statue(metal, alpha, mesh).map(Some);
+    }
+    if mesh.is_some() {
+        return Err(Error::parameter("--mesh", format!("the scene {name} has no statue to replace"))
+            .with_hint("it takes the place of the statue in cornell-statue-au, -cu and -fe"));
+    }
+    Ok(match name {
+        "cornell-spheres" => Some(cornell_spheres()),
+        "cornell-lambert" => Some(cornell_lambert()),
+        "furnace" => Some(furnace()),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_of_the_list_can_be_had_by_name() {
+        for (name, _) in SCENES.iter().filter(|(name, _)| *name != "sphere-env") {
+            let (scene, request) = by_name(name, None).unwrap().unwrap();
+            assert_eq!(scene.name, *name);
+            assert!(request.width * request.height > 0);
+        }
+        assert!(by_name("cornell-box", None).unwrap().is_none());
+        assert!(by_name("furnace", Some(Mesh::default())).is_err());
+    }
 }
