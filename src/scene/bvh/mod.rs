@@ -47,7 +47,8 @@ impl Rays<'_> {
 
 /// The triangles of some meshes, sorted so that rays find them.
 ///
-/// Triangles are hit from both sides, and no ray passes between two that share an edge or a corner, to the last bit.
+/// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it
+/// starts in their planes to within rounding.
 /// Answers are the same bits on every processor. A triangle without area, or with a corner that is missing, not
 /// finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or infinity in it, hits nothing.
 #[derive(Debug, Clone)]
