@@ -47,10 +47,10 @@ impl Rays<'_> {
 
 /// The triangles of some meshes, sorted so that rays find them.
 ///
-/// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it
-/// starts in their planes to within rounding.
-/// Answers are the same bits on every processor. A triangle without area, or with a corner that is missing, not
-/// finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or infinity in it, hits nothing.
+/// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it starts in their planes
+/// to within rounding. Answers are the same bits on every processor. A triangle without area, or with a corner that is
+/// missing, not finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or
+/// infinity in it, hits nothing.
 #[derive(Debug, Clone)]
 pub struct MeshBvh {
     tree: Tree,
