@@ -40,60 +40,108 @@ pub(super) struct Facet {
     pub wm: [f32; 3],
     /// Cosine of either direction with its normal.
     pub cos: f32,
+    /// Whether there is such a facet: both directions are above the surface, and not opposite along it.
+    pub exists: bool,
 }
 
 impl Facet {
-    /// `None` unless both directions are above the surface.
+    /// The facet, if there is one.
     #[inline]
     pub fn between(wo: Vec3, wi: Vec3) -> Option<Self> {
-        if !(wo.z > 0.0 && wi.z > 0.0) {
-            return None;
-        }
+        let facet = Self::of(wo, wi);
+        facet.exists.then_some(facet)
+    }
+
+    #[inline(always)]
+    pub fn of(wo: Vec3, wi: Vec3) -> Self {
         let sum = wo + wi;
         // |wo + wi| is twice the cosine: unlike wo·wm it is symmetric and never 0 by cancellation.
         let length = sum.length();
         let wm = sum / length;
-        // Opposite directions along the surface leave no normal.
-        (wm.z > 0.0).then(|| Self { wm: wm.to_array(), cos: (0.5 * length).min(1.0) })
+        let exists = (wo.z > 0.0) & (wi.z > 0.0) & (wm.z > 0.0);
+        Self { wm: wm.to_array(), cos: (0.5 * length).min(1.0), exists }
     }
 }
 
 /// `wo` reflected by a facet with normal `wm`, if that faces `wo` and the direction leaves the surface.
 #[inline]
 pub(super) fn reflect_at(wo: Vec3, wm: [f32; 3]) -> Option<Vec3> {
+    let (wi, leaves) = reflect(wo, wm);
+    leaves.then_some(wi)
+}
+
+#[inline(always)]
+fn reflect(wo: Vec3, wm: [f32; 3]) -> (Vec3, bool) {
     let wm = Vec3::from_array(wm);
     let cos = wo.dot(wm);
     let wi = (2.0 * cos * wm - wo).normalize();
-    (cos > 0.0 && wi.z > 0.0).then_some(wi)
+    (wi, (cos > 0.0) & (wi.z > 0.0))
 }
 
 /// Density per solid angle of the even hemisphere.
 const EVEN: f32 = warp::UNIFORM_HEMISPHERE_PDF as f32;
 
 impl<D: SampleNormals<f32>> Conductor<D> {
-    #[inline]
+    /// Density per solid angle of the direction that `facet` reflects to.
+    #[inline(always)]
     fn density(&self, wo: Vec3, facet: &Facet) -> f32 {
         match self.normals {
-            Normals::Visible => 0.25 * self.distribution.d(facet.wm) * self.distribution.g1_over_cos(wo.to_array()),
+            Normals::Visible => self.density_visible(wo, facet),
             Normals::All => 0.25 * self.distribution.pdf_all(facet.wm) / facet.cos,
             Normals::Hemisphere => EVEN,
         }
     }
 
-    /// f cos θᵢ over the density, for F = 1. D cancels where the normals are drawn by it.
+    #[inline(always)]
+    fn density_visible(&self, wo: Vec3, facet: &Facet) -> f32 {
+        0.25 * self.distribution.d(facet.wm) * self.distribution.g1_over_cos(wo.to_array())
+    }
+
+    /// f for F = 1.
+    #[inline(always)]
+    fn strength(&self, wo: Vec3, wi: Vec3, facet: &Facet) -> f32 {
+        // Where D vanishes the rest may be infinite.
+        let d = self.distribution.d(facet.wm);
+        let rest = self.distribution.g2_over_cosines(wo.to_array(), wi.to_array());
+        if d > 0.0 { 0.25 * d * rest } else { 0.0 }
+    }
+
+    /// f cos θᵢ over the density, for F = 1, where normals are not drawn as seen.
     #[inline]
     fn weight(&self, wo: Vec3, wi: Vec3, facet: &Facet) -> f32 {
         let d = &self.distribution;
         let (o, i) = (wo.to_array(), wi.to_array());
         match self.normals {
-            Normals::Visible => {
-                // G₂/G₁ = a/(a + b) ≤ 1 even when rounded.
-                let a = wi.z * (wo.z + d.cos_lambda(o));
-                a / (a + wo.z * d.cos_lambda(i))
-            }
             Normals::All => d.g2_over_cosines(o, i) * wi.z * facet.cos / facet.wm[2],
-            Normals::Hemisphere => 0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / EVEN,
+            Normals::Visible | Normals::Hemisphere => 0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / EVEN,
         }
+    }
+
+    /// [`Scatter::sample`] by visible normals as straight-line arithmetic, so that a loop over it vectorizes; where there
+    /// is no sample the weight and the density are 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn draw_visible(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
+        let d = &self.distribution;
+        let (wi, leaves) = reflect(wo, d.sample_visible(wo.to_array(), u));
+        let facet = Facet::of(wo, wi);
+        let pdf = self.density_visible(wo, &facet);
+        // G₂/G₁ = a/(a + b) ≤ 1 even when rounded; D cancels.
+        let a = wi.z * (wo.z + d.cos_lambda(wo.to_array()));
+        let g = a / (a + wo.z * d.cos_lambda(wi.to_array()));
+        let drawn = leaves & facet.exists & (pdf > 0.0);
+        let weight = self.fresnel.reflectance(facet.cos) * if drawn { g } else { 0.0 };
+        BsdfSample { wi, weight, pdf: if drawn { pdf } else { 0.0 }, delta: false }
+    }
+
+    /// [`Scatter::eval_pdf`] by visible normals as straight-line arithmetic.
+    #[inline(always)]
+    #[must_use]
+    pub fn eval_visible(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let facet = Facet::of(wo, wi);
+        let (f, pdf) = (self.strength(wo, wi, &facet), self.density_visible(wo, &facet));
+        let f = self.fresnel.reflectance(facet.cos) * if facet.exists { f } else { 0.0 };
+        (f, if facet.exists { pdf } else { 0.0 })
     }
 }
 
@@ -106,13 +154,7 @@ impl<D: SampleNormals<f32>> Scatter for Conductor<D> {
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let Some(facet) = Facet::between(wo, wi) else { return (Rgb::ZERO, 0.0) };
-        let pdf = self.density(wo, &facet);
-        let d = self.distribution.d(facet.wm);
-        if d == 0.0 {
-            return (Rgb::ZERO, pdf);
-        }
-        let f = 0.25 * d * self.distribution.g2_over_cosines(wo.to_array(), wi.to_array());
-        (self.fresnel.reflectance(facet.cos) * f, pdf)
+        (self.fresnel.reflectance(facet.cos) * self.strength(wo, wi, &facet), self.density(wo, &facet))
     }
 
     #[inline]
@@ -121,7 +163,10 @@ impl<D: SampleNormals<f32>> Scatter for Conductor<D> {
             return None;
         }
         let wi = match self.normals {
-            Normals::Visible => reflect_at(wo, self.distribution.sample_visible(wo.to_array(), u))?,
+            Normals::Visible => {
+                let sample = self.draw_visible(wo, u);
+                return (sample.pdf > 0.0).then_some(sample);
+            }
             Normals::All => reflect_at(wo, self.distribution.sample_all(u))?,
             Normals::Hemisphere => warp::uniform_hemisphere(u.map(f64::from)).as_vec3(),
         };

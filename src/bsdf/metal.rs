@@ -1,7 +1,6 @@
 //! Fresnel reflectance of a metal, three channels at once.
 
 use crate::raster::Rgb;
-use glam::Vec3A;
 
 /// The complex index of refraction of a metal in three channels, with what its reflectance needs computed once.
 ///
@@ -14,9 +13,9 @@ pub struct MetalFresnel {
     /// Imaginary part.
     pub(super) k: Rgb,
     /// Real and imaginary part of (η + ik)² − 1, and the square of its modulus.
-    re: Vec3A,
-    im: Vec3A,
-    modulus2: Vec3A,
+    re: Rgb,
+    im: Rgb,
+    modulus2: Rgb,
 }
 
 impl MetalFresnel {
@@ -25,36 +24,38 @@ impl MetalFresnel {
     pub fn new(eta: Rgb, k: Rgb) -> Self {
         const LARGEST: f32 = 1e6;
         let (eta, k) = (eta.min(Rgb::splat(LARGEST)), k.min(Rgb::splat(LARGEST)));
-        let re = Vec3A::from((eta - Rgb::ONE) * (eta + Rgb::ONE) - k * k);
-        let im = Vec3A::from(2.0 * eta * k);
+        let re = (eta - Rgb::ONE) * (eta + Rgb::ONE) - k * k;
+        let im = 2.0 * eta * k;
         Self { eta, k, re, im, modulus2: re * re + im * im }
     }
 
     /// Exact unpolarized reflectance at a cosine in \[0, 1\].
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn reflectance(&self, cos: f32) -> Rgb {
-        // Divisors vanish only where there is no interface, and then their dividends do.
-        const TINY: Vec3A = Vec3A::splat(1e-18);
-        let sin2 = Vec3A::splat((1.0 - cos) * (1.0 + cos));
-        let re = self.re + cos * cos;
-        let modulus = sqrt(re * re + self.im * self.im);
-        let larger = sqrt(0.5 * (modulus + re.abs())).max(TINY);
-        let smaller = 0.5 * self.im / larger;
-        let absorbs = re.cmplt(Vec3A::ZERO);
-        let (a, b) = (Vec3A::select(absorbs, smaller, larger), Vec3A::select(absorbs, larger, smaller));
-        let sum2 = ((a + cos) * (a + cos) + b * b).max(TINY);
-        let perpendicular = (self.modulus2 / sum2 / sum2).min(Vec3A::ONE);
-        let (x, y) = (cos * a, cos * b);
-        let (less, more) = (x - sin2, x + sin2);
-        let ratio2 = (less * less + y * y) / (more * more + y * y).max(TINY);
-        (0.5 * perpendicular * (1.0 + ratio2)).into()
+        let channel = |c: usize| reflectance(self.re[c], self.im[c], self.modulus2[c], cos);
+        Rgb::new(channel(0), channel(1), channel(2))
     }
 }
 
+/// One channel, from the parts and the squared modulus of (η + ik)² − 1.
 #[inline(always)]
-fn sqrt(v: Vec3A) -> Vec3A {
-    Vec3A::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt())
+fn reflectance(re: f32, im: f32, modulus2: f32, cos: f32) -> f32 {
+    // Divisors vanish only where there is no interface, and then their dividends do.
+    const TINY: f32 = 1e-18;
+    let sin2 = (1.0 - cos) * (1.0 + cos);
+    let re = re + cos * cos;
+    let modulus = (re * re + im * im).sqrt();
+    let larger = (0.5 * (modulus + re.abs())).sqrt().max(TINY);
+    let smaller = 0.5 * im / larger;
+    let a = if re < 0.0 { smaller } else { larger };
+    let b = if re < 0.0 { larger } else { smaller };
+    let sum2 = ((a + cos) * (a + cos) + b * b).max(TINY);
+    let perpendicular = (modulus2 / sum2 / sum2).min(1.0);
+    let (x, y) = (cos * a, cos * b);
+    let (less, more) = (x - sin2, x + sin2);
+    let ratio2 = (less * less + y * y) / (more * more + y * y).max(TINY);
+    0.5 * perpendicular * (1.0 + ratio2)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The float type that the formulas are generic over, so that the stability study runs the very code that renders.
 
-use super::error_function;
+use super::{elementary, error_function};
 
 /// `f32` or `f64`, with the few literals and functions that formulas need.
 pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + Send + Sync + 'static {
@@ -13,12 +13,15 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     /// The value in f64, exactly.
     fn wide(self) -> f64;
 
+    /// exp(x) for x from [`Real::LEAST_EXPONENT`] to 88; see [`elementary`].
+    fn exponential(self) -> Self;
+
     /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`error_function`].
     fn erfcx(self) -> Self;
 }
 
 impl Real for f32 {
-    const LEAST_EXPONENT: Self = -87.336;
+    const LEAST_EXPONENT: Self = -87.3;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {
@@ -31,13 +34,18 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn exponential(self) -> Self {
+        elementary::exp_f32(self)
+    }
+
+    #[inline(always)]
     fn erfcx(self) -> Self {
         error_function::erfcx(self, &error_function::SINGLE)
     }
 }
 
 impl Real for f64 {
-    const LEAST_EXPONENT: Self = -708.396;
+    const LEAST_EXPONENT: Self = -708.0;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {
@@ -47,6 +55,11 @@ impl Real for f64 {
     #[inline(always)]
     fn wide(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn exponential(self) -> Self {
+        elementary::exp_f64(self)
     }
 
     #[inline(always)]

@@ -1,17 +1,18 @@
 //! Light that comes straight to a hit: shadow rays towards lights, and rays in search of light where that is asked for.
 
-use super::geometry::at;
+use super::geometry::{at, set};
 use super::integrator::{Dimensions, Integrator, Workspace, power_heuristic};
-use super::lanes::{LANES, NOTHING};
-use super::lights::SampleLight;
+use super::lanes::{LANES, NOTHING, ZERO3};
+use super::lights::{self, LightSamples};
 use super::needs::Needs;
 use super::strategies::Scatter as Blind;
-use super::{Sampling, diffuse};
-use crate::bsdf::Scatter;
+use super::{Sampling, diffuse, rough};
+use crate::bsdf::Bsdf;
 use crate::raster::Rgb;
 use crate::scene::Environment;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
+use std::ops::Range;
 
 /// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
 const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
@@ -109,28 +110,33 @@ impl Integrator<'_> {
         self.find::<NEEDS>(work);
     }
 
-    /// Adds the light that comes straight to the rough hits.
-    pub(super) fn light_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
+    /// Adds the light that comes straight to rough hits on one object.
+    pub(super) fn light_rough<const NEEDS: u32>(
+        &self,
+        work: &mut Workspace,
+        group: Range<usize>,
+        bsdf: &Bsdf,
+        dimensions: Dimensions,
+    ) {
         let samples = self.request.light_samples;
-        let mut slots = [0; LANES];
-        for (slot, hit) in slots.iter_mut().zip(&work.rough) {
-            *slot = hit.slot;
+        let count = group.len();
+        let (mut slots, mut positions) = ([0; LANES], ZERO3);
+        for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+            slots[i] = hit.slot;
+            set(&mut positions, i, hit.surface.position);
         }
-        let slots = &slots[..work.rough.len()];
+        let slots = &slots[..count];
+        let mut light = LightSamples::default();
         if Needs::LAMPS.is_in(NEEDS) {
-            for (number, light) in self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i)) {
-                let draws = if light.has_extent() { samples } else { 1 };
+            for (number, lamp) in self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i)) {
+                let draws = if lamp.has_extent() { samples } else { 1 };
                 for index in 0..draws {
                     work.numbers.fill(self.arch, slots, dimensions.light(number), (index, draws), &mut work.u);
-                    work.shadows.count = 0;
-                    for k in 0..work.rough.len() {
-                        let hit = work.rough[k];
-                        let sample = light.sample(hit.surface.position, [work.u[0][k], work.u[1][k]]);
-                        // Where the material's own directions find the light as well, they share it.
-                        let rivals = if light.object == NOTHING { 0.0 } else { draws as f32 * sample.pdf };
-                        self.aim(work, k, sample.wi, sample.distance, sample.weight / draws as f32, rivals);
-                    }
-                    self.cast::<NEEDS>(work, light.object);
+                    lights::sample_many(self.arch, lamp, &positions, count, &work.u, &mut light);
+                    // Where the material's own directions find the lamp as well, they share it.
+                    let rivals = lamp.object != NOTHING && self.sampling == Sampling::Mis;
+                    self.aim(work, group.clone(), bsdf, &light, draws, rivals);
+                    self.cast::<NEEDS>(work, lamp.object);
                 }
             }
         }
@@ -138,48 +144,65 @@ impl Integrator<'_> {
             && let (Some(environment), Some(sampler)) = (&self.scene.environment, self.strategies.light())
         {
             for index in 0..samples {
-                work.shadows.count = 0;
-                for k in 0..work.rough.len() {
-                    let u = work.numbers.pair(slots[k], dimensions.environment(), (index, samples));
-                    let normal = environment.to_map(work.rough[k].frame.z.as_dvec3());
-                    let Some(light) = sampler.sample_for(u, normal) else { continue };
-                    let wi = (environment.to_world * light.wi).as_vec3();
-                    let weight = environment.scale * light.radiance / (light.pdf as f32 * samples as f32);
-                    self.aim(work, k, wi, f32::INFINITY, weight, samples as f32 * light.pdf as f32);
+                for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+                    let u = work.numbers.pair(hit.slot, dimensions.environment(), (index, samples));
+                    let drawn = sampler.sample_for(u, environment.to_map(hit.frame.z.as_dvec3()));
+                    let (wi, radiance, pdf) = drawn.map_or((DVec3::Z, Rgb::ZERO, 1.0), |s| (s.wi, s.radiance, s.pdf));
+                    set(&mut light.wi, i, (environment.to_world * wi).as_vec3());
+                    set(&mut light.weight, i, environment.scale * radiance / pdf as f32);
+                    (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf as f32);
                 }
+                self.aim(work, group.clone(), bsdf, &light, samples, self.sampling == Sampling::Mis);
                 self.cast::<NEEDS>(work, NOTHING);
             }
         }
         if self.sampling == Sampling::Hemisphere {
             for index in 0..samples {
-                work.shadows.count = 0;
-                for k in 0..work.rough.len() {
-                    let local =
-                        Blind::Hemisphere.sample(work.numbers.pair(slots[k], dimensions.gather(), (index, samples)));
-                    let wi = work.rough[k].frame.world(local.as_vec3());
-                    let weight = Rgb::splat(1.0 / (samples as f32 * Blind::Hemisphere.pdf(local.z) as f32));
-                    self.aim(work, k, wi, f32::INFINITY, weight, 0.0);
+                for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+                    let u = work.numbers.pair(hit.slot, dimensions.gather(), (index, samples));
+                    let local = Blind::Hemisphere.sample(u);
+                    let pdf = Blind::Hemisphere.pdf(local.z) as f32;
+                    set(&mut light.wi, i, hit.frame.world(local.as_vec3()));
+                    set(&mut light.weight, i, Rgb::splat(1.0 / pdf));
+                    (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf);
                 }
+                self.aim(work, group.clone(), bsdf, &light, samples, false);
                 self.find::<NEEDS>(work);
             }
         }
     }
 
-    /// Puts up a ray from rough hit `k` to `wi`. `weight` is what arrives from there, over its density; `light_pdf` is
-    /// that density times the number of samples if the material's own directions compete, else 0.
-    #[inline]
-    fn aim(&self, work: &mut Workspace, k: usize, wi: Vec3, distance: f32, weight: Rgb, light_pdf: f32) {
-        let hit = work.rough[k];
-        let Some(bsdf) = self.rough_bsdf(&hit) else { return };
-        let local = hit.frame.local(wi);
-        if local.z <= 0.0 || hit.surface.normal.dot(wi) <= 0.0 || weight == Rgb::ZERO {
-            return;
+    /// Puts up a ray from each hit of a group along its sample of `light`, one of `draws`; `rivals` says whether the
+    /// material's own directions find the same light.
+    fn aim(
+        &self,
+        work: &mut Workspace,
+        group: Range<usize>,
+        bsdf: &Bsdf,
+        light: &LightSamples,
+        draws: u32,
+        rivals: bool,
+    ) {
+        let hits = &work.rough[group];
+        let mut wo = ZERO3;
+        let scattered = &mut work.scattered;
+        for (i, hit) in hits.iter().enumerate() {
+            set(&mut wo, i, hit.wo);
+            set(&mut scattered.wi, i, hit.frame.local(at(&light.wi, i)));
         }
-        let (f, pdf) = bsdf.eval_pdf(hit.wo, local);
-        let competes = self.sampling == Sampling::Mis && light_pdf > 0.0;
-        let share = if competes { power_heuristic(light_pdf, pdf) } else { 1.0 };
-        let value = hit.throughput * f * weight * (local.z * share);
-        work.shadows.push(hit.surface.leave(wi), wi, distance, value, hit.slot, hit.word);
+        rough::eval_many(self.arch, bsdf, &wo, hits.len(), scattered);
+        work.shadows.count = 0;
+        for (i, hit) in hits.iter().enumerate() {
+            let (wi, f) = (at(&light.wi, i), at(&scattered.weight, i));
+            let (cos, weight) = (scattered.wi[2][i], at(&light.weight, i));
+            let value = hit.throughput * f * weight * (cos / draws as f32);
+            // Not where the interpolated normal lets light through the surface, or where nothing is scattered.
+            if !(value.max_element() > 0.0 && hit.surface.normal.dot(wi) > 0.0) {
+                continue;
+            }
+            let share = if rivals { power_heuristic(draws as f32 * light.pdf[i], scattered.pdf[i]) } else { 1.0 };
+            work.shadows.push(hit.surface.leave(wi), wi, light.distance[i], value * share, hit.slot, hit.word);
+        }
     }
 
     /// Adds what the shadow rays bring that nothing stands in the way of.
@@ -202,19 +225,19 @@ impl Integrator<'_> {
 
     /// Adds what rays in search of light find, which is multiplied by their value.
     fn find<const NEEDS: u32>(&self, work: &mut Workspace) {
-        self.geometry.nearest(&work.shadows.rays, work.shadows.count, &mut work.hits);
+        self.geometry.nearest(&work.shadows.rays, work.shadows.count, &mut work.found);
         // Beside light samples only the environment is looked for.
         let lamps = matches!(self.sampling, Sampling::Bsdf | Sampling::Hemisphere);
         for i in 0..work.shadows.count {
             let direction = at(&work.shadows.rays.direction, i);
-            let radiance = match work.hits.object[i] {
+            let radiance = match work.found.object[i] {
                 NOTHING => match &self.scene.environment {
                     Some(environment) if Needs::ENVIRONMENT.is_in(NEEDS) => environment.radiance(direction.as_dvec3()),
                     _ => continue,
                 },
                 object => match &self.faces[object as usize].emission {
                     Some(emission) if lamps => {
-                        let surface = self.geometry.surface(&work.shadows.rays, &work.hits, i);
+                        let surface = self.geometry.surface(&work.shadows.rays, &work.found, i);
                         let back = surface.normal.dot(direction) > 0.0;
                         if back && !emission.two_sided { continue } else { emission.radiance }
                     }

@@ -8,14 +8,16 @@
 //!
 //! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
 
+use super::casters::{self, Caster};
 use super::diffuse;
 use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
-use super::lanes::{Hits, LANES, Lane, Lane3, NOTHING, Paths, Points, Shadows};
+use super::lanes::{Hits, LANES, Lane, Lane3, NOTHING, Paths, Points, Shadows, ZERO3};
 use super::lens::Lens;
 use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
+use super::rough::{self, Scattered};
 use super::strategies::Strategies;
 use super::{Sampling, Settings};
 use crate::bsdf::{Bsdf, Scatter};
@@ -24,6 +26,7 @@ use crate::render::exposure::{Classes, Word};
 use crate::scene::{Emission, Request, Role, Scene};
 use glam::Vec3;
 use pulp::Arch;
+use std::ops::Range;
 
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
@@ -35,6 +38,7 @@ pub struct Integrator<'a> {
     pub(super) geometry: Geometry<'a>,
     pub(super) faces: Vec<Face>,
     pub(super) lights: Vec<Sampled>,
+    casters: Vec<Caster>,
     pub(super) strategies: Strategies,
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
@@ -53,11 +57,14 @@ pub struct Workspace {
     classes: Option<Classes>,
     paths: Paths,
     next: Paths,
-    pub(super) hits: Hits,
+    hits: Hits,
+    /// What rays in search of light have hit.
+    pub(super) found: Hits,
     pub(super) points: Points,
     delta: Vec<u32>,
     pub(super) rough: Vec<RoughHit>,
     pub(super) shadows: Shadows,
+    pub(super) scattered: Scattered,
     pub(super) blocked: [u32; LANES],
     pub(super) u: [Lane; 2],
 }
@@ -112,10 +119,12 @@ impl Workspace {
             paths: Paths::default(),
             next: Paths::default(),
             hits: Hits::default(),
+            found: Hits::default(),
             points: Points::default(),
             delta: Vec::with_capacity(LANES),
             rough: Vec::with_capacity(LANES),
             shadows: Shadows::default(),
+            scattered: Scattered::default(),
             blocked: [0; LANES],
             u: [[0.0; LANES]; 2],
         }
@@ -182,6 +191,7 @@ impl<'a> Integrator<'a> {
             geometry,
             faces: Face::all(scene, settings, &lights),
             lights,
+            casters: Caster::all(scene),
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
@@ -232,7 +242,11 @@ impl<'a> Integrator<'a> {
                 if Needs::OCCLUSION.is_in(NEEDS) && !last {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
-                    diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+                    if self.casters.is_empty() {
+                        diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+                    } else {
+                        casters::carry_on(self.arch, &self.casters, &work.points, &work.u, &mut work.next);
+                    }
                 }
             }
             if Needs::DELTA.is_in(NEEDS) {
@@ -241,10 +255,7 @@ impl<'a> Integrator<'a> {
                 }
             }
             if Needs::ROUGH.is_in(NEEDS) && !work.rough.is_empty() {
-                self.light_rough::<NEEDS>(work, dimensions);
-                for k in 0..work.rough.len() {
-                    self.scatter_rough(work, work.rough[k], dimensions);
-                }
+                self.scatter_rough::<NEEDS>(work, dimensions);
             }
             if scatterings > ROULETTE_AFTER {
                 roulette(&mut work.next, &work.numbers, dimensions.choice());
@@ -369,25 +380,47 @@ impl<'a> Integrator<'a> {
         work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
     }
 
-    /// Scatters one path at a rough surface.
-    #[inline]
-    fn scatter_rough(&self, work: &mut Workspace, hit: RoughHit, dimensions: Dimensions) {
-        let Some(bsdf) = self.rough_bsdf(&hit) else { return };
-        let u = work.numbers.short_pair(hit.slot, dimensions.bsdf(), (0, 1));
-        let [uc, _] = work.numbers.short_pair(hit.slot, dimensions.choice(), (0, 1));
-        let Some(sample) = bsdf.sample(hit.wo, uc, u) else { return };
-        let wi = hit.frame.world(sample.wi);
-        if hit.surface.normal.dot(wi) <= 0.0 {
-            return;
+    /// Adds the light at the rough hits and scatters their paths, one object after the other.
+    fn scatter_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
+        work.rough.sort_by_key(|hit| hit.object);
+        let mut start = 0;
+        while start < work.rough.len() {
+            let object = work.rough[start].object;
+            let group = start..start + work.rough[start..].partition_point(|hit| hit.object == object);
+            start = group.end;
+            if let Kind::Rough(bsdf) = &self.faces[object as usize].kind {
+                self.light_rough::<NEEDS>(work, group.clone(), bsdf, dimensions);
+                self.carry_on_rough(work, group, bsdf, dimensions);
+            }
         }
-        let j = work.next.count;
-        work.next.push(hit.surface.leave(wi), wi, hit.throughput * sample.weight, hit.slot, hit.word);
-        (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
-            // Pictures are left to mirrors and glass: the pdf is finite.
-            Sampling::Bsdf => (f32::MAX, 1.0),
-            Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
-            Sampling::Mis => (sample.pdf, self.sky_share(&hit, wi, sample.pdf)),
-        };
+    }
+
+    /// Scatters the paths that have hit one rough object.
+    fn carry_on_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
+        let (mut slots, mut wo) = ([0; LANES], ZERO3);
+        for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+            slots[i] = hit.slot;
+            set(&mut wo, i, hit.wo);
+        }
+        let count = group.len();
+        work.numbers.fill(self.arch, &slots[..count], dimensions.bsdf(), (0, 1), &mut work.u);
+        rough::sample_many(self.arch, bsdf, &wo, &work.u, count, &mut work.scattered);
+        for (i, hit) in work.rough[group].iter().enumerate() {
+            let weight = at(&work.scattered.weight, i);
+            let wi = hit.frame.world(at(&work.scattered.wi, i));
+            if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
+                continue;
+            }
+            let j = work.next.count;
+            work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
+            let pdf = work.scattered.pdf[i];
+            (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
+                // All light that it finds, but for pictures, which are left to mirrors and glass.
+                Sampling::Bsdf => (f32::MAX, 1.0),
+                Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
+                Sampling::Mis => (pdf, self.sky_share(hit, wi, pdf)),
+            };
+        }
     }
 
     /// The share of the environment's light that a direction drawn by a rough material brings.
@@ -397,14 +430,6 @@ impl<'a> Integrator<'a> {
         let map = |w: Vec3| environment.to_map(w.as_dvec3());
         let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
         power_heuristic(pdf, self.request.light_samples as f32 * other)
-    }
-
-    #[inline]
-    pub(super) fn rough_bsdf(&self, hit: &RoughHit) -> Option<&Bsdf> {
-        match &self.faces[hit.object as usize].kind {
-            Kind::Rough(bsdf) => Some(bsdf),
-            _ => None,
-        }
     }
 }
 
@@ -426,19 +451,13 @@ impl Surface {
 
 /// Ends paths at random that carry little light, and lets the others stand for them.
 fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
-    let count = std::mem::take(&mut paths.count);
-    for i in 0..count {
+    paths.retain(0, |paths, i| {
         let throughput = at(&paths.throughput, i);
         let survival = throughput.max_element().min(1.0);
         let [_, u] = numbers.short_pair(paths.slot[i], dimension, (0, 1));
-        if u < survival {
-            let (pdf, sky) = (paths.pdf[i], paths.sky[i]);
-            let j = paths.count;
-            let (origin, direction) = (at(&paths.rays.origin, i), at(&paths.rays.direction, i));
-            paths.push(origin, direction, throughput / survival, paths.slot[i], paths.word[i]);
-            (paths.pdf[j], paths.sky[j]) = (pdf, sky);
-        }
-    }
+        set(&mut paths.throughput, i, throughput / survival);
+        u < survival
+    });
 }
 
 /// The share of a sample of density `p` when other samples find the same light with density `q`: p² / (p² + q²).

@@ -136,6 +136,27 @@ impl Paths {
     }
 }
 
+impl Paths {
+    /// Drops those paths from number `start` on that `keep` does not want.
+    pub fn retain(&mut self, start: usize, mut keep: impl FnMut(&mut Self, usize) -> bool) {
+        let count = std::mem::replace(&mut self.count, start);
+        for i in start..count {
+            if keep(self, i) {
+                let j = self.count;
+                if i != j {
+                    for lane in self.rays.origin.iter_mut().chain(&mut self.rays.direction).chain(&mut self.throughput)
+                    {
+                        lane[j] = lane[i];
+                    }
+                    (self.pdf[j], self.sky[j]) = (self.pdf[i], self.sky[i]);
+                    (self.slot[j], self.word[j]) = (self.slot[i], self.word[i]);
+                }
+                self.count += 1;
+            }
+        }
+    }
+}
+
 impl Shadows {
     /// Adds a ray.
     #[inline(always)]

@@ -1,11 +1,15 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
 use super::Settings;
+use super::geometry::{at, set};
+use super::lanes::{LANES, Lane, Lane3, ZERO3};
+use super::wide::{Wide, wide};
 use crate::raster::Rgb;
 use crate::sampling::elementary::Elementary;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;
+use pulp::Arch;
 
 /// A direction towards a light.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +31,62 @@ pub trait SampleLight {
 
     /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
     fn pdf(&self, point: Vec3) -> f32;
+}
+
+/// Directions towards a light from many points.
+pub struct LightSamples {
+    pub wi: Lane3,
+    pub distance: Lane,
+    pub weight: Lane3,
+    pub pdf: Lane,
+}
+
+impl Default for LightSamples {
+    fn default() -> Self {
+        Self { wi: ZERO3, distance: [0.0; LANES], weight: ZERO3, pdf: [0.0; LANES] }
+    }
+}
+
+/// A direction towards a light from each of the first `count` positions.
+pub fn sample_many(
+    arch: Arch,
+    light: &Sampled,
+    positions: &Lane3,
+    count: usize,
+    u: &[Lane; 2],
+    out: &mut LightSamples,
+) {
+    match &light.kind {
+        // A loop without a case distinction inside, which vectorizes.
+        Kind::Panel(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
+        _ => SampleMany { light, positions, count, u, out }.run(),
+    }
+}
+
+struct SampleMany<'a, L> {
+    light: &'a L,
+    positions: &'a Lane3,
+    count: usize,
+    u: &'a [Lane; 2],
+    out: &'a mut LightSamples,
+}
+
+impl<L: SampleLight> Wide for SampleMany<'_, L> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { light, positions, count, u, out } = self;
+        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+        let (positions, u) = (*positions, *u);
+        let mut samples = LightSamples::default();
+        for i in 0..count.min(LANES) {
+            let sample = light.sample(at(&positions, i), [u[0][i], u[1][i]]);
+            set(&mut samples.wi, i, sample.wi);
+            set(&mut samples.weight, i, sample.weight);
+            samples.distance[i] = sample.distance;
+            samples.pdf[i] = sample.pdf;
+        }
+        *out = samples;
+    }
 }
 
 /// A light that can be sampled.

@@ -1,5 +1,6 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
+mod casters;
 mod diffuse;
 mod direct;
 pub mod exposure;
@@ -13,6 +14,7 @@ mod lens;
 mod lights;
 mod needs;
 mod numbers;
+mod rough;
 mod strategies;
 mod wide;
 

@@ -160,8 +160,7 @@ fn usable(position: Vec3) -> bool {
 mod tests {
     use super::*;
     use crate::sampling::stream::{Independent, Stream};
-    use crate::scene::MeshBvh;
-    use crate::scene::sphere::Hit;
+    use crate::scene::{MeshBvh, Ray};
 
     fn random(i: u64, j: u64) -> f32 {
         (2.0 * Independent::new(7, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -205,11 +204,11 @@ mod tests {
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             // None when rounding has put all corners on a line.
             let Some(Surface { point, normal, .. }) = mesh.surface(0, u, v) else { continue };
-            let hit = Hit { t: 0.0, point, normal, error: mesh.error() };
             let around = random_vec(i, 5).normalize();
             let tangent = around.cross(normal).normalize();
             for direction in [around, normal, (tangent + 1e-4 * normal).normalize(), (q - p).normalize()] {
-                let again = bvh.nearest(&hit.ray_towards(direction), f32::INFINITY);
+                let origin = point + normal * (2.0 * mesh.error()).copysign(normal.dot(direction));
+                let again = bvh.nearest(&Ray { origin, direction }, f32::INFINITY);
                 assert!(again.is_none(), "{i} {direction} {mesh:?} {again:?}");
             }
         }

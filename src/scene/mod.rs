@@ -22,7 +22,7 @@ pub use mesh::{Mesh, Surface};
 pub use rectangle::Rectangle;
 pub use request::Request;
 pub use scattering::ScatterModel;
-pub use sphere::{Hit, Sphere};
+pub use sphere::Sphere;
 
 use std::sync::Arc;
 

@@ -26,21 +26,18 @@ impl<T: Real> Beckmann<T> {
 impl<T: Real> Microfacet<T> for Beckmann<T> {
     /// The square of exp(−tan²/2α²)/(√π α cos²). Squaring last keeps clear of two traps: the exponential does not
     /// vanish before D does, and cos⁴ is never formed, which vanishes first and would leave 0/0.
-    #[inline]
+    #[inline(always)]
     fn d(&self, wm: [T; 3]) -> T {
         let z = wm[2];
         let az = self.alpha * z;
         let exponent = -T::lit(0.5) * sin2(wm) / (az * az);
-        // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
-        if !(z > T::zero() && exponent > T::LEAST_EXPONENT) {
-            return T::zero();
-        }
-        let e = exponent.exp();
+        let e = exponent.max(T::LEAST_EXPONENT).exponential();
         let root = e * T::FRAC_2_SQRT_PI() * T::lit(0.5) / (az * z);
-        root * root
+        // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
+        if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root } else { T::zero() }
     }
 
-    #[inline]
+    #[inline(always)]
     fn cos_lambda(&self, w: [T; 3]) -> T {
         let z = w[2].abs();
         let slope = self.alpha * sin2(w).sqrt();
@@ -48,7 +45,7 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
         let a = z / slope;
         let half = T::lit(0.5);
         let hidden =
-            (-a * a).max(T::LEAST_EXPONENT).exp() * half * (slope * T::FRAC_2_SQRT_PI() * half - z * a.erfcx());
+            (-a * a).max(T::LEAST_EXPONENT).exponential() * half * (slope * T::FRAC_2_SQRT_PI() * half - z * a.erfcx());
         // For A ≫ 1 the difference is rounding, of either sign.
         hidden.max(T::zero())
     }

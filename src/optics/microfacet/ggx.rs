@@ -23,17 +23,14 @@ impl<T: Real> Ggx<T> {
 }
 
 impl<T: Real> Microfacet<T> for Ggx<T> {
-    #[inline]
+    #[inline(always)]
     fn d(&self, wm: [T; 3]) -> T {
-        if wm[2] <= T::zero() {
-            return T::zero();
-        }
         let az = self.alpha * wm[2];
         let root = self.alpha / (az * az + sin2(wm));
-        root * root * T::FRAC_1_PI()
+        if wm[2] > T::zero() { root * root * T::FRAC_1_PI() } else { T::zero() }
     }
 
-    #[inline]
+    #[inline(always)]
     fn cos_lambda(&self, w: [T; 3]) -> T {
         // ½ (√(z² + α² s²) − z), without the difference.
         let z = w[2].abs();

@@ -17,13 +17,13 @@ pub trait SampleNormals<T: Real>: Microfacet<T> {
     fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
 
     /// Density of [`sample_all`](Self::sample_all).
-    #[inline]
+    #[inline(always)]
     fn pdf_all(&self, wm: [T; 3]) -> T {
         self.d(wm) * wm[2]
     }
 
     /// Density of [`sample_visible`](Self::sample_visible).
-    #[inline]
+    #[inline(always)]
     fn pdf_visible(&self, wo: [T; 3], wm: [T; 3]) -> T {
         let facing = wo[0] * wm[0] + wo[1] * wm[1] + wo[2] * wm[2];
         self.d(wm) * facing.max(T::zero()) * self.g1_over_cos(wo)
@@ -31,7 +31,7 @@ pub trait SampleNormals<T: Real>: Microfacet<T> {
 }
 
 impl<T: Real> SampleNormals<T> for Beckmann<T> {
-    #[inline]
+    #[inline(always)]
     fn sample_all(&self, u: [T; 2]) -> [T; 3] {
         let alpha = self.alpha.wide();
         // 1 − u is exact in f64, and u = 1 is kept from the logarithm.
@@ -41,7 +41,7 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
     /// Slopes of the surface stretched to α = 1 are independent along and across `wo`: the one across is normally
     /// distributed, the one along weighted by what is seen of it. Source: Heitz & d'Eon, "Importance Sampling
     /// Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014.
-    #[inline]
+    #[inline(always)]
     fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let alpha = self.alpha.wide();
         let [x, y, z] = wo.map(T::wide);
@@ -56,7 +56,7 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
 }
 
 impl<T: Real> SampleNormals<T> for Ggx<T> {
-    #[inline]
+    #[inline(always)]
     fn sample_all(&self, u: [T; 2]) -> [T; 3] {
         let (alpha, u0) = (self.alpha.wide(), u[0].wide());
         polar_normal(alpha * alpha * u0 / (1.0 - u0).max(slope::LEAST), u[1])
@@ -67,7 +67,7 @@ impl<T: Real> SampleNormals<T> for Ggx<T> {
     /// With v the stretched `wo` and h = c + v for a point c of the cap z ≥ −v_z: 1 − c_z = u (1 + v_z) is what is
     /// drawn, and both sin θ_c and h_z follow from it without a difference. Source: Dupuy & Benyoub, "Sampling Visible
     /// GGX Normals with Spherical Caps", HPG 2023.
-    #[inline]
+    #[inline(always)]
     fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let one = T::one();
         let v = normalize([self.alpha * wo[0], self.alpha * wo[1], wo[2]]);
@@ -81,7 +81,7 @@ impl<T: Real> SampleNormals<T> for Ggx<T> {
 }
 
 /// The normal of that tan² θ, at an azimuth of `turns` · 2π.
-#[inline]
+#[inline(always)]
 fn polar_normal<T: Real>(tan2: f64, turns: T) -> [T; 3] {
     let cos = 1.0 / (1.0 + tan2).sqrt();
     let sin = tan2.sqrt() * cos;
@@ -89,7 +89,7 @@ fn polar_normal<T: Real>(tan2: f64, turns: T) -> [T; 3] {
     [T::lit(sin * cos_phi), T::lit(sin * sin_phi), T::lit(cos)]
 }
 
-#[inline]
+#[inline(always)]
 fn normalize<T: Real>(w: [T; 3]) -> [T; 3] {
     let inverse = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt().recip();
     w.map(|x| x * inverse)

@@ -1,5 +1,6 @@
 //! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
 
+use crate::optics::elementary::{exp_f64, ln_f64};
 use crate::optics::error_function::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
@@ -11,21 +12,17 @@ pub(super) const LEAST: f64 = 1e-30;
 /// With w = −ln(4u(1−u)), erf⁻¹(x)/x is a smooth function of w: a polynomial in w at the centre, √w times one in 1/√w in
 /// the tails. Both are Chebyshev fits of this project; the choice of w is that of Giles, "Approximating the erfinv
 /// function", GPU Computing Gems 2, 2012.
-#[inline]
+#[inline(always)]
 pub(super) fn normal(u: f64) -> f64 {
     let (below, above) = (u.max(LEAST), (1.0 - u).max(LEAST));
-    let w = -(4.0 * below * above).ln();
+    let w = -ln_f64(4.0 * below * above);
     let x = below - above;
-    if w < 6.0 {
-        return x * polynomial(&CENTRE, w / 3.0 - 1.0);
-    }
-    let root = w.sqrt();
+    let centre = polynomial(&CENTRE, w / 3.0 - 1.0);
+    let root = w.max(6.0).sqrt();
     const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
-    x * root * polynomial(&TAILS, (2.0 / root - ENDS[0] - ENDS[1]) / (ENDS[1] - ENDS[0]))
+    let tails = root * polynomial(&TAILS, (2.0 / root - ENDS[0] - ENDS[1]) / (ENDS[1] - ENDS[0]));
+    x * if w < 6.0 { centre } else { tails }
 }
-
-/// Steps of the search at most. Two or three do; after these the slope is known to 10⁻¹¹ by bisection alone.
-const STEPS: usize = 40;
 
 /// Beyond ±9 there is less than [`LEAST`] of a normal distribution.
 const STEEPEST: f64 = 9.0;
@@ -35,48 +32,69 @@ const STEEPEST: f64 = 9.0;
 /// to 10⁻⁵ of `u`.
 ///
 /// Solves K(s) = u K(cos/slope) for K(s) = cos (1 + erf s) + slope exp(−s²)/√π by Halley's steps in a shrinking bracket.
-#[inline]
+/// Their number is fixed and nothing branches, so that a loop over views vectorizes.
+#[inline(always)]
 pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     let u = u.max(LEAST);
     let half = 0.5 * FRAC_2_SQRT_PI * slope;
     // The steepest slope that is seen at all; infinite for a view along the normal.
     let limit = cos / slope;
     // Kept from underflow, which is slow.
-    let e = (-(limit * limit).min(600.0)).exp();
+    let e = exp_f64(-(limit * limit).min(600.0));
     let hidden = e * erfcx(limit);
     let total = cos * (2.0 - hidden) + half * e;
-    let (mut low, mut high) = (-STEEPEST, limit.min(STEEPEST));
-    let mut s = guess(e, limit, hidden, u).clamp(low, high);
-    for _ in 0..STEPS {
+    let first = guess(e, limit, hidden, u).max(-STEEPEST).min(limit).min(STEEPEST);
+    let target = Target { cos, slope, half, value: u * total };
+    // Three steps. Where two are not enough for the last digits the guess is poor, in the far tails.
+    let bracket = Bracket { low: -STEEPEST, s: first, high: limit.min(STEEPEST) };
+    target.step(target.step(target.step(bracket))).s
+}
+
+/// What is sought: K(s) = `value`.
+#[derive(Clone, Copy)]
+struct Target {
+    cos: f64,
+    slope: f64,
+    half: f64,
+    value: f64,
+}
+
+/// An estimate between two bounds of the solution.
+#[derive(Clone, Copy)]
+struct Bracket {
+    low: f64,
+    s: f64,
+    high: f64,
+}
+
+impl Target {
+    #[inline(always)]
+    fn step(self, Bracket { low, s, high }: Bracket) -> Bracket {
         // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
-        let gauss = (-s * s).exp();
+        let gauss = exp_f64(-s * s);
         let tail = erfcx(s.abs()) * gauss;
-        let residual = cos * (if s < 0.0 { tail } else { 2.0 - tail }) + half * gauss - u * total;
-        (low, high) = if residual < 0.0 { (s, high) } else { (low, s) };
+        let residual = self.cos * (if s < 0.0 { tail } else { 2.0 - tail }) + self.half * gauss - self.value;
+        let (low, high) = (if residual < 0.0 { s } else { low }, if residual < 0.0 { high } else { s });
         // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) seen, K''/K' = −2s − slope/seen.
-        let seen = cos - s * slope;
-        let step = residual * seen / (FRAC_2_SQRT_PI * gauss * seen * seen + residual * (s * seen + 0.5 * slope));
-        let length = step.abs() * s.abs().max(1.0);
-        if length <= 1e-2 && length * slope <= 1e-2 * seen {
-            // What is left is about the cube of this step.
-            return (s - step).clamp(low, high);
-        }
+        let seen = self.cos - s * self.slope;
+        let step = residual * seen / (FRAC_2_SQRT_PI * gauss * seen * seen + residual * (s * seen + 0.5 * self.slope));
         let next = s - step;
-        s = if next > low && next < high { next } else { 0.5 * (low + high) };
+        // Also where the step is not a number, at the very ends.
+        let s = if (next >= low) & (next <= high) { next } else { 0.5 * (low + high) };
+        Bracket { low, s, high }
     }
-    s
 }
 
 /// A slope near the one sought: that of a normal distribution cut off at `limit` and bent so that it is right at both
 /// ends of the views, along the normal and grazing, and in how it ends at `limit`.
-#[inline]
+#[inline(always)]
 fn guess(e: f64, limit: f64, hidden: f64, u: f64) -> f64 {
     let visible = 1.0 - 0.5 * hidden;
     let root_pi = 2.0 / FRAC_2_SQRT_PI;
     // Where the limit may be infinite, the exponential is as good as 0.
     let bent = 0.5 * (root_pi * e * (limit.min(STEEPEST) * (2.0 - hidden) + e / root_pi)).sqrt();
     let bent = bent.min(visible);
-    let below = u * (visible - bent + bent * erfcx((-u.ln()).max(0.0).sqrt()));
+    let below = u * (visible - bent + bent * erfcx((-ln_f64(u)).max(0.0).sqrt()));
     normal(below)
 }
 

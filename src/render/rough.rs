@@ -1,0 +1,102 @@
+//! Rough metal, many hits at once: the directions that the material draws, and what it scatters from given ones.
+
+use super::geometry::{at, set};
+use super::lanes::{LANES, Lane, Lane3, ZERO3};
+use super::wide::{Wide, wide};
+use crate::bsdf::{Bsdf, BsdfSample, Conductor, Normals, Scatter};
+use crate::raster::Rgb;
+use crate::sampling::normals::SampleNormals;
+use glam::Vec3;
+use pulp::Arch;
+
+/// For each hit a direction in its own frame, the BSDF times the cosine over the density (or alone), and the density.
+pub struct Scattered {
+    pub wi: Lane3,
+    pub weight: Lane3,
+    pub pdf: Lane,
+}
+
+impl Default for Scattered {
+    fn default() -> Self {
+        Self { wi: ZERO3, weight: ZERO3, pdf: [0.0; LANES] }
+    }
+}
+
+/// Draws a direction for each of the first `count` views; where there is no sample the weight is 0.
+pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: usize, out: &mut Scattered) {
+    match bsdf {
+        // Loops without a case distinction inside, which vectorize.
+        Bsdf::Beckmann(c) if c.normals == Normals::Visible => wide(arch, Draw { conductor: c, wo, u, count, out }),
+        Bsdf::Ggx(c) if c.normals == Normals::Visible => wide(arch, Draw { conductor: c, wo, u, count, out }),
+        other => {
+            for i in 0..count {
+                let none = BsdfSample { wi: Vec3::Z, weight: Rgb::ZERO, pdf: 0.0, delta: false };
+                let sample = other.sample(at(wo, i), 0.0, [u[0][i], u[1][i]]).unwrap_or(none);
+                set(&mut out.wi, i, sample.wi);
+                set(&mut out.weight, i, sample.weight);
+                out.pdf[i] = sample.pdf;
+            }
+        }
+    }
+}
+
+/// Sets `out.weight` to the BSDF and `out.pdf` to the density for each of the first `count` pairs of directions `wo` and
+/// `out.wi`.
+pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
+    match bsdf {
+        Bsdf::Beckmann(c) if c.normals == Normals::Visible => wide(arch, Eval { conductor: c, wo, count, out }),
+        Bsdf::Ggx(c) if c.normals == Normals::Visible => wide(arch, Eval { conductor: c, wo, count, out }),
+        other => {
+            for i in 0..count {
+                let (f, pdf) = other.eval_pdf(at(wo, i), at(&out.wi, i));
+                set(&mut out.weight, i, f);
+                out.pdf[i] = pdf;
+            }
+        }
+    }
+}
+
+struct Draw<'a, D> {
+    conductor: &'a Conductor<D>,
+    wo: &'a Lane3,
+    u: &'a [Lane; 2],
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+impl<D: SampleNormals<f32>> Wide for Draw<'_, D> {
+    #[inline(always)]
+    fn run(self) {
+        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+        let (conductor, wo, u) = (*self.conductor, *self.wo, *self.u);
+        let mut out = Scattered::default();
+        for i in 0..self.count.min(LANES) {
+            let sample = conductor.draw_visible(at(&wo, i), [u[0][i], u[1][i]]);
+            set(&mut out.wi, i, sample.wi);
+            set(&mut out.weight, i, sample.weight);
+            out.pdf[i] = sample.pdf;
+        }
+        *self.out = out;
+    }
+}
+
+struct Eval<'a, D> {
+    conductor: &'a Conductor<D>,
+    wo: &'a Lane3,
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+impl<D: SampleNormals<f32>> Wide for Eval<'_, D> {
+    #[inline(always)]
+    fn run(self) {
+        let (conductor, wo, wi) = (*self.conductor, *self.wo, self.out.wi);
+        let (mut weight, mut pdf) = (ZERO3, [0.0; LANES]);
+        for i in 0..self.count.min(LANES) {
+            let (f, density) = conductor.eval_visible(at(&wo, i), at(&wi, i));
+            set(&mut weight, i, f);
+            pdf[i] = density;
+        }
+        (self.out.weight, self.out.pdf) = (weight, pdf);
+    }
+}
