@@ -28,17 +28,15 @@ pub struct Caster {
 }
 
 impl Caster {
-    /// The balls around all objects that are not diffuse.
+    /// The balls that are not diffuse. Not those around meshes, which fill too little of them: the directions that
+    /// miss cost more time than the others save noise.
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let casts = |m: &Material| !matches!(m, Material::Diffuse { .. });
-        let ball = |shape: &Shape| match shape {
-            Shape::Sphere(s) => Some((s.centre, s.radius)),
-            Shape::Rectangle(r) => Some((r.centre(), (r.corners()[0] - r.centre()).length())),
-            Shape::Mesh(mesh) => mesh.bounds().map(|[low, high]| (0.5 * (low + high), 0.5 * (high - low).length())),
-        };
-        let objects = scene.objects.iter().filter(|object| casts(&object.material));
-        let balls = objects.filter_map(|object| ball(&object.shape));
-        balls.map(|(centre, radius)| Self { centre, radius2: radius * radius }).collect()
+        let casters = scene.objects.iter().filter_map(|object| match (&object.shape, &object.material) {
+            (_, Material::Diffuse { .. }) => None,
+            (Shape::Sphere(s), _) => Some(Self { centre: s.centre, radius2: s.radius * s.radius }),
+            _ => None,
+        });
+        casters.collect()
     }
 
     /// Unit vector to the centre, and 1 − cos of half the angle that the ball fills; 0 from inside, where it is no help.

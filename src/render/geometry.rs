@@ -7,7 +7,7 @@
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
 use super::wide::{Wide, wide};
 use crate::scene::bvh::{self, MeshBvh};
-use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
+use crate::scene::{Light, Mesh, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 
@@ -70,6 +70,8 @@ pub struct Geometry<'a> {
 /// The triangles of all meshes.
 struct Meshes {
     tree: MeshBvh,
+    /// A box around all of them, with room for rounding.
+    bounds: [Vec3; 2],
     /// The object that each mesh is.
     object: Vec<u32>,
 }
@@ -93,7 +95,11 @@ impl<'a> Geometry<'a> {
         }
         let offsets = objects.iter().map(|object| 16.0 * f32::EPSILON * extent(&object.shape)).collect();
         let blockers = panels.iter().copied().filter(|panel| !encloses(panel, scene)).collect();
-        let meshes = with_meshes.then(|| Meshes { tree: MeshBvh::build(&meshes), object: mesh_objects });
+        let meshes = with_meshes.then(|| Meshes {
+            bounds: around(&meshes),
+            tree: MeshBvh::build(&meshes),
+            object: mesh_objects,
+        });
         Self { objects, panels, spheres, offsets, blockers, meshes, arch: Arch::new() }
     }
 
@@ -108,8 +114,10 @@ impl<'a> Geometry<'a> {
             wide(self.arch, Nearest { solid: sphere, object: *object, rays, count, hits });
         }
         if let Some(meshes) = &self.meshes {
+            let mut reach = [0.0; LANES];
+            wide(self.arch, Reach { bounds: meshes.bounds, rays, count, limit: &hits.t, reach: &mut reach });
             let mut found = [None; LANES];
-            meshes.tree.nearest_many(limited(rays, &hits.t, count), &mut found[..count]);
+            meshes.tree.nearest_many(limited(rays, &reach, count), &mut found[..count]);
             for (i, hit) in found[..count].iter().enumerate() {
                 if let Some(hit) = hit {
                     hits.t[i] = hit.t;
@@ -131,13 +139,14 @@ impl<'a> Geometry<'a> {
             wide(self.arch, Blocked { solid: sphere, rays, count, limit, blocked });
         }
         if let Some(meshes) = &self.meshes {
-            let mut left = [0.0; LANES];
-            for i in 0..count {
+            let mut reach = [0.0; LANES];
+            wide(self.arch, Reach { bounds: meshes.bounds, rays, count, limit, reach: &mut reach });
+            for (reach, &blocked) in reach[..count].iter_mut().zip(blocked.iter()) {
                 // A ray that is stopped already needs no tree.
-                left[i] = if blocked[i] == 0 { limit[i] } else { 0.0 };
+                *reach = if blocked == 0 { *reach } else { 0.0 };
             }
             let mut found = [false; LANES];
-            meshes.tree.occluded_many(limited(rays, &left, count), &mut found[..count]);
+            meshes.tree.occluded_many(limited(rays, &reach, count), &mut found[..count]);
             for i in 0..count {
                 blocked[i] |= u32::from(found[i]);
             }
@@ -248,6 +257,42 @@ impl<S: Solid> Wide for Blocked<'_, S> {
             blocked[i] |= u32::from((found >= 0.0) & (found < limit[i]));
         }
     }
+}
+
+/// The loop over all rays that asks which of them reach the box around the meshes: `reach` is the distance up to which
+/// the tree is to be searched, 0 if not at all.
+struct Reach<'a> {
+    bounds: [Vec3; 2],
+    rays: &'a Rays,
+    count: usize,
+    limit: &'a Lane,
+    reach: &'a mut Lane,
+}
+
+impl Wide for Reach<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { bounds: [low, high], rays, count, limit, reach } = self;
+        for i in 0..count.min(LANES) {
+            let (origin, inverse) = (at(&rays.origin, i), at(&rays.direction, i).recip());
+            let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
+            // 0 · ∞ on the face of a slab is NaN, which max and min pass over.
+            let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
+            let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(limit[i]);
+            reach[i] = if near <= far { limit[i] } else { 0.0 };
+        }
+    }
+}
+
+/// The box around some meshes, grown by more than the rounding of a ray's distances to it.
+fn around(meshes: &[&Mesh]) -> [Vec3; 2] {
+    let [low, high] = meshes
+        .iter()
+        .filter_map(|mesh| mesh.bounds())
+        .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+        .unwrap_or([Vec3::INFINITY, Vec3::NEG_INFINITY]);
+    let room = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
+    [low - room, high + room]
 }
 
 /// Largest coordinate of a shape, which its points are rounded to.

@@ -250,9 +250,7 @@ impl<'a> Integrator<'a> {
                 }
             }
             if Needs::DELTA.is_in(NEEDS) {
-                for k in 0..work.delta.len() {
-                    self.scatter_delta(work, work.delta[k] as usize, dimensions);
-                }
+                self.scatter_delta(work, dimensions);
             }
             if Needs::ROUGH.is_in(NEEDS) && !work.rough.is_empty() {
                 self.scatter_rough::<NEEDS>(work, dimensions);
@@ -365,19 +363,24 @@ impl<'a> Integrator<'a> {
         });
     }
 
-    /// Scatters one path in a mirror or in glass.
-    #[inline]
-    fn scatter_delta(&self, work: &mut Workspace, i: usize, dimensions: Dimensions) {
-        let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { return };
-        let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        let direction = at(&work.paths.rays.direction, i);
-        let frame = surface.frame(-direction);
-        let slot = work.paths.slot[i];
-        let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
-        let Some(sample) = bsdf.sample(frame.local(-direction), uc, [0.0; 2]) else { return };
-        let wi = frame.world(sample.wi);
-        let throughput = at(&work.paths.throughput, i) * sample.weight;
-        work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
+    /// Scatters the paths that have hit mirrors and glass.
+    fn scatter_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
+        let mut slots = [0; LANES];
+        for (slot, &i) in slots.iter_mut().zip(&work.delta) {
+            *slot = work.paths.slot[i as usize];
+        }
+        work.numbers.fill(self.arch, &slots[..work.delta.len()], dimensions.choice(), (0, 1), &mut work.u);
+        for (k, &i) in work.delta.iter().enumerate() {
+            let i = i as usize;
+            let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
+            let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+            let direction = at(&work.paths.rays.direction, i);
+            let frame = surface.frame(-direction);
+            let Some(sample) = bsdf.sample(frame.local(-direction), work.u[0][k], [0.0; 2]) else { continue };
+            let wi = frame.world(sample.wi);
+            let throughput = at(&work.paths.throughput, i) * sample.weight;
+            work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
+        }
     }
 
     /// Adds the light at the rough hits and scatters their paths, one object after the other.

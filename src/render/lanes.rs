@@ -6,7 +6,7 @@ use crate::render::exposure::Word;
 use glam::Vec3;
 
 /// How many paths are followed at once: their arrays fit the nearest caches.
-pub const LANES: usize = 128;
+pub const LANES: usize = 256;
 
 pub type Lane = [f32; LANES];
 pub type Lane3 = [Lane; 3];

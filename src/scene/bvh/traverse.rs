@@ -60,15 +60,17 @@ pub fn trace<L: Lanes, const ANY: bool>(
             let pack = &tree.packs[(current & !LEAF) as usize];
             found |= shear.hit(l, pack, &mut best);
             if ANY && found {
-                break;
+                return Some(best);
             }
         }
-        match std::iter::from_fn(|| stack.pop()).find(|next| next.0 <= best.t) {
-            Some(next) => current = next.1,
-            None => break,
-        }
+        current = loop {
+            match stack.pop() {
+                Some((distance, next)) if distance <= best.t => break next,
+                Some(_) => {}
+                None => return found.then_some(best),
+            }
+        };
     }
-    found.then_some(best)
 }
 
 /// One value per axis. Unlike those of the standard library it is inlined for certain, without which the closure
