@@ -21,7 +21,7 @@ pub struct Pictures {
     target: Target,
     formats: Vec<&'static str>,
     tone: Option<ToneName>,
-    /// What the file's name gets added, and that its sums are kept, if this is a shard.
+    /// Of a shard: what its name gets added in a folder; its sums are kept, too.
     shard: Option<String>,
 }
 
@@ -53,7 +53,8 @@ impl Pictures {
             None if cut => &["exr", "png"],
             _ => self.formats.as_slice(),
         };
-        let stem = self.target.stem(&output::file_name(name), self.shard.as_deref().unwrap_or(""));
+        let name = format!("{name}{}", self.shard.as_deref().unwrap_or(""));
+        let stem = self.target.stem(&output::file_name(&name), "");
         let image = part.exposure.image();
         for format in formats {
             let path = output::with_extension(&stem, format);

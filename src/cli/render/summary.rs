@@ -56,7 +56,7 @@ impl<'a> Summary<'a> {
             width: film.width(),
             height: film.height(),
             spp: request.spp,
-            samples: part.ranges().samples(),
+            samples: film.pixels().iter().map(|pixel| pixel.samples()).min().unwrap_or(0),
             light_samples: request.light_samples,
             max_depth: request.max_depth,
             seconds,
@@ -73,7 +73,9 @@ impl<'a> Summary<'a> {
 
     /// The same as text.
     pub fn text(&self) -> String {
-        let rgb = |v: [f64; 3]| v.map(|v| format!("{v:.5}")).join(" ");
+        let rgb = |v: [f64; 3]| {
+            if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }
+        };
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
         let mut text = format!(
             "{} {}x{}, {samples}{} samples per pixel, {} light samples, depth {}: {:.2} s, {:.2} million samples/s\n",

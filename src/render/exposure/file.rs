@@ -92,7 +92,7 @@ impl Part {
         let (names, slots): (Vec<String>, Vec<_>) = slots(classes).into_iter().unzip();
         if ranges.is_complete() && !file.counts(&names[0])? {
             return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
-                .with_hint("a complete render keeps no sums, and there is nothing to add to it"));
+                .with_hint("a complete picture keeps no sums, unless it was rendered with --resume"));
         }
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;
