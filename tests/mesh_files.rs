@@ -128,6 +128,7 @@ fn wrong_plys_are_refused_with_their_place() {
     for (text, message) in [
         ("plx\n".into(), "this is no PLY file"),
         (header("ascii").replace("end_header\n", ""), "a.ply:18:1: the file ends before its header's end_header"),
+        (change("comment a test\n", &"comment\n".repeat(10_000)), "a.ply:10001:1: a header of more than 10000 lines"),
         (change("format ascii", "format utf8"), "a.ply:2:1: the format \"utf8\""),
         (change("format ascii 1.0\n", ""), "no format line"),
         (change("ascii 1.0", "ascii 2.0"), "a.ply:2:1: "),

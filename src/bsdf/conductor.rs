@@ -4,7 +4,9 @@
 //! Torrance, "A Reflectance Model for Computer Graphics", 1982; Walter et al., EGSR 2007; Heitz, JCGT 3(2), 2014.
 //!
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both speak of the
-//! same f32 directions to the last bit.
+//! same f32 directions to the last bit. Where α cos θₒ < 10⁻⁷ two such directions no longer tell the facet between
+//! them, and the density's integral is off by some ten percent; elsewhere it is exact within what a grid of 32768 normals
+//! can tell, 0.3 %.
 
 use super::{BsdfSample, MetalFresnel, Scatter};
 use crate::raster::Rgb;

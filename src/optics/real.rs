@@ -4,6 +4,9 @@ use super::error_function;
 
 /// `f32` or `f64`, with the few literals and functions that formulas need.
 pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + Send + Sync + 'static {
+    /// Where exp(x) falls below the smallest normal number; beyond it, it loses digits and takes ten times as long.
+    const LEAST_EXPONENT: Self;
+
     /// A literal of the formula, rounded to the type.
     fn lit(value: f64) -> Self;
 
@@ -15,6 +18,8 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
 }
 
 impl Real for f32 {
+    const LEAST_EXPONENT: Self = -87.336;
+
     #[inline(always)]
     fn lit(value: f64) -> Self {
         value as f32
@@ -32,6 +37,8 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
+    const LEAST_EXPONENT: Self = -708.396;
+
     #[inline(always)]
     fn lit(value: f64) -> Self {
         value

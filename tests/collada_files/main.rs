@@ -125,6 +125,12 @@ fn broken_xml_is_refused_with_its_place() {
     ] {
         fails(&text, message);
     }
+    // What the parser would be slow at.
+    let attributes: String = (0..200_000).map(|i| format!(" a{i}=\">\"")).collect();
+    let nested: String = (0..20_000).map(|i| format!("<a xmlns:b{i}=\"c{i}\">")).collect();
+    for (text, message) in [(format!("<a{attributes}/>"), "64 attributes"), (nested, "64 declarations of namespaces")] {
+        assert!(matches!(fails(&text, message), Error::Limit { .. }));
+    }
     // Latin-1, a byte order mark and DOS line ends.
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.dae");

@@ -11,6 +11,10 @@ use std::rc::Rc;
 
 /// Most elements and texts in a file: each takes about 70 bytes.
 const MAX_NODES: u32 = 1 << 22;
+/// Most attributes of an element, and most declarations of namespaces in a file: the parser's time grows with their
+/// squares.
+const MAX_ATTRIBUTES: usize = 64;
+const MAX_NAMESPACES: usize = 64;
 /// Most bytes of elements that links lead to, each counted as often as it is reached: what an instance costs in time.
 const MAX_LINKED_BYTES: usize = 1 << 30;
 /// Most warnings that are kept.
@@ -33,6 +37,14 @@ pub struct Document<'a> {
 
 /// Parses the text of the file at `path`.
 pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Xml<'a>> {
+    // A tag has no "<" inside it, so this counts at least its attributes. Comments and the like start with "!".
+    let equal_signs = |piece: &str| piece.bytes().filter(|&byte| byte == b'=').count();
+    if text.split('<').any(|piece| !piece.starts_with('!') && equal_signs(piece) > MAX_ATTRIBUTES) {
+        return Err(Error::limit(path, format!("an element with more than {MAX_ATTRIBUTES} attributes")));
+    }
+    if text.matches("xmlns").count() > MAX_NAMESPACES {
+        return Err(Error::limit(path, format!("more than {MAX_NAMESPACES} declarations of namespaces")));
+    }
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     Xml::parse_with_options(text, options).map_err(|e| match e {
         XmlError::NodesLimitReached => Error::limit(path, format!("more than {MAX_NODES} elements")),

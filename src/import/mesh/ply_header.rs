@@ -4,6 +4,9 @@ use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use std::path::Path;
 
+/// Most lines of a header.
+const MAX_LINES: usize = 10_000;
+
 /// How numbers are written after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
@@ -90,6 +93,9 @@ impl Header {
         let mut has_format = false;
         for number in 1.. {
             let at = At::new(path.into(), number, 1);
+            if number > MAX_LINES {
+                return Err(at.input(format!("a header of more than {MAX_LINES} lines")));
+            }
             let line = header.line(bytes).ok_or_else(|| at.input("the file ends before its header's end_header"))?;
             let line = String::from_utf8_lossy(line);
             let words: Vec<&str> = line.split_ascii_whitespace().collect();

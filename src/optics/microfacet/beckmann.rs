@@ -30,10 +30,12 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
     fn d(&self, wm: [T; 3]) -> T {
         let z = wm[2];
         let az = self.alpha * z;
-        let e = (-T::lit(0.5) * sin2(wm) / (az * az)).exp();
-        if z <= T::zero() || e.is_nan() || e == T::zero() {
+        let exponent = -T::lit(0.5) * sin2(wm) / (az * az);
+        // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
+        if !(z > T::zero() && exponent > T::LEAST_EXPONENT) {
             return T::zero();
         }
+        let e = exponent.exp();
         let root = e * T::FRAC_2_SQRT_PI() * T::lit(0.5) / (az * z);
         root * root
     }
@@ -45,7 +47,8 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
         // ½ exp(−A²) (α sin/√π − z exp(A²) erfc A): A may be infinite, and is 0 on the horizon.
         let a = z / slope;
         let half = T::lit(0.5);
-        let hidden = (-a * a).exp() * half * (slope * T::FRAC_2_SQRT_PI() * half - z * a.erfcx());
+        let hidden =
+            (-a * a).max(T::LEAST_EXPONENT).exp() * half * (slope * T::FRAC_2_SQRT_PI() * half - z * a.erfcx());
         // For A ≫ 1 the difference is rounding, of either sign.
         hidden.max(T::zero())
     }

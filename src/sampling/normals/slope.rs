@@ -52,11 +52,7 @@ pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
         let gauss = (-s * s).exp();
         let tail = erfcx(s.abs()) * gauss;
         let residual = cos * (if s < 0.0 { tail } else { 2.0 - tail }) + half * gauss - u * total;
-        if residual < 0.0 {
-            low = s;
-        } else {
-            high = s;
-        }
+        (low, high) = if residual < 0.0 { (s, high) } else { (low, s) };
         // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) seen, K''/K' = −2s − slope/seen.
         let seen = cos - s * slope;
         let step = residual * seen / (FRAC_2_SQRT_PI * gauss * seen * seen + residual * (s * seen + 0.5 * slope));

@@ -10,6 +10,7 @@ mod tree;
 use super::camera::Ray;
 use super::mesh::Mesh;
 use build::{Bounds, Item};
+use glam::Vec3;
 use lanes::{Lanes, Portable};
 use traverse::{Stack, trace};
 use tree::Tree;
@@ -39,16 +40,17 @@ pub struct Rays<'a> {
 impl Rays<'_> {
     #[inline(always)]
     fn get(&self, i: usize) -> (Ray, f32) {
-        let at = |v: [&[f32]; 3]| v.map(|v| v[i]).into();
-        (Ray { origin: at(self.origin), direction: at(self.direction) }, self.t_max[i])
+        let at = |v: &[&[f32]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
+        (Ray { origin: at(&self.origin), direction: at(&self.direction) }, self.t_max[i])
     }
 }
 
 /// The triangles of some meshes, sorted so that rays find them.
 ///
-/// Triangles are hit from both sides, and no ray passes between two that share an edge or a corner, to the last bit.
-/// Answers are the same bits on every processor. A triangle without area, or with a corner that is missing, not
-/// finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or infinity in it, hits nothing.
+/// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it starts in their planes
+/// to within rounding. Answers are the same bits on every processor. A triangle without area, or with a corner that is
+/// missing, not finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or
+/// infinity in it, hits nothing.
 #[derive(Debug, Clone)]
 pub struct MeshBvh {
     tree: Tree,
@@ -164,7 +166,7 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
 
 /// One ray as a batch.
 fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
-    let components = |v: &'a glam::Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
+    let components = |v: &'a Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
     Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }
 }
 

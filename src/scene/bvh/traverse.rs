@@ -38,6 +38,10 @@ pub fn trace<L: Lanes, const ANY: bool>(
         if current & LEAF == 0 {
             let node = &tree.nodes[current as usize];
             let (distance, mut boxes) = slabs.meet(l, node, best.t);
+            if boxes.is_power_of_two() {
+                current = node.child[boxes.trailing_zeros() as usize % WIDTH];
+                continue;
+            }
             let base = stack.len();
             while boxes != 0 {
                 let i = boxes.trailing_zeros() as usize % WIDTH;
@@ -67,6 +71,13 @@ pub fn trace<L: Lanes, const ANY: bool>(
     found.then_some(best)
 }
 
+/// One value per axis. Unlike those of the standard library it is inlined for certain, without which the closure
+/// would be compiled without AVX2.
+#[inline(always)]
+fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
 /// What the test against boxes needs of a ray. Every box is taken larger by more than the rounding errors of this test
 /// and of the one against triangles.
 struct Slabs<L: Lanes> {
@@ -90,15 +101,14 @@ impl<L: Lanes> Slabs<L> {
     fn new(l: L, ray: &Ray, extent: f32) -> Self {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let margin = MARGIN * (origin.iter().fold(0.0, |m: f32, x| m.max(x.abs())) + extent);
-        let inverse = direction.map(|d| 1.0 / d.abs().max(FLATTEST).copysign(d));
-        let moved = |sign: f32| -> [L::F; 3] {
-            std::array::from_fn(|i| l.splat((origin[i] + (sign * margin).copysign(sign * inverse[i])) * inverse[i]))
-        };
+        let inverse = axes(|i| 1.0 / direction[i].abs().max(FLATTEST).copysign(direction[i]));
+        let moved =
+            |sign: f32| axes(|i| l.splat((origin[i] + (sign * margin).copysign(sign * inverse[i])) * inverse[i]));
         Self {
-            inverse: inverse.map(|x| l.splat(x)),
+            inverse: axes(|i| l.splat(inverse[i])),
             near: moved(1.0),
             far: moved(-1.0),
-            first: std::array::from_fn(|i| if inverse[i] < 0.0 { i + 3 } else { i }),
+            first: axes(|i| if inverse[i] < 0.0 { i + 3 } else { i }),
         }
     }
 
@@ -126,7 +136,7 @@ impl<L: Lanes> Slabs<L> {
 /// those that are 0 again in double precision).
 struct Shear<L: Lanes> {
     /// The axes, the last one that along which the direction is longest.
-    axes: [usize; 3],
+    order: [usize; 3],
     origin: [L::F; 3],
     direction: [L::F; 3],
     x: L::F,
@@ -138,7 +148,7 @@ impl<L: Lanes> Shear<L> {
     #[inline(always)]
     fn new(l: L, ray: &Ray) -> Self {
         let (origin, d) = (ray.origin.to_array(), ray.direction.to_array());
-        let size = d.map(f32::abs);
+        let size = axes(|i| d[i].abs());
         let z = if size[0] > size[1] && size[0] > size[2] {
             0
         } else if size[1] > size[2] {
@@ -146,25 +156,22 @@ impl<L: Lanes> Shear<L> {
         } else {
             2
         };
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let order = [(z + 1) % 3, (z + 2) % 3, z];
+        let inverse = 1.0 / d[z];
         Self {
-            axes,
-            origin: axes.map(|axis| l.splat(origin[axis])),
-            direction: axes.map(|axis| l.splat(d[axis])),
-            x: l.splat(d[axes[0]] / d[z]),
-            y: l.splat(d[axes[1]] / d[z]),
-            z: l.splat(1.0 / d[z]),
+            order,
+            origin: axes(|k| l.splat(origin[order[k]])),
+            direction: axes(|k| l.splat(d[order[k]])),
+            x: l.splat(d[order[0]] * inverse),
+            y: l.splat(d[order[1]] * inverse),
+            z: l.splat(inverse),
         }
     }
 
     /// Replaces `best` by a hit in front of it, if there is one.
     #[inline(always)]
     fn hit(&self, l: L, pack: &Pack, best: &mut MeshHit) -> bool {
-        let corner = |i: usize| self.axes.map(|axis| l.load(&pack.corner[i][axis]));
-        let relative = |i: usize| {
-            let [[px, py, pz], [x, y, z]] = [corner(i), self.origin];
-            [l.sub(px, x), l.sub(py, y), l.sub(pz, z)]
-        };
+        let relative = |i: usize| axes(|k| l.sub(l.load(&pack.corner[i][self.order[k]]), self.origin[k]));
         let sheared = |[x, y, z]: [L::F; 3]| [l.sub(x, l.mul(self.x, z)), l.sub(y, l.mul(self.y, z)), z];
         let origin_to_a = relative(0);
         let [a, b, c] = [sheared(origin_to_a), sheared(relative(1)), sheared(relative(2))];
@@ -178,17 +185,17 @@ impl<L: Lanes> Shear<L> {
         let dot = |p: [L::F; 3], q: [L::F; 3]| l.add(l.add(l.mul(p[0], q[0]), l.mul(p[1], q[1])), l.mul(p[2], q[2]));
         // Infinite when the triangle is seen edge on; its t is then NaN.
         let scale = l.div(l.splat(1.0), l.add(l.add(u, v), w));
-        let [w, u, v] = [w, u, v].map(|x| l.mul(x, scale));
+        let (w, u, v) = (l.mul(w, scale), l.mul(u, scale), l.mul(v, scale));
         let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), self.z);
         // The weights of a sliver are not accurate, so its t may come out above 0 for a ray that starts just in front of
         // it. The side on which the ray starts is certain.
-        let normal = self.axes.map(|axis| l.load(&pack.normal[axis]));
+        let normal = axes(|k| l.load(&pack.normal[self.order[k]]));
         let ahead = l.mul(dot(normal, origin_to_a), dot(normal, self.direction));
         let mut hits = inside & !l.le(ahead, zero) & !l.le(t, zero) & l.le(t, l.splat(best.t));
         if hits == 0 {
             return false;
         }
-        let [t, u, v] = [t, u, v].map(|x| l.store(x));
+        let (t, u, v) = (l.store(t), l.store(u), l.store(v));
         let mut found = false;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize % WIDTH;
