@@ -177,6 +177,8 @@ fn files_that_are_not_what_they_seem() {
         ("fresnel -o text.exr/new", &["text.exr"]),
         ("envmap make black -o map.png/new.exr", &["map.png"]),
         ("render sphere-env --envmap black -s 1 -r 4 4 -o map.pfm/new", &["map.pfm"]),
+        ("render furnace -s 4000000 --resume map.png/state.exr", &["map.png"]),
+        ("render furnace -s 4000000 -o map.png/new.exr", &["map.png"]),
         ("reproduce --only fresnel-enter -o syntax.pbrt", &["syntax.pbrt"]),
     ]);
 }

@@ -156,6 +156,7 @@ impl Render {
             (Some(held), Some(path)) => resume::take_up(held, path, &fresh)?,
             _ => fresh,
         };
+        pictures.check(&scene.name, state)?;
         if let Some(path) = state.filter(|_| part.ranges().have(&samples)) {
             console.warn(&format!("{}: all samples are there; the pictures are written again", path.display()));
         }
@@ -168,7 +169,7 @@ impl Render {
                 part.save(path)
             }
         });
-        let save = save.as_ref().map(|save| save as &dyn Fn(&mut Part) -> Result<()>);
+        let save = save.as_ref().map(|save| save as work::Save);
         work::run(&job, &mut part, &samples, console, &scene.name, save)?;
         describe(&mut part);
 

@@ -1,6 +1,7 @@
 //! The files that a render leaves: pictures, or what to go on from.
 
 use crate::error::{Error, Result};
+use crate::files;
 use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::exposure::Part;
 use crate::report::output::{self, Target};
@@ -44,17 +45,16 @@ impl Pictures {
     /// Writes the pictures of a render called `name`, and first `state`, from which a later run can go on. Of an
     /// interrupted render (`cut`) there is one such file in any case, and a preview.
     pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Vec<PathBuf>> {
-        let mut files = Vec::new();
+        let mut written = Vec::new();
         if let Some(state) = state {
             part.save(state)?;
-            files.push(state.to_owned());
+            written.push(state.to_owned());
         }
         let formats = match &self.shard {
             None if cut => &["exr", "png"],
             _ => self.formats.as_slice(),
         };
-        let name = format!("{name}{}", self.shard.as_deref().unwrap_or(""));
-        let stem = self.target.stem(&output::file_name(&name), "");
+        let stem = self.stem(name);
         let image = part.exposure.image();
         for format in formats {
             let path = output::with_extension(&stem, format);
@@ -68,9 +68,20 @@ impl Pictures {
             } else {
                 part.write(&path)?;
             }
-            files.push(path);
+            written.push(path);
         }
-        Ok(files)
+        Ok(written)
+    }
+
+    /// An error if the pictures of a render called `name` or its state could not be written.
+    pub fn check(&self, name: &str, state: Option<&Path>) -> Result<()> {
+        let pictures = self.formats.iter().map(|format| output::with_extension(&self.stem(name), format));
+        state.map(Path::to_owned).into_iter().chain(pictures).try_for_each(|path| files::check_writable(&path))
+    }
+
+    fn stem(&self, name: &str) -> PathBuf {
+        let name = format!("{name}{}", self.shard.as_deref().unwrap_or(""));
+        self.target.stem(&output::file_name(&name), "")
     }
 
     fn tone(&self, format: &str) -> ToneMap {

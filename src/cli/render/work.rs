@@ -15,6 +15,9 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The state of a render is saved about as often, unless saving takes more than a tenth of that.
 const PAUSE: Duration = Duration::from_secs(60);
 
+/// Writes the state down.
+pub type Save<'a> = &'a dyn Fn(&mut Part) -> Result<()>;
+
 /// Renders those of the samples that `part` does not have yet, until all are there or somebody interrupts. `save` is
 /// called about once a minute meanwhile.
 pub fn run(
@@ -23,7 +26,7 @@ pub fn run(
     samples: &Range<u32>,
     console: &Console,
     name: &str,
-    save: Option<&dyn Fn(&mut Part) -> Result<()>>,
+    save: Option<Save>,
 ) -> Result<()> {
     if let Err(e) = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
         console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
