@@ -3,11 +3,34 @@
 use crate::error::{Error, Result};
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Writes `path` through `fill`; an error or a crash on the way leaves what stood there before untouched.
 ///
 /// Missing parent folders are made. The file gets the usual permissions (0666 less the umask).
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    let mut file = temporary(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
+    fill(&mut writer)?;
+    writer.flush().map_err(|e| Error::io(path, e))?;
+    drop(writer);
+    file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    Ok(())
+}
+
+/// Whether `path` could be written, as far as can be known before: what takes hours should not fail at its end.
+///
+/// # Errors
+/// As [`write_atomic`]; makes missing parent folders, too.
+pub fn check_writable(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into()));
+    }
+    temporary(path).map(drop)
+}
+
+/// A temporary file beside `path`.
+fn temporary(path: &Path) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -20,13 +43,7 @@ pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(|e| Error::io(path, e))?;
-    let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
-    fill(&mut writer)?;
-    writer.flush().map_err(|e| Error::io(path, e))?;
-    drop(writer);
-    file.persist(path).map_err(|e| Error::io(path, e.error))?;
-    Ok(())
+    builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
 }
 
 /// [`write_atomic`] for bytes that are at hand already.
@@ -41,7 +58,8 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     if bytes.len() as u64 > limit {
-        return Err(Error::limit(path, format!("larger than {} MiB", limit >> 20)));
+        let size = if limit < 1 << 20 { format!("{limit} bytes") } else { format!("{} MiB", limit >> 20) };
+        return Err(Error::limit(path, format!("larger than {size}")));
     }
     Ok(bytes)
 }
@@ -61,7 +79,9 @@ mod tests {
         });
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        check_writable(&path).unwrap();
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "no temporary file is left");
+        assert!(check_writable(&path.join("below a file")).is_err() && check_writable(dir.path()).is_err());
     }
 
     #[test]

@@ -82,6 +82,23 @@ fn parts_survive_their_files() {
 }
 
 #[test]
+fn a_complete_part_keeps_its_sums_if_it_is_to_get_more() {
+    let dir = folder();
+    let (few, path) = (part(0..SPP), dir.path().join("a.exr"));
+    few.save(&path).unwrap();
+    let mut more = Part::read(&path).unwrap();
+    assert!(more == few && more.is_complete() && more.count() == (SIZE.0 * SIZE.1) as u64 * u64::from(SPP));
+    assert!(more.set_spp(SPP - 1).unwrap_err().to_string().contains("0..24 of 24"));
+    more.set_spp(SPP + 5).unwrap();
+    assert!(!more.is_complete());
+    go_on(&mut more, 0..SPP + 5, u32::MAX);
+    let mut whole = empty(Some(Classes::up_to(2)));
+    whole.set_spp(SPP + 5).unwrap();
+    go_on(&mut whole, 0..SPP + 5, u32::MAX);
+    assert!(more == whole && !whole.ranges().have(&(0..SPP + 6)));
+}
+
+#[test]
 fn merged_shards_are_the_render_in_one_go() {
     let dir = folder();
     let whole = write(dir.path(), "whole.exr", &part(0..SPP));
@@ -208,7 +225,7 @@ fn attributes_that_lie_are_refused() {
     let sound = std::fs::read(&path).unwrap();
     for (from, to, expected) in [
         ("0..3 of 24", "0..4 of 24", "has 3 samples"),
-        ("0..3 of 24", "0..3 of 03", "complete"),
+        ("0..3 of 24", "0..3 of 02", "\"samples\" makes no sense"),
         ("0..3 of 24", "3..0 of 24", "\"samples\" makes no sense"),
         ("LE LDE LSE", "LE LDE LLE", "\"paths\" makes no sense"),
         ("sums.n", "sums.m", "no channel \"sums.n\""),

@@ -1,7 +1,7 @@
 //! What the program says, and where: results to standard output, the rest to standard error.
 
 use crate::error::{Error, Result};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
@@ -64,14 +64,39 @@ impl Console {
             return ProgressBar::hidden();
         }
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
-        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {per_sec}  {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left");
+        let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+            // An error of a bar that nobody sees.
+            let _ = write!(out, "{}/s", short(state.per_sec()));
+        };
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("rate", rate));
         bar.set_message(what.to_owned());
         bar
+    }
+}
+
+/// A number of three digits or so: `0.52`, `17.0 k`, `3.25 M`.
+fn short(number: f64) -> String {
+    match number {
+        n if n >= 1e6 => format!("{:.2} M", n * 1e-6),
+        n if n >= 1e3 => format!("{:.1} k", n * 1e-3),
+        n if n >= 10.0 => format!("{n:.0}"),
+        n => format!("{n:.2}"),
     }
 }
 
 /// The closing lines of a human report: the files that were written.
 pub fn files_written(files: &[PathBuf]) -> String {
     files.iter().map(|f| format!("wrote {}\n", f.display())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn rates_are_short() {
+        let texts = [0.517, 12.3, 999.0, 17_012.0, 3_251_000.0].map(short);
+        assert_eq!(texts, ["0.52", "12", "999", "17.0 k", "3.25 M"]);
+    }
 }

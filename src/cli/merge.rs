@@ -1,7 +1,7 @@
 //! `etalon merge`: parts of a render put together.
 
 use super::console::{Console, files_written};
-use super::{Global, Verdict};
+use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::raster::{self, Metadata};
 use crate::render::exposure::{Dropped, list, merge_files};
@@ -86,7 +86,6 @@ impl Merge {
 
 /// The metadata with this command in place of the one that made the parts.
 fn with_command(metadata: &Metadata) -> Metadata {
-    let command = std::env::args().collect::<Vec<_>>().join(" ");
     let others = metadata.entries().iter().filter(|(name, _)| name != "command");
-    others.fold(Metadata::default().with("command", command), |all, (name, value)| all.with(name, value))
+    others.fold(Metadata::default().with("command", command_line()), |all, (name, value)| all.with(name, value))
 }

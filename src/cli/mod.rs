@@ -8,6 +8,8 @@ mod map_file;
 mod merge;
 mod render;
 mod reproduce;
+mod scene_file;
+mod scenes;
 
 use crate::error::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -32,7 +34,9 @@ Examples:
   etalon reproduce                      all figures, from built-in data, into figures/
   etalon fresnel --eta-i 1.45 --eta-t 1 leaving glass
   etalon envmap sample nave -n 256      importance samples of the built-in map
-  etalon render sphere-env -s 64        the lit sphere";
+  etalon render sphere-env -s 64        the lit sphere
+  etalon render cornell-spheres         a mirror and a glass ball in a room
+  etalon scenes                         what else can be rendered";
 
 /// Flags that every subcommand takes.
 #[derive(Args)]
@@ -63,6 +67,8 @@ enum Command {
     Envmap(envmap::Envmap),
     /// Render a scene
     Render(render::Render),
+    /// List the built-in scenes
+    Scenes(scenes::Scenes),
     /// Compare two images
     Compare(compare::Compare),
     /// Merge parts of a render
@@ -85,6 +91,8 @@ enum Model {
 enum Verdict {
     Good,
     Rejected,
+    /// Too few samples, for example because somebody interrupted.
+    Inconclusive,
 }
 
 /// Runs the program on the process's arguments.
@@ -96,11 +104,17 @@ pub fn main() -> ExitCode {
     match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
         Ok(Verdict::Good) => ExitCode::SUCCESS,
         Ok(Verdict::Rejected) => ExitCode::from(1),
+        Ok(Verdict::Inconclusive) => ExitCode::from(3),
         Err(error) => {
             Console::error(&error);
             ExitCode::from(2)
         }
     }
+}
+
+/// The program's name and arguments, for the metadata of pictures.
+fn command_line() -> String {
+    std::env::args_os().map(|arg| arg.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
@@ -111,6 +125,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Fresnel(args) => args.run(&cli.global, console),
         Command::Envmap(command) => command.run(&cli.global, console),
         Command::Render(args) => args.run(&cli.global, console),
+        Command::Scenes(args) => args.run(&cli.global, console),
         Command::Compare(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),

@@ -7,8 +7,14 @@ mod place;
 mod shape;
 mod transform;
 
+use crate::envmap::EnvMap;
+use crate::error::{Error, Result};
+use crate::raster;
 use crate::scene::{Request, Scene};
-use std::path::PathBuf;
+use collada::ColladaOptions;
+use pbrt::PbrtOptions;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What a scene file holds.
 #[derive(Debug, Clone)]
@@ -19,4 +25,54 @@ pub struct Imported {
     pub output: Option<PathBuf>,
     /// What was left out or filled in without harm to the picture, each with its place, in the file's order.
     pub warnings: Vec<String>,
+}
+
+/// Extensions of the scene files that [`read_scene`] knows.
+pub const SCENE_EXTENSIONS: [&str; 2] = ["pbrt", "dae"];
+
+/// What [`read_scene`] needs beside the file.
+#[derive(Clone, Default)]
+pub struct SceneOptions<'a> {
+    /// Width and height of the picture; without it, what the file asks for.
+    pub resolution: Option<[usize; 2]>,
+    /// A file of camera settings in place of the scene's own camera; COLLADA only.
+    pub camera: Option<&'a Path>,
+    /// A map, and what it is called, in place of the one that the file names; pbrt only.
+    pub environment: Option<(Arc<EnvMap>, String)>,
+    /// Whether the file's own map may have 8 bits.
+    pub allow_ldr: bool,
+}
+
+/// Reads the scene at `path`, whose extension (`.pbrt` or `.dae`) tells its format. The camera fits the request's size.
+///
+/// # Errors
+/// Those of [`pbrt::read`] and [`collada::read`]; [`Error::Unsupported`] for another extension;
+/// [`Error::Parameter`] for an option that the format has no use for.
+pub fn read_scene(path: &Path, options: SceneOptions) -> Result<Imported> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match extension.to_str() {
+        Some("pbrt") => {
+            if options.camera.is_some() {
+                return Err(Error::parameter("-c", "camera settings are for COLLADA scenes")
+                    .with_hint("a .pbrt file has its camera in itself"));
+            }
+            let ldr = raster::ReadOptions { allow_ldr: options.allow_ldr };
+            let load_map = |map: &Path| {
+                raster::read(map, ldr)
+                    .map_err(|e| e.with_hint("--envmap FILE stands in for the map that the scene names"))
+            };
+            let imported = pbrt::read(path, &PbrtOptions { environment: options.environment, load_map: &load_map })?;
+            let Some(size) = options.resolution else { return Ok(imported) };
+            let (scene, request) = imported.scene.resized(imported.request, size);
+            Ok(Imported { scene, request, ..imported })
+        }
+        Some("dae") => {
+            if options.environment.is_some() {
+                return Err(Error::parameter("--envmap", "a COLLADA scene has no environment map to replace")
+                    .with_hint("maps are for sphere-env and .pbrt scenes"));
+            }
+            collada::read(path, &ColladaOptions { resolution: options.resolution, settings: options.camera })
+        }
+        _ => Err(Error::unsupported(path, "not a scene file that is known").with_hint("supported: .pbrt, .dae")),
+    }
 }

@@ -4,10 +4,12 @@ use super::Settings;
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 
-/// A hash of all that a sample depends on: the scene to the last bit, the settings, and of the request all but the
+/// A hash of all that a sample depends on: this version of the program, the scene to the last bit, the settings, and of the request all but the
 /// number of samples.
 pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
     let mut hash = Hash(0);
+    // Another version may draw other samples.
+    hash.text(env!("CARGO_PKG_VERSION"));
     // What was left out changes no sample.
     let settings = Settings { general: false, ..*settings };
     let request = Request { spp: 0, ..*request };

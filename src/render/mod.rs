@@ -116,7 +116,9 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
 fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, .. } = *request;
     if width == 0 || height == 0 {
-        return Err(Error::parameter("-r", format!("cannot render {width}x{height} pixels")));
+        return Err(
+            Error::parameter("-r", format!("cannot render {width}x{height} pixels")).with_hint("at least 1x1 pixels")
+        );
     }
     if spp == 0 || light_samples == 0 {
         return Err(Error::parameter(if spp == 0 { "-s" } else { "-l" }, "must be at least 1"));

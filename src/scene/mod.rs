@@ -38,6 +38,15 @@ pub struct Scene {
     pub environment: Option<Environment>,
 }
 
+impl Scene {
+    /// The scene for a picture of another size than `request` has; see [`Camera::fitted`].
+    #[must_use]
+    pub fn resized(self, request: Request, [width, height]: [usize; 2]) -> (Self, Request) {
+        let camera = self.camera.fitted([request.width, request.height], [width, height]);
+        (Self { camera, ..self }, Request { width, height, ..request })
+    }
+}
+
 /// A shape, what it is made of, and whether it glows.
 #[derive(Debug, Clone)]
 pub struct Object {

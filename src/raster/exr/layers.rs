@@ -106,6 +106,16 @@ impl ExrFile {
         Ok(window.size.into())
     }
 
+    /// Whether the first part of the file has a channel of unsigned integers with this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a damaged header.
+    pub fn counts(&self, name: &str) -> Result<bool> {
+        let file = Exr::parse(&self.path, &self.bytes)?;
+        let mut channels = file.headers()[0].channels.list.iter();
+        Ok(channels.any(|channel| channel.sample_type == SampleType::U32 && channel.name == *name))
+    }
+
     /// Reads channels of unsigned integers from the first part of the file. When they are known to be there, `start`
     /// makes what `set` then fills: it gets the number of the channel in `names`, that of the pixel, and the value.
     ///

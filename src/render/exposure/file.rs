@@ -31,13 +31,25 @@ impl Part {
     /// # Errors
     /// Those of [`write_exr`](crate::raster::write_exr).
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.write_with(path, !self.is_complete())
+    }
+
+    /// [`Part::write`] that keeps the sums even of a complete picture, so that samples can be added to it.
+    ///
+    /// # Errors
+    /// Those of [`Part::write`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        self.write_with(path, true)
+    }
+
+    fn write_with(&self, path: &Path, keep_sums: bool) -> Result<()> {
         let film = &self.exposure;
         let (image, error, paths) = (film.image(), film.standard_error(), film.path_layers());
         let named = paths.iter().map(|(name, image)| Layer { name, image });
         let layers =
             [Layer { name: "", image: &image }, Layer { name: "error", image: &error }].into_iter().chain(named);
         let mut channels: Vec<Channel<'_>> = layers.flat_map(|layer| layer.channels(Precision::Float)).collect();
-        if !self.is_complete() {
+        if keep_sums {
             channels.extend(slots(film.classes()).into_iter().map(|(name, slot)| Channel {
                 name,
                 samples: Samples::Unsigned(Box::new(move |i| slot.get(film, i))),
@@ -59,11 +71,11 @@ impl Part {
         }
     }
 
-    /// Reads a part that is not complete, to go on with it or to merge it.
+    /// Reads a part, to go on with it or to merge it.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file without sums (a complete picture has none) and for a damaged one; those of
-    /// [`ExrFile`].
+    /// [`Error::Input`] for a file without sums (a complete picture that [`Part::write`] wrote has none) and for a
+    /// damaged one; those of [`ExrFile`].
     pub fn read(path: &Path) -> Result<Self> {
         let file = ExrFile::open(path)?;
         let attributes = file.metadata();
@@ -73,17 +85,17 @@ impl Part {
         };
         let wrong = |name: &str| Error::input(path, format!("the attribute {name:?} makes no sense"));
         let ranges = Ranges::parse(samples).ok_or_else(|| wrong(SAMPLES))?;
-        if ranges.is_complete() {
-            return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
-                .with_hint("a complete render keeps no sums, and there is nothing to add to it"));
-        }
         let classes = match attributes.get(PATHS) {
             Some(names) => Some(Classes::parse(names).ok_or_else(|| wrong(PATHS))?),
             None => None,
         };
+        let (names, slots): (Vec<String>, Vec<_>) = slots(classes).into_iter().unzip();
+        if ranges.is_complete() && !file.counts(&names[0])? {
+            return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
+                .with_hint("a complete picture keeps no sums, unless it was rendered with --resume"));
+        }
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;
-        let (names, slots): (Vec<String>, Vec<_>) = slots(classes).into_iter().unzip();
         let film = || {
             let too_large = |e: Error| Error::limit(path, e.to_string());
             Exposure::new(width, height, classes).map_err(too_large)

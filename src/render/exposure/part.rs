@@ -1,6 +1,7 @@
 //! A render, or a part of one: the film, which samples are on it, and of what.
 
 use super::{Exposure, Ranges};
+use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use std::ops::Range;
 
@@ -73,6 +74,20 @@ impl Part {
         self.ranges.begin(&within).map(|range| Task { before, range })
     }
 
+    /// Changes how many samples each pixel is to have in the end; no sample depends on it.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the part holds samples beyond.
+    pub fn set_spp(&mut self, spp: u32) -> Result<()> {
+        let ranges = self.ranges();
+        let held = ranges.to_string();
+        self.ranges = ranges.of(spp).ok_or_else(|| {
+            Error::parameter("-s", format!("{spp} samples per pixel are fewer than there are: {held}"))
+                .with_hint("samples cannot be taken away; render anew")
+        })?;
+        Ok(())
+    }
+
     /// Which samples are on the film.
     #[must_use]
     pub fn ranges(&self) -> Ranges {
@@ -82,6 +97,12 @@ impl Part {
             ranges.finish();
         }
         ranges
+    }
+
+    /// How many samples the film holds, all pixels together.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.exposure.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
     }
 
     /// Whether the picture has all its samples.

@@ -65,6 +65,17 @@ impl Ranges {
         starts.zip(ends).map(|(start, end)| start..end).filter(|r| !r.is_empty()).collect()
     }
 
+    /// Whether every pixel has had all samples of a range.
+    #[must_use]
+    pub fn have(&self, range: &Range<u32>) -> bool {
+        range.is_empty() || self.done.iter().any(|r| r.start <= range.start && range.end <= r.end)
+    }
+
+    /// The same samples as some of a render of `spp`; `None` where they go beyond it.
+    pub(super) fn of(self, spp: u32) -> Option<Self> {
+        Some(Self { spp, ..self }).filter(Self::is_sound)
+    }
+
     /// The number of samples with which a pixel is up to date.
     pub(super) fn target(&self) -> u32 {
         self.samples() + self.begun.as_ref().map_or(0, |r| r.end - r.start)
@@ -196,6 +207,17 @@ mod tests {
         ranges.finish();
         assert!(ranges.is_complete() && ranges.missing().is_empty());
         assert_eq!(ranges.to_string(), "0..64 of 64");
+    }
+
+    #[test]
+    fn ranges_are_had_as_a_whole_and_can_be_of_more() {
+        let ranges = Ranges::parse("0..16 32..48 begun 48..60 of 64").unwrap();
+        for (range, expected) in [(0..16, true), (33..48, true), (15..17, false), (16..32, false), (48..49, false)] {
+            assert_eq!(ranges.have(&range), expected, "{range:?}");
+        }
+        assert!(ranges.have(&(70..70)));
+        assert_eq!(ranges.clone().of(100).unwrap().to_string(), "0..16 32..48 begun 48..60 of 100");
+        assert!(ranges.clone().of(60).is_some() && ranges.of(59).is_none());
     }
 
     #[test]

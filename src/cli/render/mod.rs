@@ -1,0 +1,272 @@
+//! `etalon render`: pictures of scenes.
+
+mod model;
+mod pictures;
+mod resume;
+mod summary;
+mod work;
+
+use super::console::Console;
+use super::scene_file::SceneArgs;
+use super::{Global, Verdict, command_line};
+use crate::error::{Error, Result};
+use crate::raster::Metadata;
+use crate::render::exposure::{Part, shard};
+use crate::render::{self, Job, LightDensity, Settings};
+use crate::sampling::stream::StreamKind;
+use crate::scene::Request;
+use clap::{Args, ValueEnum};
+use model::ModelArgs;
+use pictures::{Pictures, ToneName};
+use std::ops::Range;
+use std::path::PathBuf;
+use std::str::FromStr;
+use summary::Summary;
+
+/// Render a scene: a built-in one, or a .pbrt or .dae file
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Render {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Camera samples per pixel
+    #[arg(short, value_name = "SPP")]
+    spp: Option<u32>,
+    /// Light samples at each hit
+    #[arg(short, value_name = "N")]
+    light_samples: Option<u32>,
+    /// 0: emission only; 1: direct light; n: light over at most n segments
+    #[arg(short, value_name = "DEPTH")]
+    max_depth: Option<u32>,
+    /// The same as -o
+    #[arg(short, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// How directions towards the light are chosen: by the light, by the material, by both (a diffuse surface needs no
+    /// material samples where the light density has the cosine in it), or uniformly
+    #[arg(long, value_enum, default_value_t = SamplingName::Mis)]
+    sampling: SamplingName,
+    /// The same as --sampling hemisphere
+    #[arg(short = 'H', conflicts_with = "sampling")]
+    hemisphere: bool,
+    /// What directions towards the environment are drawn in proportion to: radiance times cosine, radiance, or radiance
+    /// less its mean (for MIS only)
+    #[arg(long, value_enum, default_value_t = DensityName::Cosine)]
+    light_density: DensityName,
+    /// Owen-scrambled Sobol' or independent random numbers
+    #[arg(long, value_enum, default_value_t = StreamName::Sobol)]
+    stream: StreamName,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// How PNG and PPM show the light (default: PNG as srgb, PPM linear, scaled by its maximum)
+    #[arg(long, value_enum)]
+    tone: Option<ToneName>,
+    /// Keep the light apart by the class of its path (LDE, LSDE, ...) up to N scatterings: layers of the EXR file
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
+          value_parser = clap::value_parser!(u32).range(0..=6))]
+    paths: Option<u32>,
+    /// Go on from FILE if it is there, and keep the state in it, also after the end
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    /// Render the I-th of N equal shares of the samples, for `etalon merge`
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Run the kernel with nothing left out: the same picture, for comparison
+    #[arg(long)]
+    general: bool,
+}
+
+const AFTER_HELP: &str = "\
+Without -o (or with a folder) the picture is written as EXR, PFM, PPM and PNG; with a file name, in that format and as \
+PNG. The EXR file also has the standard error of every pixel.
+
+Ctrl-C (and SIGTERM) end a render early: the samples so far go to an EXR file, with a PNG preview, and the same command \
+with --resume FILE goes on from there, to the same bits as a render in one go. --resume FILE from the beginning also \
+saves the state every minute. A finished FILE can be given a larger -s.
+
+Exit codes: 0 good, 2 usage or bad input, 3 interrupted.
+
+Examples:
+  etalon render sphere-env -s 64 -o out
+  etalon render sphere-env --envmap grace.exr --flip -s 16 -o grace.exr
+  etalon render cornell-spheres -s 256 -l 4 -m 7 -r 480 360 --paths 3
+  etalon render cornell-statue-au --alpha 0.005 --model report --tone report
+  etalon render CBspheres.dae -s 64 -m 5 -r 480 360 -f spheres.png
+  etalon render cornell-spheres -s 4096 --resume state.exr
+  etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SamplingName {
+    Light,
+    Bsdf,
+    Mis,
+    Hemisphere,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DensityName {
+    Cosine,
+    Map,
+    Compensated,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StreamName {
+    Sobol,
+    Independent,
+}
+
+/// Which share of the samples to render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shard {
+    /// From 1.
+    index: u32,
+    count: u32,
+}
+
+impl FromStr for Shard {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> std::result::Result<Self, Self::Err> {
+        let parsed = text.split_once('/').and_then(|(index, count)| {
+            let shard = Self { index: index.parse().ok()?, count: count.parse().ok()? };
+            (1..=shard.count).contains(&shard.index).then_some(shard)
+        });
+        parsed.ok_or("expected I/N, for example 2/8: the second of eight")
+    }
+}
+
+impl Render {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let settings = self.settings(global.seed)?;
+        let pictures = self.pictures(global)?;
+        let (scene, asked) = self.scene.load(console)?;
+        let state = self.resume.as_deref();
+        let held = state.map(resume::held).transpose()?.flatten();
+        let request = Request {
+            spp: self.spp.or(held.as_ref().map(|part| part.ranges().spp())).unwrap_or(asked.spp),
+            light_samples: self.light_samples.unwrap_or(asked.light_samples),
+            max_depth: self.max_depth.unwrap_or(asked.max_depth),
+            ..asked
+        };
+        let samples = self.samples(request.spp, held.as_ref())?;
+        let job = Job::new(&scene, &request, &settings)?;
+        let metadata = self.metadata(&scene.name, &request, &settings);
+        let fresh = job.part(metadata.clone())?;
+        let mut part = match (held, state) {
+            (Some(held), Some(path)) => resume::take_up(held, path, &fresh)?,
+            _ => fresh,
+        };
+        pictures.check(&scene.name, state)?;
+        if let Some(path) = state.filter(|_| part.ranges().have(&samples)) {
+            console.warn(&format!("{}: all samples are there; the pictures are written again", path.display()));
+        }
+        let (before, count) = (seconds(&part.metadata), part.count());
+        let describe =
+            |part: &mut Part| part.metadata = metadata.clone().with(SECONDS, format!("{:.3}", before + job.seconds()));
+        let save = state.map(|path| {
+            move |part: &mut Part| {
+                describe(part);
+                part.save(path)
+            }
+        });
+        let save = save.as_ref().map(|save| save as work::Save);
+        work::run(&job, &mut part, &samples, console, &scene.name, save)?;
+        describe(&mut part);
+
+        let interrupted = !part.ranges().have(&samples);
+        let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
+        summary.left_out = job.left_out();
+        summary.interrupted = interrupted;
+        summary.files = pictures.write(&part, &scene.name, state, interrupted)?;
+        if summary.dropped.total() > 0 {
+            console.warn(&format!(
+                "{} samples were not finite and {} negative; they count as black (first at pixel {:?})",
+                summary.dropped.nonfinite,
+                summary.dropped.negative,
+                summary.dropped.first_pixel.unwrap_or_default()
+            ));
+        }
+        if interrupted && let Some(file) = summary.files.first() {
+            console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
+        }
+        console.result(&summary, || summary.text());
+        Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good })
+    }
+
+    fn pictures(&self, global: &Global) -> Result<Pictures> {
+        if self.file.is_some() && global.out.is_some() {
+            return Err(Error::parameter("-f", "-o is given, too").with_hint("both mean the same"));
+        }
+        let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
+        Pictures::new(self.file.as_deref().or(global.out.as_deref()), self.tone, shard)
+    }
+
+    /// The samples to render: all, or a shard's.
+    fn samples(&self, spp: u32, held: Option<&Part>) -> Result<Range<u32>> {
+        let Some(Shard { index, count }) = self.shard else { return Ok(0..spp) };
+        if count > spp {
+            return Err(Error::parameter("--shard", format!("{spp} samples per pixel cannot be cut into {count}"))
+                .with_hint("at most one shard for each of the samples that -s says"));
+        }
+        match held.map(|part| part.ranges().spp()) {
+            Some(held) if held != spp => {
+                Err(Error::parameter("-s", format!("{spp}, but the shard to go on with is of {held} samples"))
+                    .with_hint("all shards of a picture need the same -s"))
+            }
+            _ => Ok(shard(index, count, spp)),
+        }
+    }
+
+    fn settings(&self, seed: u64) -> Result<Settings> {
+        Ok(Settings {
+            sampling: match self.sampling {
+                _ if self.hemisphere => render::Sampling::Hemisphere,
+                SamplingName::Light => render::Sampling::Light,
+                SamplingName::Bsdf => render::Sampling::Bsdf,
+                SamplingName::Mis => render::Sampling::Mis,
+                SamplingName::Hemisphere => render::Sampling::Hemisphere,
+            },
+            density: match self.light_density {
+                DensityName::Cosine => LightDensity::Cosine,
+                DensityName::Map => LightDensity::Map,
+                DensityName::Compensated => LightDensity::Compensated,
+            },
+            stream: match self.stream {
+                StreamName::Sobol => StreamKind::Sobol,
+                StreamName::Independent => StreamKind::Independent,
+            },
+            seed,
+            model: self.model.model()?,
+            paths: self.paths,
+            general: self.general,
+        })
+    }
+
+    fn metadata(&self, scene: &str, request: &Request, settings: &Settings) -> Metadata {
+        Metadata::default()
+            .with("command", command_line())
+            .with("scene", scene)
+            .with("seed", settings.seed)
+            .with("spp", request.spp)
+            .with("lightSamples", request.light_samples)
+            .with("maxDepth", request.max_depth)
+            .with("sampling", lower(settings.sampling))
+            .with("lightDensity", lower(settings.density))
+            .with("stream", lower(settings.stream))
+            .with("model", self.model.names())
+            .with("fresnel", lower(settings.model.scattering.dielectric))
+            .with("normals", lower(settings.model.scattering.normals))
+    }
+}
+
+/// The attribute that holds the seconds of all runs together.
+const SECONDS: &str = "seconds";
+
+fn seconds(metadata: &Metadata) -> f64 {
+    metadata.get(SECONDS).and_then(|text| text.parse().ok()).filter(|s: &f64| s.is_finite()).unwrap_or(0.0)
+}
+
+/// The name of an enum's variant in lower case, which is its name at the command line.
+fn lower(variant: impl std::fmt::Debug) -> String {
+    format!("{variant:?}").to_lowercase()
+}

@@ -1,0 +1,98 @@
+//! The files that a render leaves: pictures, or what to go on from.
+
+use crate::error::{Error, Result};
+use crate::files;
+use crate::raster::{self, ToneMap, WriteOptions};
+use crate::render::exposure::Part;
+use crate::report::output::{self, Target};
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+
+/// How 8-bit pictures are shown.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ToneName {
+    /// The sRGB curve, rounded
+    Srgb,
+    /// Half a stop brighter, gamma 2.2, cut: the second report's pictures
+    Report,
+}
+
+/// Which files to write.
+pub struct Pictures {
+    target: Target,
+    formats: Vec<&'static str>,
+    tone: Option<ToneName>,
+    /// Of a shard: what its name gets added in a folder; its sums are kept, too.
+    shard: Option<String>,
+}
+
+impl Pictures {
+    /// Files at `out` (see [`Target`]); an error if they cannot be of that format.
+    pub fn new(out: Option<&Path>, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
+        let formats = match output::image_format(out)? {
+            None | Some("exr") if shard.is_some() => vec!["exr"],
+            Some(_) if shard.is_some() => {
+                return Err(Error::parameter("-o", "a shard is kept in an OpenEXR file")
+                    .with_hint("name a file with the extension .exr, or a folder"));
+            }
+            Some("png") => vec!["png"],
+            Some(format) => vec![format, "png"],
+            None => vec!["exr", "pfm", "ppm", "png"],
+        };
+        Ok(Self { target: Target::new(out), formats, tone, shard })
+    }
+
+    /// Writes the pictures of a render called `name`, and first `state`, from which a later run can go on. Of an
+    /// interrupted render (`cut`) there is one such file in any case, and a preview.
+    pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Vec<PathBuf>> {
+        let mut written = Vec::new();
+        if let Some(state) = state {
+            part.save(state)?;
+            written.push(state.to_owned());
+        }
+        let formats = match &self.shard {
+            None if cut => &["exr", "png"],
+            _ => self.formats.as_slice(),
+        };
+        let stem = self.stem(name);
+        let image = part.exposure.image();
+        for format in formats {
+            let path = output::with_extension(&stem, format);
+            if *format != "exr" {
+                let options = WriteOptions { tone: self.tone(format), ..WriteOptions::default() };
+                raster::write_with(&path, &image, &part.metadata, options)?;
+            } else if state.is_some_and(|state| cut || same_file(state, &path)) {
+                continue;
+            } else if self.shard.is_some() {
+                part.save(&path)?;
+            } else {
+                part.write(&path)?;
+            }
+            written.push(path);
+        }
+        Ok(written)
+    }
+
+    /// An error if the pictures of a render called `name` or its state could not be written.
+    pub fn check(&self, name: &str, state: Option<&Path>) -> Result<()> {
+        let pictures = self.formats.iter().map(|format| output::with_extension(&self.stem(name), format));
+        state.map(Path::to_owned).into_iter().chain(pictures).try_for_each(|path| files::check_writable(&path))
+    }
+
+    fn stem(&self, name: &str) -> PathBuf {
+        let name = format!("{name}{}", self.shard.as_deref().unwrap_or(""));
+        self.target.stem(&output::file_name(&name), "")
+    }
+
+    fn tone(&self, format: &str) -> ToneMap {
+        match self.tone {
+            Some(ToneName::Report) => ToneMap::Report,
+            None if format == "ppm" => ToneMap::LinearMax,
+            None | Some(ToneName::Srgb) => ToneMap::default(),
+        }
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}

@@ -1,0 +1,56 @@
+//! Going on with a render that a file holds.
+
+use crate::error::{Error, Result};
+use crate::raster::Metadata;
+use crate::render::exposure::Part;
+use std::path::Path;
+
+/// Reads the part at `path`, if there is a file.
+pub fn held(path: &Path) -> Result<Option<Part>> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
+        return Err(Error::parameter(
+            "--resume",
+            format!("the state is kept in an OpenEXR file, not {}", path.display()),
+        )
+        .with_hint("name a file with the extension .exr"));
+    }
+    if path.exists() { Part::read(path).map(Some) } else { Ok(None) }
+}
+
+/// `held` as a part of the same render as `fresh`, which has no samples yet.
+///
+/// # Errors
+/// [`Error::Input`] that says in what the two differ; [`Error::Parameter`] when `held` has more samples than wanted.
+pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
+    if held.fingerprint != fresh.fingerprint || held.exposure.classes() != fresh.exposure.classes() {
+        let mut message = "the file is of another render".to_owned();
+        let differences = differences(&held, fresh);
+        if !differences.is_empty() {
+            message += &format!(" ({})", differences.join("; "));
+        }
+        let begun = held.metadata.get("command").map_or(String::new(), |command| format!(" (`{command}`)"));
+        return Err(Error::input(path, message).with_hint(format!(
+            "go on with the scene, flags and version that began it{begun}, or give --resume another file"
+        )));
+    }
+    held.set_spp(fresh.ranges().spp())?;
+    Ok(held)
+}
+
+/// What flags were different, as far as the files tell.
+fn differences(held: &Part, fresh: &Part) -> Vec<String> {
+    let size = |part: &Part| Some(format!("{}x{}", part.exposure.width(), part.exposure.height()));
+    let paths = |part: &Part| part.exposure.classes().map(|c| c.count().to_string());
+    let of = |metadata: &Metadata, name: &str| metadata.get(name).map(str::to_owned);
+    let flags = fresh.metadata.entries().iter().filter(|(name, _)| !["command", "spp"].contains(&name.as_str()));
+    let flags = flags.map(|(name, _)| (name.as_str(), of(&held.metadata, name), of(&fresh.metadata, name)));
+    [("pixels", size(held), size(fresh)), ("path classes", paths(held), paths(fresh))]
+        .into_iter()
+        .chain(flags)
+        .filter(|(_, held, fresh)| held != fresh)
+        .map(|(name, held, fresh)| {
+            let text = |value: Option<String>| value.unwrap_or_else(|| "none".into());
+            format!("{name}: {} there, {} here", text(held), text(fresh))
+        })
+        .collect()
+}

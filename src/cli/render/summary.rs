@@ -1,0 +1,108 @@
+//! What a render has to say about its picture, as numbers and as text.
+
+use crate::cli::console::files_written;
+use crate::raster::Image;
+use crate::render::Dropped;
+use crate::render::exposure::Part;
+use crate::scene::Request;
+use glam::DVec3;
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Serialize)]
+pub struct Summary<'a> {
+    pub scene: &'a str,
+    width: usize,
+    height: usize,
+    spp: u32,
+    /// Samples that every pixel has.
+    samples: u32,
+    light_samples: u32,
+    max_depth: u32,
+    pub seconds: f64,
+    samples_per_second: f64,
+    mean_rgb: [f64; 3],
+    /// Root of the mean over all pixels of the squared standard error; null where a pixel has fewer than two samples.
+    standard_error_mean_rgb: [f64; 3],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    paths: Vec<PathClass>,
+    pub dropped: Dropped,
+    pub left_out: Vec<&'static str>,
+    pub interrupted: bool,
+    pub files: Vec<PathBuf>,
+}
+
+/// The light of one class of paths.
+#[derive(Serialize)]
+struct PathClass {
+    class: String,
+    mean_rgb: [f64; 3],
+    /// Of the picture's luminance.
+    share: f64,
+}
+
+impl<'a> Summary<'a> {
+    /// Of a part to which `done` samples (of single pixels) were added in so many seconds.
+    pub fn new(scene: &'a str, request: &Request, part: &Part, done: u64, seconds: f64) -> Self {
+        let film = &part.exposure;
+        let mean = mean(&film.image(), |v| v);
+        let square = self::mean(&film.standard_error(), |v| v * v);
+        let classes = film.path_layers().into_iter().map(|(class, layer)| {
+            let light = self::mean(&layer, |v| v);
+            PathClass { class, mean_rgb: light.to_array(), share: luminance(light) / luminance(mean) }
+        });
+        Self {
+            scene,
+            width: film.width(),
+            height: film.height(),
+            spp: request.spp,
+            samples: film.pixels().iter().map(|pixel| pixel.samples()).min().unwrap_or(0),
+            light_samples: request.light_samples,
+            max_depth: request.max_depth,
+            seconds,
+            samples_per_second: done as f64 / seconds,
+            mean_rgb: mean.to_array(),
+            standard_error_mean_rgb: square.to_array().map(f64::sqrt),
+            paths: classes.collect(),
+            dropped: film.dropped(),
+            left_out: Vec::new(),
+            interrupted: false,
+            files: Vec::new(),
+        }
+    }
+
+    /// The same as text.
+    pub fn text(&self) -> String {
+        let rgb = |v: [f64; 3]| {
+            if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }
+        };
+        let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
+        let mut text = format!(
+            "{} {}x{}, {samples}{} samples per pixel, {} light samples, depth {}: {:.2} s, {:.2} million samples/s\n",
+            self.scene,
+            self.width,
+            self.height,
+            self.spp,
+            self.light_samples,
+            self.max_depth,
+            self.seconds,
+            self.samples_per_second * 1e-6
+        );
+        text += &format!("mean {}, standard error {}\n", rgb(self.mean_rgb), rgb(self.standard_error_mean_rgb));
+        let left_out = if self.left_out.is_empty() { "nothing".into() } else { self.left_out.join(", ") };
+        text += &format!("left out: {left_out}\n");
+        for path in self.paths.iter().filter(|path| path.share > 0.0) {
+            text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));
+        }
+        text + &files_written(&self.files)
+    }
+}
+
+fn mean(image: &Image, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
+    let pixels = image.pixels();
+    pixels.iter().map(|p| value(p.as_dvec3())).sum::<DVec3>() / pixels.len() as f64
+}
+
+fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}

@@ -1,0 +1,68 @@
+//! A render while it runs: the progress bar, the state saved now and then, the end by Ctrl-C.
+
+use crate::cli::console::Console;
+use crate::error::Result;
+use crate::render::exposure::Part;
+use crate::render::{Control, Job};
+use indicatif::ProgressBar;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Set by SIGINT and SIGTERM once a render has begun.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The state of a render is saved about as often, unless saving takes more than a tenth of that.
+const PAUSE: Duration = Duration::from_secs(60);
+
+/// Writes the state down.
+pub type Save<'a> = &'a dyn Fn(&mut Part) -> Result<()>;
+
+/// Renders those of the samples that `part` does not have yet, until all are there or somebody interrupts. `save` is
+/// called about once a minute meanwhile.
+pub fn run(
+    job: &Job,
+    part: &mut Part,
+    samples: &Range<u32>,
+    console: &Console,
+    name: &str,
+    save: Option<Save>,
+) -> Result<()> {
+    if let Err(e) = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
+        console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
+    }
+    let pixels = part.exposure.pixels().len() as u64;
+    let bar = console.progress(pixels * samples.len() as u64, name);
+    bar.set_position(part.count());
+    bar.reset_eta();
+    let mut pause = PAUSE;
+    loop {
+        let until = save.map(|_| Instant::now() + pause);
+        job.run(part, samples.clone(), &Watch { bar: &bar, until });
+        let Some(save) = save.filter(|_| until.is_some_and(|until| Instant::now() >= until)) else { break };
+        if INTERRUPTED.load(Ordering::Relaxed) {
+            break;
+        }
+        let start = Instant::now();
+        save(part)?;
+        pause = PAUSE.max(10 * start.elapsed());
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Moves the bar; stops the render when somebody interrupts or it is time to save.
+struct Watch<'a> {
+    bar: &'a ProgressBar,
+    until: Option<Instant>,
+}
+
+impl Control for Watch<'_> {
+    fn done(&self, samples: u64) {
+        self.bar.inc(samples);
+    }
+
+    fn stop(&self) -> bool {
+        INTERRUPTED.load(Ordering::Relaxed) || self.until.is_some_and(|until| Instant::now() >= until)
+    }
+}

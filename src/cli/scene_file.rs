@@ -1,0 +1,143 @@
+//! The scene that a command names: a built-in one or a file, and what flags change in it.
+
+use super::console::Console;
+use super::map_file::{self, MapOptions};
+use crate::envmap::info::Info;
+use crate::error::{Error, Result};
+use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
+use crate::report::MapSource;
+use crate::scene::{Environment, Material, Request, Scene, builtin};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// A scene and what may be changed in it.
+#[derive(Args)]
+pub struct SceneArgs {
+    /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
+    scene: String,
+    /// Width and height in pixels
+    #[arg(short, num_args = 2, value_names = ["W", "H"])]
+    resolution: Option<Vec<usize>>,
+    /// The environment map of sphere-env or of a .pbrt scene: a file or a built-in name (it stands in for the file's
+    /// mapname)
+    #[arg(long, value_name = "MAP")]
+    envmap: Option<String>,
+    #[command(flatten)]
+    map_options: MapOptions,
+    /// Camera settings of the course's renderer (30 numbers) in place of the camera of a .dae scene
+    #[arg(short, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// A .ply or .obj mesh in place of the statue of a cornell-statue scene, fitted to its place
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// Width of the microfacet distribution of every metal, 0 to 10; below 0.0001 it is a perfect mirror
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    alpha: Option<f32>,
+}
+
+impl SceneArgs {
+    /// Loads the scene; its camera fits the request's size.
+    pub fn load(&self, console: &Console) -> Result<(Scene, Request)> {
+        if let Some(alpha) = self.alpha.filter(|alpha| !(0.0..=10.0).contains(alpha)) {
+            return Err(Error::parameter("--alpha", format!("{alpha} is not from 0 to 10")));
+        }
+        let (mut scene, request) = match self.file() {
+            Some(path) => self.imported(path, console)?,
+            None => self.builtin(console)?,
+        };
+        if let Some(alpha) = self.alpha {
+            set_alpha(&mut scene, alpha)?;
+        }
+        Ok((scene, request))
+    }
+
+    /// The scene file, if the argument is one by its extension.
+    fn file(&self) -> Option<&Path> {
+        let path = Path::new(&self.scene);
+        let known = |e: &std::ffi::OsStr| SCENE_EXTENSIONS.iter().any(|known| e.eq_ignore_ascii_case(known));
+        path.extension().is_some_and(known).then_some(path)
+    }
+
+    fn resolution(&self) -> Option<[usize; 2]> {
+        <[usize; 2]>::try_from(self.resolution.as_deref()?).ok()
+    }
+
+    fn map(&self, name: &str, console: &Console) -> Result<MapSource> {
+        map_file::load(name, self.map_options, console)
+    }
+
+    fn imported(&self, path: &Path, console: &Console) -> Result<(Scene, Request)> {
+        if self.mesh.is_some() {
+            return Err(Error::parameter("--mesh", "a scene file has no statue to replace")
+                .with_hint("it takes the place of the statue in the cornell-statue scenes"));
+        }
+        let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
+        let options = SceneOptions {
+            resolution: self.resolution(),
+            camera: self.camera.as_deref(),
+            environment: environment.map(|source| (source.map, source.name)),
+            allow_ldr: self.map_options.ldr,
+        };
+        let imported = import::read_scene(path, options)?;
+        imported.warnings.iter().for_each(|warning| console.warn(warning));
+        Ok((imported.scene, imported.request))
+    }
+
+    fn builtin(&self, console: &Console) -> Result<(Scene, Request)> {
+        let name = self.scene.as_str();
+        if !builtin::SCENES.iter().any(|(known, _)| *known == name) {
+            let known = builtin::SCENES.map(|(name, _)| name).join(", ");
+            return Err(Error::parameter("SCENE", format!("\"{name}\" is neither a built-in scene nor a scene file"))
+                .with_hint(format!("built-in scenes: {known}; files: .pbrt, .dae")));
+        }
+        if self.camera.is_some() {
+            return Err(Error::parameter("-c", "camera settings are for COLLADA scenes")
+                .with_hint("a built-in scene has its own camera"));
+        }
+        let mut warnings = Vec::new();
+        let mesh = self.mesh.as_deref().map(|path| import::mesh::read(path, &mut warnings)).transpose()?;
+        warnings.iter().for_each(|warning| console.warn(warning));
+        let mesh = mesh.map(|mut mesh| {
+            if mesh.normals.is_empty() {
+                mesh.smooth();
+            }
+            mesh
+        });
+        let found = match builtin::by_name(name, mesh)? {
+            Some(_) if self.envmap.is_some() => {
+                return Err(Error::parameter(
+                    "--envmap",
+                    format!("the scene {name} has no environment map to replace"),
+                )
+                .with_hint("maps are for sphere-env and .pbrt scenes"));
+            }
+            Some(found) => found,
+            None => {
+                let source = self.map(self.envmap.as_deref().unwrap_or("nave"), console)?;
+                map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+                builtin::sphere_env(Environment::upright(source.map, source.name, builtin::SPHERE_ENV_SCALE))
+            }
+        };
+        let (scene, request) = found;
+        Ok(match self.resolution() {
+            Some(size) => scene.resized(request, size),
+            None => (scene, request),
+        })
+    }
+}
+
+/// Gives all metals of a scene the same roughness.
+fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
+    let mut found = false;
+    for object in &mut scene.objects {
+        if let Material::Conductor(metal) = &mut object.material {
+            metal.alpha = alpha;
+            found = true;
+        }
+    }
+    if found {
+        return Ok(());
+    }
+    Err(Error::parameter("--alpha", format!("the scene {} has no metal to roughen", scene.name))
+        .with_hint("cornell-statue-au, -cu, -fe and furnace have one"))
+}
