@@ -1,209 +1,449 @@
 //! Where paths go on from a diffuse hit when there are mirrors, glass or metal in the scene.
 //!
 //! Through these a lamp shines as a small bright image, which directions drawn by the cosine alone seldom find: most of
-//! the noise of such scenes. So a share of the directions is drawn towards the balls around them. With the cosine given
-//! the weight Ω₀ and each ball its own solid angle Ωⱼ, the density of the mixture is simply
+//! the noise of such scenes. So a share of the directions is drawn from cones: one around each ball, and one around the
+//! places where a ball reflects or refracts a lamp to the point. A cone of solid angle Ωⱼ is drawn from in proportion to a weight wⱼ,
+//! the cosine to w₀, and the density of the mixture at a direction is
 //!
-//! (Ω₀ cos θ / π + number of balls in that direction) / (Ω₀ + Σ Ωⱼ).
+//! (w₀ cos θ / π + Σ wⱼ/Ωⱼ over the cones that hold it) / (w₀ + Σ wⱼ).
+//!
+//! Whatever the cones, the estimate is right; where they are good, it is quiet.
 
-use super::diffuse::frame;
+use super::diffuse::{self, frame};
 use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Paths, Points, ZERO3};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3};
 use super::wide::{Wide, wide};
+use crate::raster::Rgb;
 use crate::sampling::elementary::Elementary;
-use crate::scene::{Material, Scene, Shape};
+use crate::scene::{Light, Material, Rectangle, Role, Scene, Shape};
 use glam::Vec3;
 use pulp::Arch;
 use std::f32::consts::{PI, TAU};
 
-/// The weight of the cosine, in steradians. The variance has a flat minimum here: half and twice as much cost less than
-/// a tenth in the reports' scenes.
+/// The weight of the cosine. That of a ball is its solid angle: a large one is more likely to matter.
 const COSINE_WEIGHT: f32 = 0.5;
 
-/// A ball around an object that may cast a caustic.
-#[derive(Debug, Clone, Copy)]
-pub struct Caster {
-    centre: Vec3,
-    radius2: f32,
+/// The weight of the image of a lamp in a ball that sends all light to it.
+const IMAGE_WEIGHT: f32 = 0.1;
+
+/// Images are aimed at from the first diffuse hits of a path, of which there are the most; later ones have less light
+/// to lose than time.
+pub const IMAGES_UP_TO: u32 = 2;
+
+/// Of more balls than these only the largest get a cone.
+const MOST_BALLS: usize = 8;
+
+/// With more pairs of ball and lamp than these none gets a cone.
+const MOST_IMAGES: usize = 16;
+
+/// The balls and images of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct Casters {
+    balls: Vec<Ball>,
+    reflections: Vec<Reflection>,
+    refractions: Vec<Refraction>,
 }
 
-impl Caster {
-    /// The balls that are not diffuse. Not those around meshes, which fill too little of them: the directions that
-    /// miss cost more time than the others save noise.
-    pub fn all(scene: &Scene) -> Vec<Self> {
-        let casters = scene.objects.iter().filter_map(|object| match (&object.shape, &object.material) {
+#[derive(Debug, Clone, Copy)]
+struct Ball {
+    centre: Vec3,
+    radius: f32,
+}
+
+/// A lamp and a ball that shows an image of it.
+#[derive(Debug, Clone, Copy)]
+struct Image {
+    ball: Ball,
+    lamp: Vec3,
+    /// Of the lamp's front.
+    normal: Vec3,
+    lamp_radius: f32,
+    weight: f32,
+}
+
+/// A lamp as a ball reflects it.
+#[derive(Debug, Clone, Copy)]
+struct Reflection(Image);
+
+/// A lamp as a ball of glass refracts it.
+#[derive(Debug, Clone, Copy)]
+struct Refraction {
+    image: Image,
+    eta: f32,
+}
+
+/// For each point a cone: its axis, 1 − cos of its half angle, and its weight; 0 where it is no help.
+#[derive(Clone)]
+pub struct Cone {
+    axis: Lane3,
+    opening: Lane,
+    weight: Lane,
+}
+
+impl Casters {
+    /// Looks at a scene once. Meshes get no ball: they fill too little of it, and the directions that miss cost more time
+    /// than the others save noise.
+    pub fn new(scene: &Scene) -> Self {
+        let shiny = scene.objects.iter().filter_map(|object| match (&object.shape, object.material) {
             (_, Material::Diffuse { .. }) => None,
-            (Shape::Sphere(s), _) => Some(Self { centre: s.centre, radius2: s.radius * s.radius }),
+            (Shape::Sphere(s), material) => Some((Ball { centre: s.centre, radius: s.radius }, material)),
             _ => None,
         });
-        casters.collect()
+        let mut balls: Vec<(Ball, Material)> = shiny.collect();
+        balls.sort_by(|(a, _), (b, _)| b.radius.total_cmp(&a.radius));
+        balls.truncate(MOST_BALLS);
+        let lamps = lamps(scene);
+        let mut casters = Self { balls: balls.iter().map(|(ball, _)| *ball).collect(), ..Self::default() };
+        if balls.len() * lamps.len() > MOST_IMAGES {
+            return casters;
+        }
+        for ((ball, material), lamp) in balls.iter().flat_map(|ball| lamps.iter().map(move |lamp| (ball, lamp))) {
+            let image = |share: f32| Image {
+                ball: *ball,
+                lamp: lamp.centre(),
+                normal: lamp.normal(),
+                lamp_radius: (lamp.corners()[0] - lamp.centre()).length(),
+                weight: IMAGE_WEIGHT * share,
+            };
+            match *material {
+                Material::Mirror { .. } | Material::Conductor(_) => casters.reflections.push(Reflection(image(1.0))),
+                Material::Glass { eta, .. } => {
+                    casters.reflections.push(Reflection(image(0.2)));
+                    casters.refractions.push(Refraction { image: image(1.0), eta });
+                }
+                Material::Refraction { eta, .. } => casters.refractions.push(Refraction { image: image(1.0), eta }),
+                Material::Diffuse { .. } => {}
+            }
+        }
+        casters
     }
 
-    /// Unit vector to the centre, and 1 − cos of half the angle that the ball fills; 0 from inside, where it is no help.
-    #[inline(always)]
-    fn seen_from(&self, point: Vec3) -> (Vec3, f32) {
-        let to = self.centre - point;
-        let d2 = to.length_squared();
-        let sin2 = self.radius2 / d2;
-        // 1 − √(1 − s²) without the cancellation.
-        let opening = sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt());
-        (to * (1.0 / d2.sqrt()), if sin2 < 1.0 { opening } else { 0.0 })
+    pub fn is_empty(&self) -> bool {
+        self.balls.is_empty()
     }
-}
 
-/// Appends to `next` each point's path, carried on in a direction drawn by the mixture.
-pub fn carry_on(arch: Arch, casters: &[Caster], points: &Points, u: &[Lane; 2], next: &mut Paths) {
-    let count = points.count;
-    // What is left of the first number once the share of each ball is taken off, in steradians.
-    let mut total = [COSINE_WEIGHT; LANES];
-    for caster in casters {
-        wide(arch, AddSolidAngle { caster, points, total: &mut total });
+    /// Room for the cones.
+    pub fn cones(&self) -> Vec<Cone> {
+        let count = self.balls.len() + self.reflections.len() + self.refractions.len();
+        vec![Cone { axis: ZERO3, opening: [0.0; LANES], weight: [0.0; LANES] }; count]
     }
-    let mut choice = Choice { axis: points.normal, opening: [0.0; LANES], rest: [0.0; LANES] };
-    for i in 0..count {
-        choice.rest[i] = u[0][i] * total[i];
-    }
-    for caster in casters {
-        wide(arch, Choose { caster, points, choice: &mut choice });
-    }
-    let start = next.count;
-    super::diffuse::carry_on(arch, points, u, next);
-    wide(arch, Direct { choice: &choice, points, v: &u[1], start, next });
-    let mut balls = [0.0; LANES];
-    for caster in casters {
-        wide(arch, CountBall { caster, points, start, next, balls: &mut balls });
-    }
-    wide(arch, Weigh { points, total: &total, balls: &balls, start, next });
-    next.retain(start, |next, i| next.throughput[0][i] + next.throughput[1][i] + next.throughput[2][i] > 0.0);
-}
 
-struct AddSolidAngle<'a> {
-    caster: &'a Caster,
-    points: &'a Points,
-    total: &'a mut Lane,
-}
-
-impl Wide for AddSolidAngle<'_> {
-    #[inline(always)]
-    fn run(self) {
-        for i in 0..self.points.count.min(LANES) {
-            let (_, opening) = self.caster.seen_from(at(&self.points.position, i));
-            self.total[i] += TAU * opening;
+    /// Appends to `next` each point's path, carried on in a direction drawn by the mixture; `images` says whether with
+    /// images.
+    pub fn carry_on(
+        &self,
+        arch: Arch,
+        cones: &mut [Cone],
+        images: bool,
+        points: &Points,
+        u: &[Lane; 2],
+        next: &mut Paths,
+    ) {
+        let mut used = 0;
+        for target in &self.balls {
+            wide(arch, Aim { target, points, cone: &mut cones[used] });
+            used += 1;
+        }
+        if images {
+            for target in &self.reflections {
+                wide(arch, Aim { target, points, cone: &mut cones[used] });
+                used += 1;
+            }
+            for target in &self.refractions {
+                wide(arch, Aim { target, points, cone: &mut cones[used] });
+                used += 1;
+            }
+        }
+        let cones = &cones[..used];
+        let mut choice = Choice { axis: points.normal, opening: [0.0; LANES], rest: [0.0; LANES] };
+        let mut total = [COSINE_WEIGHT; LANES];
+        for cone in cones {
+            wide(arch, AddTo { sum: &mut total, cone, count: points.count });
+        }
+        for i in 0..points.count {
+            choice.rest[i] = u[0][i] * total[i];
+        }
+        for cone in cones {
+            wide(arch, Choose { cone, count: points.count, choice: &mut choice });
+        }
+        let mut direction = ZERO3;
+        wide(arch, Direct { choice: &choice, v: &u[1], count: points.count, direction: &mut direction });
+        let mut density = [0.0; LANES];
+        for cone in cones {
+            wide(arch, AddDensity { cone, direction: &direction, count: points.count, density: &mut density });
+        }
+        let mut weight = ZERO3;
+        wide(arch, Weigh { points, direction: &direction, total: &total, density: &density, weight: &mut weight });
+        for i in 0..points.count {
+            let throughput = at(&weight, i);
+            if throughput.max_element() > 0.0 {
+                diffuse::follow(next, points, i, at(&direction, i), throughput);
+            }
         }
     }
 }
 
-/// Which part of the mixture each point draws from: the cosine about the normal (opening 0), or a ball.
+/// The glowing rectangles of a scene.
+fn lamps(scene: &Scene) -> Vec<Rectangle> {
+    let glowing = scene.objects.iter().filter_map(|object| match (&object.shape, &object.emission) {
+        (Shape::Rectangle(r), Some(emission)) if emission.role == Role::Lamp => Some(*r),
+        _ => None,
+    });
+    let unseen = scene.lights.iter().filter_map(|light| match light {
+        Light::Rectangle { rectangle, .. } => Some(*rectangle),
+        _ => None,
+    });
+    glowing.chain(unseen).collect()
+}
+
+/// Something to aim at.
+trait Target {
+    /// The axis of a cone around it, 1 − cos of the half angle, and the weight.
+    fn cone(&self, point: Vec3) -> (Vec3, f32, f32);
+}
+
+impl Target for Ball {
+    #[inline(always)]
+    fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
+        let to = self.centre - point;
+        let d2 = to.length_squared();
+        let sin2 = self.radius * self.radius / d2;
+        // 1 − √(1 − s²) without the cancellation.
+        let opening = sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt());
+        (to * (1.0 / d2.sqrt()), opening, if sin2 < 1.0 { TAU * opening } else { 0.0 })
+    }
+}
+
+impl Reflection {
+    /// The normal that halves the angle at the place of `normal`: a better estimate.
+    #[inline(always)]
+    fn closer(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        let place = self.0.ball.centre + self.0.ball.radius * normal;
+        unit(unit(point - place) + unit(self.0.lamp - place))
+    }
+}
+
+#[inline(always)]
+fn unit(v: Vec3) -> Vec3 {
+    v * (1.0 / v.length())
+}
+
+/// 1 − cos of the angle of that tangent.
+#[inline(always)]
+fn opening(tan: f32) -> f32 {
+    let root = (1.0 + tan * tan).sqrt();
+    tan * tan / (root * (1.0 + root))
+}
+
+impl Target for Reflection {
+    /// The normal at the point of reflection halves the angle between the ways to `point` and to the lamp. Starting from
+    /// the far-away solution it is found by repetition, exactly enough after two rounds. How large the image is follows
+    /// from the mirror equation for rays beside the plane of reflection: a ray that is off by h there meets the plane of the
+    /// lamp off by h (1 + l/d + 2 l cos/r).
+    #[inline(always)]
+    fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
+        let Image { ball: Ball { centre, radius }, lamp, normal: front, lamp_radius, weight } = self.0;
+        let start = unit(unit(point - centre) + unit(lamp - centre));
+        let normal = self.closer(point, self.closer(point, start));
+        let place = centre + radius * normal;
+        let (to_point, to_lamp) = (point - place, lamp - place);
+        let (d, l) = (to_point.length(), to_lamp.length());
+        let cos = normal.dot(to_point) / d;
+        let tan = lamp_radius / (d + l + 2.0 * l * d * cos / radius);
+        let outside = (point - centre).length_squared() > radius * radius;
+        let lit = (cos > 0.0) & (front.dot(to_lamp) < 0.0) & outside;
+        (to_point * (-1.0 / d), opening(tan), if lit { weight } else { 0.0 })
+    }
+}
+
+impl Refraction {
+    /// A ray that passes the ball's centre at distance `b`, by how much it misses the lamp's centre, and the sine and the
+    /// cosine of its angle with the axis behind the ball.
+    ///
+    /// It stays in one plane, whose axis runs from the point through the ball's centre: the point is `d` before that, the
+    /// lamp `along` behind and `aside` of the axis. A ray at angle φ, sin φ = b/d, is turned by 2(θᵢ − θₜ) with sin θᵢ =
+    /// b/r = η sin θₜ, and passes the centre at distance b again.
+    #[inline(always)]
+    fn ray(&self, b: f32, d: f32, along: f32, aside: f32) -> (f32, f32, f32) {
+        let cosine = |sin: f32| ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
+        let sin_i = b / self.image.ball.radius;
+        let sin_t = sin_i / self.eta;
+        let (cos_i, cos_t) = (cosine(sin_i), cosine(sin_t));
+        let (s, c) = (sin_i * cos_t - cos_i * sin_t, cos_i * cos_t + sin_i * sin_t);
+        let (sin_turn, cos_turn) = (2.0 * s * c, c * c - s * s);
+        let sin_start = b / d;
+        let cos_start = cosine(sin_start);
+        let sin = sin_start * cos_turn - cos_start * sin_turn;
+        let cos = cos_start * cos_turn + sin_start * sin_turn;
+        (aside * cos - along * sin - b, sin, cos)
+    }
+}
+
+impl Target for Refraction {
+    /// The ray that meets the lamp's centre, by two steps of the secant method from the one that would by the lens equation.
+    /// Where that fails (near the focus, where the image fills the ball) there is no cone.
+    #[inline(always)]
+    fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
+        let Image { ball: Ball { centre, radius }, lamp, normal: front, lamp_radius, weight } = self.image;
+        let to_centre = centre - point;
+        let d = to_centre.length();
+        let axis = to_centre * (1.0 / d);
+        let to_lamp = lamp - centre;
+        let along = to_lamp.dot(axis);
+        let across = to_lamp - along * axis;
+        let aside = across.length().max(1e-6 * radius);
+        // Of a ball lens, 1/f = 2 (1 − 1/η)/r.
+        let spread = 1.0 + along * (1.0 / d - 2.0 * (1.0 - 1.0 / self.eta) / radius);
+        let limit = 0.95 * radius;
+        let inside = |b: f32| b.max(-limit).min(limit);
+        let first = inside(aside / spread);
+        let (miss, _, _) = self.ray(first, d, along, aside);
+        let second = inside(first + miss / spread);
+        let (next_miss, _, _) = self.ray(second, d, along, aside);
+        let moved = second - first;
+        let slope = if moved == 0.0 { -spread } else { (next_miss - miss) / moved };
+        let b = inside(second - next_miss / slope);
+        let (left, sin, cos) = self.ray(b, d, along, aside);
+        // How far beside the ray others meet the lamp, in the plane and across it.
+        let off = (lamp_radius / slope.abs()).max(lamp_radius * b.abs() / aside);
+        let direction = axis * ((1.0 - b / d) * (1.0 + b / d)).max(0.0).sqrt() + across * (b / (d * aside));
+        let behind = axis * cos + across * (sin / aside);
+        let lit = (d > radius) & (cos > 0.0) & (front.dot(behind) < 0.0) & (left.abs() < lamp_radius) & (off < radius);
+        let opening = opening(off.min(radius) / d);
+        (direction, if lit { opening } else { 1.0 }, if lit { weight } else { 0.0 })
+    }
+}
+
+struct Aim<'a, T> {
+    target: &'a T,
+    points: &'a Points,
+    cone: &'a mut Cone,
+}
+
+impl<T: Target> Wide for Aim<'_, T> {
+    #[inline(always)]
+    fn run(self) {
+        let position = self.points.position;
+        let (mut axis, mut opening, mut weight) = (ZERO3, [0.0; LANES], [0.0; LANES]);
+        for i in 0..self.points.count.min(LANES) {
+            let (a, o, w) = self.target.cone(at(&position, i));
+            set(&mut axis, i, a);
+            (opening[i], weight[i]) = (o, w);
+        }
+        *self.cone = Cone { axis, opening, weight };
+    }
+}
+
+struct AddTo<'a> {
+    sum: &'a mut Lane,
+    cone: &'a Cone,
+    count: usize,
+}
+
+impl Wide for AddTo<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for i in 0..self.count.min(LANES) {
+            self.sum[i] += self.cone.weight[i];
+        }
+    }
+}
+
+/// Which part of the mixture each point draws from: the cosine about the normal, or a cone.
 struct Choice {
-    axis: [Lane; 3],
+    axis: Lane3,
+    /// 1 − cos to the cone's axis, drawn by where in its share the number fell.
     opening: Lane,
-    /// The first number, stretched to the shares still to be dealt out; negative once a ball is chosen.
+    /// The number, stretched to the shares still to be dealt out; negative once a cone is chosen.
     rest: Lane,
 }
 
 struct Choose<'a> {
-    caster: &'a Caster,
-    points: &'a Points,
+    cone: &'a Cone,
+    count: usize,
     choice: &'a mut Choice,
 }
 
 impl Wide for Choose<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { caster, points, choice } = self;
-        let position = points.position;
-        for i in 0..points.count.min(LANES) {
-            let (axis, opening) = caster.seen_from(at(&position, i));
-            let share = TAU * opening;
-            let rest = choice.rest[i];
-            let here = (rest >= 0.0) & (rest < share);
-            let old = at(&choice.axis, i);
-            // Where in its share the number fell is kept in the opening's place, which draws the cone.
-            set(&mut choice.axis, i, if here { axis } else { old });
-            choice.opening[i] = if here { rest * (1.0 / TAU) } else { choice.opening[i] };
-            choice.rest[i] = if here {
-                -1.0
-            } else if rest >= 0.0 {
-                rest - share
-            } else {
-                rest
-            };
+        let Self { cone, count, choice } = self;
+        for i in 0..count.min(LANES) {
+            let (weight, rest) = (cone.weight[i], choice.rest[i]);
+            let here = (rest >= 0.0) & (rest < weight);
+            let (new, old) = (at(&cone.axis, i), at(&choice.axis, i));
+            set(&mut choice.axis, i, if here { new } else { old });
+            choice.opening[i] = if here { rest / weight * cone.opening[i] } else { choice.opening[i] };
+            let left = if rest >= 0.0 { rest - weight } else { rest };
+            choice.rest[i] = if here { -1.0 } else { left };
         }
     }
 }
 
 struct Direct<'a> {
     choice: &'a Choice,
-    points: &'a Points,
     v: &'a Lane,
-    start: usize,
-    next: &'a mut Paths,
+    count: usize,
+    direction: &'a mut Lane3,
 }
 
 impl Wide for Direct<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { choice, points, v, start, next } = self;
-        let (axes, v) = (choice.axis, *v);
-        let mut direction = ZERO3;
-        for i in 0..points.count.min(LANES) {
+        let Self { choice, v, count, direction } = self;
+        for i in 0..count.min(LANES) {
             let rest = choice.rest[i];
             // 1 − cos, uniform in the cone, or sin² = u for the cosine.
             let below = choice.opening[i];
-            let u = (rest * (1.0 / COSINE_WEIGHT)).min(1.0 - f32::EPSILON / 2.0);
-            let from_ball = rest < 0.0;
-            let sin = if from_ball { (below * (2.0 - below)).sqrt() } else { u.max(0.0).sqrt() };
-            let cos = if from_ball { 1.0 - below } else { (1.0 - u).sqrt() };
+            let u = (rest * (1.0 / COSINE_WEIGHT)).clamp(0.0, 1.0 - f32::EPSILON / 2.0);
+            let in_cone = rest < 0.0;
+            let sin = if in_cone { below * (2.0 - below) } else { u }.sqrt();
+            let cos = if in_cone { 1.0 - below } else { (1.0 - u).sqrt() };
             let (sin_phi, cos_phi) = f32::sin_cos_turns(v[i]);
-            let axis = at(&axes, i);
+            let axis = at(&choice.axis, i);
             let (tangent, bitangent) = frame(axis);
-            set(&mut direction, i, (tangent * cos_phi + bitangent * sin_phi) * sin + axis * cos);
-        }
-        for c in 0..3 {
-            let part = start..start + points.count;
-            next.rays.direction[c][part].copy_from_slice(&direction[c][..points.count]);
+            set(direction, i, (tangent * cos_phi + bitangent * sin_phi) * sin + axis * cos);
         }
     }
 }
 
-struct CountBall<'a> {
-    caster: &'a Caster,
-    points: &'a Points,
-    start: usize,
-    next: &'a Paths,
-    balls: &'a mut Lane,
+struct AddDensity<'a> {
+    cone: &'a Cone,
+    direction: &'a Lane3,
+    count: usize,
+    density: &'a mut Lane,
 }
 
-impl Wide for CountBall<'_> {
+impl Wide for AddDensity<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { caster, points, start, next, balls } = self;
-        for i in 0..points.count.min(LANES - start.min(LANES)) {
-            let (axis, opening) = caster.seen_from(at(&points.position, i));
-            let inside = axis.dot(at(&next.rays.direction, start + i)) >= 1.0 - opening;
-            balls[i] += if inside & (opening > 0.0) { 1.0 } else { 0.0 };
+        let Self { cone, direction, count, density } = self;
+        for i in 0..count.min(LANES) {
+            // |w − a|² / 2 = 1 − cos, which keeps its digits for narrow cones.
+            let off = 0.5 * (at(direction, i) - at(&cone.axis, i)).length_squared();
+            let inside = (off <= cone.opening[i]) & (cone.weight[i] > 0.0);
+            density[i] += if inside { cone.weight[i] / (TAU * cone.opening[i]) } else { 0.0 };
         }
     }
 }
 
 struct Weigh<'a> {
     points: &'a Points,
+    direction: &'a Lane3,
     total: &'a Lane,
-    balls: &'a Lane,
-    start: usize,
-    next: &'a mut Paths,
+    density: &'a Lane,
+    weight: &'a mut Lane3,
 }
 
 impl Wide for Weigh<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { points, total, balls, start, next } = self;
-        for i in 0..points.count.min(LANES - start.min(LANES)) {
-            let j = start + i;
-            let cos = at(&points.normal, i).dot(at(&next.rays.direction, j)).max(0.0);
-            let scale = cos * total[i] / (COSINE_WEIGHT * cos + PI * balls[i]).max(f32::MIN_POSITIVE);
-            let weight = at(&points.weight, i) * scale;
-            set(&mut next.throughput, j, weight);
+        let Self { points, direction, total, density, weight } = self;
+        for i in 0..points.count.min(LANES) {
+            let cos = at(&points.normal, i).dot(at(direction, i)).max(0.0);
+            let scale: Rgb =
+                Rgb::splat(cos * total[i] / (COSINE_WEIGHT * cos + PI * density[i]).max(f32::MIN_POSITIVE));
+            set(weight, i, at(&points.weight, i) * scale);
         }
     }
 }

@@ -85,6 +85,15 @@ impl Wide for CarryOn<'_> {
     }
 }
 
+/// Appends to `next` the path of point `i`, carried on in a direction of its own. It finds no lamps: their light was
+/// sampled.
+#[inline(always)]
+pub fn follow(next: &mut Paths, points: &Points, i: usize, direction: Vec3, throughput: Vec3) {
+    let j = next.count;
+    next.push(at(&points.position, i), direction, throughput, points.slot[i], points.word[i]);
+    (next.pdf[j], next.sky[j]) = (0.0, 0.0);
+}
+
 /// Two unit vectors that make a right-handed frame with a unit normal.
 ///
 /// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.

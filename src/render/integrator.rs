@@ -8,7 +8,7 @@
 //!
 //! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
 
-use super::casters::{self, Caster};
+use super::casters::{Casters, Cone, IMAGES_UP_TO};
 use super::diffuse;
 use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
@@ -28,6 +28,10 @@ use glam::Vec3;
 use pulp::Arch;
 use std::ops::Range;
 
+/// Russian roulette ends paths whose throughput is below this, and lifts the others to it. To lift them to 1 would make
+/// each a speck of light.
+const ROULETTE_BELOW: f32 = 0.1;
+
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
 
@@ -38,7 +42,7 @@ pub struct Integrator<'a> {
     pub(super) geometry: Geometry<'a>,
     pub(super) faces: Vec<Face>,
     pub(super) lights: Vec<Sampled>,
-    casters: Vec<Caster>,
+    casters: Casters,
     pub(super) strategies: Strategies,
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
@@ -67,6 +71,7 @@ pub struct Workspace {
     pub(super) scattered: Scattered,
     pub(super) blocked: [u32; LANES],
     pub(super) u: [Lane; 2],
+    cones: Vec<Cone>,
 }
 
 /// A hit on a rough surface, in its own frame.
@@ -108,7 +113,7 @@ impl Frame {
 }
 
 impl Workspace {
-    pub fn new(settings: &Settings) -> Self {
+    fn new(settings: &Settings, cones: Vec<Cone>) -> Self {
         let classes = settings.paths.map(Classes::up_to);
         Self {
             numbers: Numbers::new(settings.stream, settings.seed),
@@ -127,6 +132,7 @@ impl Workspace {
             scattered: Scattered::default(),
             blocked: [0; LANES],
             u: [[0.0; LANES]; 2],
+            cones,
         }
     }
 
@@ -191,12 +197,17 @@ impl<'a> Integrator<'a> {
             geometry,
             faces: Face::all(scene, settings, &lights),
             lights,
-            casters: Caster::all(scene),
+            casters: Casters::new(scene),
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
             classes: settings.paths.map(Classes::up_to),
         }
+    }
+
+    /// What a thread needs to run [`Integrator::trace`].
+    pub fn workspace(&self, settings: &Settings) -> Workspace {
+        Workspace::new(settings, self.casters.cones())
     }
 
     fn dimensions(&self, scatterings: u32) -> Dimensions {
@@ -245,7 +256,15 @@ impl<'a> Integrator<'a> {
                     if self.casters.is_empty() {
                         diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
-                        casters::carry_on(self.arch, &self.casters, &work.points, &work.u, &mut work.next);
+                        let images = scatterings <= IMAGES_UP_TO;
+                        self.casters.carry_on(
+                            self.arch,
+                            &mut work.cones,
+                            images,
+                            &work.points,
+                            &work.u,
+                            &mut work.next,
+                        );
                     }
                 }
             }
@@ -456,7 +475,7 @@ impl Surface {
 fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
     paths.retain(0, |paths, i| {
         let throughput = at(&paths.throughput, i);
-        let survival = throughput.max_element().min(1.0);
+        let survival = (throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);
         let [_, u] = numbers.short_pair(paths.slot[i], dimension, (0, 1));
         set(&mut paths.throughput, i, throughput / survival);
         u < survival

@@ -114,7 +114,7 @@ impl<'a> Job<'a> {
 
     /// Renders the samples that the pixels of a row still need.
     fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, kernel: Kernel<'a>, control: &dyn Control) {
-        let mut work = Workspace::new(&self.settings);
+        let mut work = self.integrator.workspace(&self.settings);
         let (mut filled, mut done) = (0, 0);
         let width = self.integrator.request.width;
         for x in 0..width {
