@@ -28,6 +28,8 @@ pub fn picture(result: &Depths, place: usize) -> Drawing {
 
 /// By how much differences are brightened, all alike.
 const FACTOR: f32 = 4.0;
+/// Wider differences are averaged over blocks of pixels: that much less noise, and bytes.
+const WIDEST: usize = 320;
 
 /// The differences of consecutive depths on one scale, each with the path classes that make it.
 #[must_use]
@@ -37,39 +39,55 @@ pub fn differences(result: &Depths) -> Drawing {
         .iter()
         .zip(DEPTHS.windows(2))
         .map(|(image, pair)| {
-            let brighter = image.map(|p| p * FACTOR);
+            let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
             (caption(result, pair[0], pair[1]), as_the_report(&brighter))
         })
         .collect();
     contact_sheet(
-        &format!("What each depth adds, {FACTOR} times brighter; path classes with their shares of the addition"),
+        &format!("What each depth adds, {FACTOR} times brighter, and the path classes that make it"),
         3,
         &images,
     )
 }
 
-/// "/m/ = 2 less /m/ = 1: 20.1 % of all light; LDDE 71 %, …", the smaller classes summed up.
+/// "m = 2 less m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
 fn caption(result: &Depths, before: u32, depth: u32) -> String {
     let mut classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
     classes.sort_by(|a, b| b.share_of_difference.total_cmp(&a.share_of_difference));
     let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
     let mut text = format!("/{{m}} = {depth} less /{{m}} = {before}: {} of all light. ", percent(share));
     if depth == DEPTHS[DEPTHS.len() - 1] {
-        return text + "All classes of more than five scatterings.";
+        return text + "All classes of more than five scatterings";
     }
     let named = &classes[..classes.len().min(NAMED)];
-    let list: Vec<String> = named.iter().map(|r| format!("{} {}", r.class, percent(r.share_of_difference))).collect();
-    text += &list.join(", ");
-    let others = &classes[named.len()..];
-    if !others.is_empty() {
-        let share = others.iter().map(|r| r.share_of_difference).sum();
-        text += &format!(", {} others {}", others.len(), percent(share));
+    let list = named.iter().map(|r| format!("{}{} {}", r.class, meaning(&r.class), percent(r.share_of_difference)));
+    text += &list.collect::<Vec<_>>().join(", ");
+    match &classes[named.len()..] {
+        [] => text,
+        others => {
+            let share = others.iter().map(|r| r.share_of_difference).sum();
+            text + &format!(", {} others {}", others.len(), percent(share))
+        }
     }
-    text
 }
 
 /// Classes that a caption names.
-const NAMED: usize = 5;
+const NAMED: usize = 4;
+
+/// What a class is in a room with a mirror ball and a glass ball.
+fn meaning(class: &str) -> &'static str {
+    match class {
+        "LDE" => " (lit walls)",
+        "LSE" => " (the lamp mirrored)",
+        "LDDE" => " (from wall to wall)",
+        "LDSE" => " (walls mirrored)",
+        "LSDE" => " (mirrored onto walls)",
+        "LSSE" => " (the lamp through glass)",
+        "LDSSE" => " (walls through glass)",
+        "LSSDE" => " (focused by glass)",
+        _ => "",
+    }
+}
 
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;

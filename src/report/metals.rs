@@ -9,32 +9,36 @@ const CHANNELS: [(&str, Colour); 3] = [("614 nm", theme::VERMILION), ("549 nm", 
 /// One column for each metal: reflectance above, error of the approximation below, each row on one scale.
 #[must_use]
 pub fn drawing(metals: &[Curves]) -> Drawing {
-    let angle = || Axis::linear("/{θ} (degrees)").range(0.0, 90.0).every(30.0);
-    let row = |y: &dyn Fn() -> Axis, value: fn(&Row) -> f64, titled: bool| {
-        let panels: Vec<Panel> = metals
-            .iter()
-            .map(|metal| {
-                let mut panel = Panel::new(angle(), y());
-                if titled {
-                    panel = panel.title(metal.metal.clone());
-                }
-                metal.channels.iter().zip(CHANNELS).fold(panel, |panel, (channel, (name, colour))| {
-                    let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
-                    panel.line(name, Stroke { colour, width: theme::LINE, dash: theme::SOLID }, points)
-                })
-            })
-            .collect();
-        Plot::new(panels).frame_size(150.0, 150.0).draw()
-    };
-    let reflectance = row(&|| Axis::linear("reflectance").range(0.4, 1.0), |r| r.r_unpolarized, true);
-    let errors = row(
-        &|| Axis::linear("approximate − exact").range(-0.004, 0.008),
-        |r| r.r_unpolarized_approximate - r.r_unpolarized,
-        false,
-    );
-    let mut sheet = Drawing::new(reflectance.width().max(errors.width()), reflectance.height() + errors.height(), 2.0);
-    let below = reflectance.height();
-    sheet.append(reflectance, 0.0, 0.0);
-    sheet.append(errors, 0.0, below);
+    let columns: Vec<Drawing> = metals.iter().enumerate().map(|(i, metal)| column(metal, i)).collect();
+    let width = columns.iter().map(Drawing::width).sum();
+    let height = columns.iter().map(Drawing::height).fold(0.0, f64::max);
+    let mut sheet = Drawing::new(width, height, 2.0);
+    let mut x = 0.0;
+    for column in columns {
+        let step = column.width();
+        sheet.append(column, x, 0.0);
+        x += step;
+    }
     sheet
+}
+
+fn column(metal: &Curves, place: usize) -> Drawing {
+    // The first column names the axes, and its upper panel, where there is room, the colours.
+    let of_first = |text: &'static str| if place == 0 { text } else { "" };
+    let panel = |y: Axis, value: fn(&Row) -> f64, named: bool| {
+        let angle = Axis::linear("/{θ} (degrees)").range(0.0, 90.0).every(30.0);
+        metal.channels.iter().zip(CHANNELS).fold(Panel::new(angle, y), |panel, (channel, (name, colour))| {
+            let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
+            let label = if named { of_first(name) } else { "" };
+            panel.line(label, Stroke::solid(colour, theme::LINE), points)
+        })
+    };
+    let reflectance = Axis::linear(of_first("reflectance")).range(0.4, 1.0).every(0.2);
+    let error = Axis::linear(of_first("approximate − exact")).range(0.0, 0.008).every(0.002);
+    Plot::stacked([
+        panel(reflectance, |r| r.r_unpolarized, true).title(metal.metal.clone()),
+        panel(error, |r| r.r_unpolarized_approximate - r.r_unpolarized, false),
+    ])
+    .frame_size(150.0, 150.0)
+    .draw()
 }

@@ -4,7 +4,7 @@ use super::depth::{SHOWN, as_the_report};
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, contact_sheet, theme};
 use crate::study::roughness::Shot;
-use crate::study::sampling_strategies::{Bin, Comparison, errors};
+use crate::study::sampling_strategies::{Bin, Comparison};
 
 /// One statue.
 #[must_use]
@@ -17,49 +17,77 @@ pub fn picture(shot: &Shot, metal: &str) -> Drawing {
     contact_sheet("", 1, &[(caption, as_the_report(&shot.rendered.image))])
 }
 
-/// A copper statue by one way of drawing directions: the picture, and its standard error on a scale that both share.
-pub fn strategy(shot: &Shot, how: &str, range: [f64; 2]) -> Result<Drawing> {
-    let image = &shot.rendered.image;
-    let map = Heatmap::new(image.width(), errors(shot), Shading::Log10, "standard error")?.range(range[0], range[1]);
+/// A copper statue by one way of drawing directions.
+#[must_use]
+pub fn strategy(shot: &Shot, how: &str) -> Drawing {
     let row = &shot.row;
-    let caption = format!("{how}; {} samples per pixel, {} light sample each; {SHOWN}", row.spp, row.light_samples);
-    let scale = format!(
-        "standard error of each pixel, dark {} to light {}, logarithmic; over the statue {:.3} (root mean square)",
-        range[0],
-        range[1],
-        rms(shot)
+    let caption = format!(
+        "{how}; {} samples per pixel, one light sample each; standard error on the statue {:.3}; {SHOWN}",
+        row.spp, row.noise
     );
-    Ok(contact_sheet("", 2, &[(caption, as_the_report(image)), (scale, map.image())]))
+    contact_sheet("", 1, &[(caption, as_the_report(&shot.rendered.image))])
 }
 
-/// Root mean square of the standard errors on the statue.
-#[must_use]
-pub fn rms(shot: &Shot) -> f64 {
-    let inside = errors(shot).into_iter().zip(&shot.mask).filter(|(_, inside)| **inside);
-    let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), (e, _)| (sum + e * e, count + 1.0));
-    (sum / count as f64).sqrt()
+/// Noise of both ways over the picture on one scale, and below it what they show from the silhouette inwards.
+pub fn errors(result: &Comparison) -> Result<Drawing> {
+    let (above, below) = (maps(result)?, profile(result));
+    let width = above.width().max(below.width());
+    let mut sheet = Drawing::new(width, above.height() + below.height(), 2.0);
+    let (left, down) = (((width - above.width()) / 2.0).round(), above.height());
+    sheet.append(above, left, 0.0);
+    sheet.append(below, 0.0, down);
+    Ok(sheet)
 }
 
-/// What both ways show at each distance from the silhouette: light, what the eye sees of it, and noise.
-#[must_use]
-pub fn profile(result: &Comparison) -> Drawing {
-    let importance = Stroke { colour: theme::BLUE, width: theme::LINE, dash: theme::SOLID };
-    let hemisphere = Stroke { colour: theme::VERMILION, width: theme::LINE, dash: theme::SOLID };
+/// The colours of both maps.
+const SCALE: (f64, f64) = (0.003, 3.0);
+/// Larger maps are averaged over blocks of pixels.
+const WIDEST: usize = 240;
+
+fn maps(result: &Comparison) -> Result<Drawing> {
+    let panel = |shot: &Shot, title: &str| {
+        let error = shot.rendered.part.exposure.standard_error();
+        let (width, height) = (error.width() as f64, error.height() as f64);
+        let error = error.reduced(error.width().div_ceil(WIDEST));
+        let values = error.pixels().iter().map(|p| f64::from(p.element_sum()) / 3.0).collect();
+        let map = Heatmap::new(error.width(), values, Shading::Log10, "standard error")?.range(SCALE.0, SCALE.1);
+        let (x, y) = (Axis::linear("pixel column").range(0.0, width), Axis::linear("pixel row").range(height, 0.0));
+        Ok(Panel::new(x, y).title(title).heatmap(map))
+    };
+    let panels =
+        [panel(&result.importance, "importance")?, panel(&result.hemisphere, "hemisphere (grey: all samples equal)")?];
+    Ok(Plot::new(panels).frame_size(300.0, 225.0).draw())
+}
+
+/// Light, what the eye sees of it, and noise, at each distance from the silhouette.
+fn profile(result: &Comparison) -> Drawing {
+    let strokes = [theme::BLUE, theme::VERMILION].map(|colour| Stroke::solid(colour, theme::LINE));
     let of = |f: fn(&Bin) -> f64| -> Vec<Point> {
         result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, f(b)]).collect()
     };
-    let panel = |title: &str, y: Axis, one: fn(&Bin) -> f64, other: fn(&Bin) -> f64| {
-        Panel::new(Axis::linear("distance inside the silhouette (pixels)"), y)
+    let panel = |title: &str, y: Axis, importance: fn(&Bin) -> f64, hemisphere: fn(&Bin) -> f64| {
+        Panel::new(Axis::linear("pixels inside the silhouette"), y)
             .title(title)
-            .line("importance", importance, of(one))
-            .line("hemisphere", hemisphere, of(other))
+            .line("importance", strokes[0], of(importance))
+            .line("hemisphere", strokes[1], of(hemisphere))
             .vertical(0.0, "")
     };
+    let band = |mean: fn(&Bin) -> f64, error: fn(&Bin) -> f64| -> Vec<[f64; 3]> {
+        let around = |b: &Bin| [mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
+        result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, around(b)[0], around(b)[1]]).collect()
+    };
     Plot::new([
-        panel("light", Axis::linear("mean radiance"), |b| b.importance_mean, |b| b.hemisphere_mean),
+        panel(
+            "light, ± 2 standard errors",
+            Axis::linear("mean radiance"),
+            |b| b.importance_mean,
+            |b| b.hemisphere_mean,
+        )
+        .band("", strokes[0].colour, band(|b| b.importance_mean, |b| b.importance_mean_error))
+        .band("", strokes[1].colour, band(|b| b.hemisphere_mean, |b| b.hemisphere_mean_error)),
         panel("what is seen of it", Axis::linear("median radiance"), |b| b.importance_median, |b| b.hemisphere_median),
-        panel("noise", Axis::log("standard error"), |b| b.importance_error, |b| b.hemisphere_error),
+        panel("noise of a pixel", Axis::log("standard error"), |b| b.importance_error, |b| b.hemisphere_error),
     ])
-    .frame_size(270.0, 220.0)
+    .frame_size(210.0, 190.0)
     .draw()
 }

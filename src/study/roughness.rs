@@ -22,6 +22,8 @@ pub struct Row {
     pub statue_error_r: f64,
     pub statue_error_g: f64,
     pub statue_error_b: f64,
+    /// Root mean square of the standard errors of the statue's pixels, each a mean over the channels.
+    pub noise: f64,
     /// Share of the statue's light that comes from the brightest hundredth of its pixels.
     pub brightest_percent: f64,
 }
@@ -44,6 +46,9 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
+    let errors = rendered.part.exposure.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
+    let squares = errors.map(|(p, _)| (f64::from(p.standard_error().element_sum()) / 3.0).powi(2));
+    let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
     let row = Row {
         alpha: conductor(scene).map_or(f64::NAN, |c| f64::from(c.alpha)),
@@ -57,6 +62,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
         statue_error_r,
         statue_error_g,
         statue_error_b,
+        noise,
         brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
     };
     Ok(Shot { row, statue, mask, seen, rendered })

@@ -13,6 +13,8 @@ use serde::Serialize;
 /// How far from the silhouette the profile goes, in pixels: into the statue, and out into the room.
 const INSIDE: i32 = 24;
 const OUTSIDE: i32 = 6;
+/// Width of the statue's rim in pixels.
+pub const RIM: f64 = 3.0;
 
 /// All pixels at about the same distance from the silhouette. Field names are the CSV columns. Distances are negative
 /// outside the statue; radiance is (R + G + B) / 3.
@@ -23,6 +25,9 @@ pub struct Bin {
     pub pixels: usize,
     pub importance_mean: f64,
     pub hemisphere_mean: f64,
+    /// Standard errors of these means.
+    pub importance_mean_error: f64,
+    pub hemisphere_mean_error: f64,
     /// Half of the pixels are darker.
     pub importance_median: f64,
     pub hemisphere_median: f64,
@@ -32,8 +37,6 @@ pub struct Bin {
     /// Root of the mean square of the pixels' standard errors.
     pub importance_error: f64,
     pub hemisphere_error: f64,
-    /// Difference of the means in units of its standard error, in the worst channel.
-    pub z: f64,
 }
 
 /// Both pictures and their profile.
@@ -41,9 +44,10 @@ pub struct Comparison {
     pub importance: Shot,
     pub hemisphere: Shot,
     pub profile: Vec<Bin>,
-    /// Difference of the whole pictures' means, and of the statue's, in units of its standard error.
+    /// Difference of the means over the whole picture, the statue, and the statue's rim, in units of its standard error.
     pub z_picture: f64,
     pub z_statue: f64,
+    pub z_rim: f64,
 }
 
 /// Renders the scene twice, with independent numbers.
@@ -54,23 +58,29 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
         shoot(scene, request, &settings)
     };
     let (importance, hemisphere) = (shot(Normals::Visible, 0)?, shot(Normals::Hemisphere, 1)?);
-    let everything = vec![true; importance.mask.len()];
-    let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, &everything));
-    let (z_picture, z_statue) = (one.z(&other), importance.statue.z(&hemisphere.statue));
-    let profile = profile(&importance, &hemisphere);
-    Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue })
+    let z = |mask: &[bool]| {
+        let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, mask));
+        one.z(&other)
+    };
+    let depth = importance.seen.depth_inside(&importance.mask, (INSIDE + 1) as usize);
+    let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
+    let (z_picture, z_statue, z_rim) = (z(&vec![true; depth.len()]), z(&importance.mask), z(&rim));
+    let profile = profile(&importance, &hemisphere, &depth);
+    Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
+}
+
+/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour in the room.
+fn from_silhouette(depth: f64) -> f64 {
+    if depth > 0.0 { depth - 0.5 } else { depth + 0.5 }
 }
 
 /// What both pictures show at each distance from the silhouette.
-fn profile(importance: &Shot, hemisphere: &Shot) -> Vec<Bin> {
-    let depth = importance.seen.depth_inside(&importance.mask, (INSIDE + 1) as usize);
-    // The silhouette runs half-way between the centres of a pixel of the statue and its neighbour in the room.
-    let at = |d: f64| if d > 0.0 { d - 0.5 } else { d + 0.5 };
+fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
     let room: Vec<bool> = importance.seen.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Room))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> =
-            depth.iter().zip(&room).map(|(&d, &here)| here && (from_px..to_px).contains(&at(d))).collect();
+            depth.iter().zip(&room).map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d))).collect();
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
         Bin {
             from_px,
@@ -78,13 +88,14 @@ fn profile(importance: &Shot, hemisphere: &Shot) -> Vec<Bin> {
             pixels: a.mean.pixels,
             importance_mean: a.mean.intensity(),
             hemisphere_mean: b.mean.intensity(),
+            importance_mean_error: a.mean_error(),
+            hemisphere_mean_error: b.mean_error(),
             importance_median: a.median,
             hemisphere_median: b.median,
             importance_shown: a.shown,
             hemisphere_shown: b.shown,
             importance_error: a.error,
             hemisphere_error: b.error,
-            z: a.mean.z(&b.mean),
         }
     });
     bins.filter(|bin| bin.pixels > 0).collect()
@@ -99,6 +110,11 @@ struct Side {
 }
 
 impl Side {
+    fn mean_error(&self) -> f64 {
+        // Channels are lit by the same samples: their errors do not average out.
+        self.mean.error.iter().sum::<f64>() / 3.0
+    }
+
     fn of(shot: &Shot, mask: &[bool]) -> Self {
         let film = &shot.rendered.part.exposure;
         let mean = Mean::of(film, mask);
@@ -121,13 +137,6 @@ impl Side {
             error: (square / values.len() as f64).sqrt(),
         }
     }
-}
-
-/// The standard error of every pixel, as a mean over the channels.
-#[must_use]
-pub fn errors(shot: &Shot) -> Vec<f64> {
-    let pixels = shot.rendered.part.exposure.pixels().iter();
-    pixels.map(|p| f64::from(p.standard_error().element_sum()) / 3.0).collect()
 }
 
 #[cfg(test)]
