@@ -149,10 +149,11 @@ mod tests {
         let (scene, request) = builtin::by_name("cornell-statue-cu", None).unwrap().unwrap();
         let request = Request { width: 64, height: 48, spp: 16, light_samples: 1, ..request };
         let result = compare(&scene, &request, &Settings::default()).unwrap();
-        assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0, "{}", result.z_statue);
-        let inside: Vec<&Bin> = result.profile.iter().filter(|b| b.from_px >= 0.0).collect();
-        assert!(inside.len() > 4);
-        assert!(inside.iter().all(|b| b.hemisphere_error > b.importance_error), "{inside:?}");
+        assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0 && result.z_rim.abs() < 4.0);
+        assert!(result.hemisphere.row.noise > 2.0 * result.importance.row.noise);
+        let rim: Vec<&Bin> = result.profile.iter().filter(|b| b.from_px >= 0.0 && b.to_px <= RIM).collect();
+        assert_eq!(rim.len(), 3);
+        assert!(rim.iter().all(|b| b.hemisphere_median < 0.5 * b.importance_median), "{rim:?}");
         let total: usize = result.profile.iter().map(|b| b.pixels).sum();
         assert!(total > 500 && total < 64 * 48);
     }
