@@ -127,6 +127,12 @@ impl Context {
         Settings { seed: self.seed, ..Settings::default() }
     }
 
+    /// Whether the scenes are the report's own files.
+    #[must_use]
+    pub fn has_originals(&self) -> bool {
+        self.originals.is_some()
+    }
+
     /// Mirror and glass ball, and the request of the report's depth series.
     #[must_use]
     pub fn spheres(&self) -> (Scene, Request) {
