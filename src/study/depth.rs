@@ -7,7 +7,7 @@ use super::seen::{Kind, Seen};
 use crate::error::Result;
 use crate::raster::{Image, Rgb};
 use crate::render::{Dropped, Settings, Silent, render};
-use crate::scene::{Request, Scene, Shape};
+use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -209,15 +209,14 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
 /// areas of their projections.
 #[must_use]
 pub fn seen_lamps(scene: &Scene) -> f64 {
-    use crate::scene::Projection::Perspective;
     let camera = &scene.camera;
-    let Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };
+    let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };
     let film = |p: DVec3| {
         let d = p - camera.position;
         let depth = d.dot(camera.forward);
         [d.dot(camera.right) / (depth * tan_half_width), d.dot(camera.up) / (depth * tan_half_height)]
     };
-    let lamp = |object: &crate::scene::Object| {
+    let lamp = |object: &Object| {
         let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) else { return 0.0 };
         let corners = rectangle.corners().map(|c| film(c.as_dvec3()));
         let twice: f64 = (0..4)
