@@ -12,7 +12,7 @@ pub fn picture(shot: &Shot, metal: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
         "{metal}, /{{α}} = {}; {} samples per pixel; mean radiance of the statue {:.3}, {:.3}, {:.3}; {SHOWN}",
-        row.alpha as f32, row.spp, row.statue_r, row.statue_g, row.statue_b
+        row.alpha, row.spp, row.statue_r, row.statue_g, row.statue_b
     );
     contact_sheet("", 1, &[(caption, as_the_report(&shot.rendered.image))])
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// the standard error of the mean.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
-    pub alpha: f64,
+    pub alpha: f32,
     pub spp: u32,
     pub light_samples: u32,
     pub max_depth: u32,
@@ -51,7 +51,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
     let row = Row {
-        alpha: conductor(scene).map_or(f64::NAN, |c| f64::from(c.alpha)),
+        alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
         spp: request.spp,
         light_samples: request.light_samples,
         max_depth: request.max_depth,
