@@ -138,3 +138,14 @@ fn the_report_scene_has_the_known_radiance() {
     assert!((blend - glam::Vec3::new(0.03271, 0.00987, 0.00831)).abs().max_element() < 1e-5, "{blend}");
     assert!(four.contains(&image.get(2, 2)), "the background is {}, not one of {four:?}", image.get(2, 2));
 }
+
+#[test]
+fn the_second_reports_scenes_take_the_place_of_the_built_in_ones() {
+    let Some(scenes) = assets("scenes") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let only = "depth-0,depth-1,depth-2,depth-3,depth-4";
+    let args = ["reproduce", "--quick", "--only", only, "--scenes", scenes.to_str().unwrap()];
+    let value = json(dir.path(), &args);
+    assert_eq!(value["failed"], 0, "{value}");
+    assert!(value["passed"].as_u64().unwrap() > 20);
+}

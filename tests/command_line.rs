@@ -333,14 +333,16 @@ fn reproduce_lists_and_makes() {
     let ids: Vec<&str> = list["figures"].as_array().unwrap().iter().map(|f| f["id"].as_str().unwrap()).collect();
     for id in "fresnel-enter fresnel-exit envmap-samples-64 envmap-samples-256 envmap-samples-1024 \
                envmap-samples-only-256 proposal median-cut-2 median-cut-4 median-cut-16 median-cut-64 \
-               median-cut-radiance-64 sphere-8 sphere-16 sphere-32 sphere-64 sphere-error"
+               median-cut-radiance-64 sphere-8 sphere-16 sphere-32 sphere-64 sphere-error depth-0 depth-1 depth-2 \
+               depth-3 depth-4 depth-5 depth-100 depth-differences roughness-0.005 roughness-0.05 roughness-0.25 \
+               roughness-0.5 sampling-importance sampling-hemisphere sampling-error iron metals-table"
         .split_whitespace()
     {
         assert!(ids.contains(&id), "{id} is not in {ids:?}");
     }
     assert!(tree(dir.path()).is_empty(), "--list writes nothing");
 
-    let only = "fresnel-enter,fresnel-exit,median-cut-4";
+    let only = "fresnel-enter,fresnel-exit,median-cut-4,metals-table";
     let value = json(dir.path(), &["reproduce", "--quick", "--only", only, "-o", "given/place"]);
     assert_keys(&value, "figures, passed, failed, seconds");
     let mut written = BTreeSet::from(["given/place/checks.csv".to_owned()]);
@@ -364,6 +366,8 @@ fn reproduce_lists_and_makes() {
     // The black map gives no samples to test, so that the check of the proposal must fail.
     let failing = ["reproduce", "--quick", "--only", "proposal", "--envmap", "black"];
     assert!([1, 2].contains(&etalon(dir.path(), &failing).code));
+    let missing = ["reproduce", "--quick", "--only", "metals-table", "--scenes", "nowhere"];
+    assert_eq!(etalon(dir.path(), &missing).code, 2);
 }
 
 #[test]

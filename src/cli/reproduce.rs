@@ -6,19 +6,20 @@ use super::{Global, Verdict};
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
-use crate::report::{self, Context, MapSource, Reproduced};
+use crate::report::{self, Context, MapSource, Originals, Reproduced};
 use clap::Args;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Make every figure from built-in data (or from a map of your own) and check it
+/// Make every figure from built-in data (or from a map and scenes of your own) and check it
 #[derive(Args)]
 #[command(
     after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) and checks.csv into figures/, or \
                         into the folder given with -o. Exit code 1 if a check fails.\n\nExamples:\n  etalon reproduce\n  \
-                        etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr"
+                        etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr\n  \
+                        etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
 pub struct Reproduce {
     /// Smaller pictures: a quick check of everything
@@ -32,6 +33,10 @@ pub struct Reproduce {
     envmap: String,
     #[command(flatten)]
     options: MapOptions,
+    /// A folder with the second report's scenes (CBspheres.dae, CBdragon_microfacet_au.dae, CBbunny_microfacet_cu.dae),
+    /// to use instead of the built-in ones
+    #[arg(long, value_name = "FOLDER")]
+    scenes: Option<PathBuf>,
     /// List the figures and stop
     #[arg(long)]
     list: bool,
@@ -83,17 +88,25 @@ impl Reproduce {
         Ok(if failed == 0 { Verdict::Good } else { Verdict::Rejected })
     }
 
-    /// Loads the map; the Grace probe, whose file is known to be upside-down, is turned without being asked.
+    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is turned without being asked.
     fn context(&self, global: &Global, console: &Console) -> Result<Context> {
         let source = map_file::load(&self.envmap, self.options, console)?;
+        let originals = match &self.scenes {
+            Some(folder) => {
+                let (originals, warnings) = Originals::read(folder)?;
+                warnings.iter().for_each(|warning| console.warn(warning));
+                Some(originals)
+            }
+            None => None,
+        };
         let info = Info::of(&source.map);
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
             console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", self.envmap));
             let map = Arc::new(EnvMap::new(source.map.image().flipped_vertically()));
-            return Ok(Context::new(MapSource { map, ..source }, global.seed, self.quick));
+            return Ok(Context::new(MapSource { map, ..source }, originals, global.seed, self.quick));
         }
         map_file::warn_upside_down(&info, &self.envmap, console);
-        Ok(Context::new(source, global.seed, self.quick))
+        Ok(Context::new(source, originals, global.seed, self.quick))
     }
 }
 

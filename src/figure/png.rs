@@ -42,7 +42,7 @@ impl Drawing {
 #[must_use]
 pub fn encode(image: &Rgb8) -> Vec<u8> {
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
         .write_image(image.data(), image.width() as u32, image.height() as u32, ExtendedColorType::Rgb8)
         .expect("a sound image, written to memory");
     bytes

@@ -78,7 +78,8 @@ fn size(image: &Rgb8) -> [f64; 2] {
 /// Breaks a caption between words into lines of at most `width` (a single word may be wider).
 fn wrapped(caption: &str, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in caption.split_whitespace() {
+    // At blanks only: others, as the one between a number and its unit, hold words together.
+    for word in caption.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if text::width(&format!("{line} {word}"), theme::TICK_SIZE, false) <= width => {
                 line.push(' ');
@@ -113,6 +114,7 @@ mod tests {
         assert!(lines.len() > 1);
         assert!(lines.iter().all(|line| text::width(line, theme::TICK_SIZE, false) <= 100.0), "{lines:?}");
         assert_eq!(lines.join(" "), "one two three four five six seven eight nine");
+        assert!(wrapped("about 13.5\u{a0}% of the light", 1.0).contains(&"13.5\u{a0}%".to_owned()));
     }
 
     #[test]

@@ -1,12 +1,19 @@
-//! What the figures of one run share: the map, the settings, and results that several of them show.
+//! What the figures of one run share: the map, the scenes, the settings, and results that several of them show.
 
+use super::originals::Originals;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
+use crate::optics::metals::{METALS, Metal};
+use crate::raster::Rgb;
 use crate::render::{LightDensity, Sampling, Settings};
-use crate::scene::builtin;
+use crate::scene::{Material, Request, Scene, builtin};
+use crate::study::depth::{Depths, depths};
+use crate::study::roughness::{self, Shot as Statue};
+use crate::study::sampling_strategies::{Comparison, compare};
 use crate::study::sphere::{Exact, Shot, shoot};
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The environment map of a run.
@@ -24,16 +31,40 @@ pub const STRATEGIES: [(&str, Sampling, LightDensity); 4] = [
     ("map alone, as the report", Sampling::Light, LightDensity::Map),
 ];
 
+/// The metals of the second report's statues.
+pub const GOLD: &Metal = &METALS[2];
+pub const COPPER: &Metal = &METALS[3];
+pub const IRON: &Metal = &METALS[4];
+
+/// Results by what they are of, each computed once.
+struct Memory<K, T>(Mutex<HashMap<K, Arc<T>>>);
+
+impl<K: Eq + Hash, T> Memory<K, T> {
+    fn new() -> Self {
+        Self(Mutex::default())
+    }
+
+    fn get(&self, key: K, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(result) = known.get(&key) {
+            return Ok(result.clone());
+        }
+        let result = Arc::new(make()?);
+        known.insert(key, result.clone());
+        Ok(result)
+    }
+}
+
 /// The lit sphere at one size: its exact picture, and the renders of it by strategy and samples per pixel.
 struct Picture {
     size: usize,
     exact: OnceLock<Exact>,
-    shots: Mutex<HashMap<(usize, u32), Arc<Shot>>>,
+    shots: Memory<(usize, u32), Shot>,
 }
 
 impl Picture {
     fn new(size: usize) -> Self {
-        Self { size, exact: OnceLock::new(), shots: Mutex::default() }
+        Self { size, exact: OnceLock::new(), shots: Memory::new() }
     }
 }
 
@@ -51,16 +82,31 @@ pub struct Context {
     pub source: MapSource,
     pub info: Info,
     pub seed: u64,
+    quick: bool,
+    originals: Option<Originals>,
     pictures: [Picture; 2],
+    depths: Memory<(), Depths>,
+    statues: Memory<(&'static str, u32), Statue>,
+    comparison: Memory<(), Comparison>,
 }
 
 impl Context {
-    /// `quick` makes the pictures smaller.
+    /// `quick` makes the pictures smaller; with `originals`, those scenes stand in for the built-in ones.
     #[must_use]
-    pub fn new(source: MapSource, seed: u64, quick: bool) -> Self {
+    pub fn new(source: MapSource, originals: Option<Originals>, seed: u64, quick: bool) -> Self {
         let info = Info::of(&source.map);
         let sizes = if quick { [127, 127] } else { [511, 255] };
-        Self { source, info, seed, pictures: sizes.map(Picture::new) }
+        Self {
+            source,
+            info,
+            seed,
+            quick,
+            originals,
+            pictures: sizes.map(Picture::new),
+            depths: Memory::new(),
+            statues: Memory::new(),
+            comparison: Memory::new(),
+        }
     }
 
     /// The sphere at `spp` samples per pixel by a strategy of the error figure, by its number; rendered once.
@@ -68,14 +114,94 @@ impl Context {
         let picture = &self.pictures[usize::from(size == Size::Measuring)];
         let scale = f64::from(builtin::SPHERE_ENV_SCALE);
         let exact = picture.exact.get_or_init(|| Exact::new(&self.source.map, scale, picture.size));
-        let mut shots = picture.shots.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(shot) = shots.get(&(strategy, spp)) {
-            return Ok(shot.clone());
+        picture.shots.get((strategy, spp), || {
+            let (_, sampling, density) = STRATEGIES[strategy];
+            let settings = Settings { sampling, density, ..self.settings() };
+            shoot(&self.source.map, &self.source.name, spp, exact, &settings)
+        })
+    }
+
+    /// Default settings under the run's seed.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        Settings { seed: self.seed, ..Settings::default() }
+    }
+
+    /// Whether the scenes are the report's own files.
+    #[must_use]
+    pub fn has_originals(&self) -> bool {
+        self.originals.is_some()
+    }
+
+    /// Mirror and glass ball, and the request of the report's depth series.
+    #[must_use]
+    pub fn spheres(&self) -> (Scene, Request) {
+        let (scene, request) = self.originals.as_ref().map_or_else(builtin::cornell_spheres, |o| o.spheres.clone());
+        (scene, self.request(request, 64, 4))
+    }
+
+    /// A statue (in the report's files, its dragon) of `metal`, and the request of its material pictures.
+    pub fn statue(&self, metal: &Metal, alpha: f32) -> Result<(Scene, Request)> {
+        let Some(originals) = &self.originals else {
+            let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
+            return Ok((scene, self.request(request, 128, 4)));
+        };
+        let (mut scene, request) = originals.dragon.clone();
+        for object in &mut scene.objects {
+            if let Material::Conductor(conductor) = &mut object.material {
+                let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
+                (conductor.eta, conductor.k, conductor.alpha) = (rgb(metal.eta), rgb(metal.k), alpha);
+            }
         }
-        let (_, sampling, density) = STRATEGIES[strategy];
-        let settings = Settings { sampling, density, seed: self.seed, ..Settings::default() };
-        let shot = Arc::new(shoot(&self.source.map, &self.source.name, spp, exact, &settings)?);
-        shots.insert((strategy, spp), shot.clone());
-        Ok(shot)
+        Ok((scene, self.request(request, 128, 4)))
+    }
+
+    /// The copper statue (in the report's files, its bunny), and the request of its sampling pictures.
+    pub fn copper(&self) -> Result<(Scene, Request)> {
+        let (scene, request) = match &self.originals {
+            Some(originals) => originals.bunny.clone(),
+            None => builtin::cornell_statue(COPPER, 0.05, None)?,
+        };
+        Ok((scene, self.request(request, 64, 1)))
+    }
+
+    fn request(&self, asked: Request, spp: u32, light_samples: u32) -> Request {
+        let (side, spp) = if self.quick { (2, spp / 4) } else { (1, spp) };
+        let (width, height) = (asked.width / side, asked.height / side);
+        Request { width, height, spp, light_samples, max_depth: 5 }
+    }
+
+    /// The depth series.
+    pub fn depths(&self) -> Result<Arc<Depths>> {
+        self.depths.get((), || {
+            let (scene, request) = self.spheres();
+            depths(&scene, &request, &self.settings())
+        })
+    }
+
+    /// A statue's picture.
+    pub fn statue_shot(&self, metal: &'static Metal, alpha: f32) -> Result<Arc<Statue>> {
+        self.statues.get((metal.symbol, alpha.to_bits()), || {
+            let (scene, request) = self.statue(metal, alpha)?;
+            roughness::shoot(&scene, &request, &self.settings())
+        })
+    }
+
+    /// Importance and hemisphere sampling.
+    pub fn comparison(&self) -> Result<Arc<Comparison>> {
+        self.comparison.get((), || {
+            let (scene, request) = self.copper()?;
+            compare(&scene, &request, &self.settings())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_metals_are_what_they_are_called() {
+        assert_eq!([GOLD, COPPER, IRON].map(|m| m.name), ["gold", "copper", "iron"]);
     }
 }

@@ -3,12 +3,13 @@
 use super::check::Check;
 use super::context::{Context, STRATEGIES, Size};
 use super::map::{Display, Look};
-use super::registry::{Entry, Made};
+use super::registry::{Entry, Made, Picture};
 use super::{fresnel as fresnel_view, output, proposal as proposal_view, sphere as sphere_view};
 use crate::envmap::cut::{SideRule, Split};
 use crate::envmap::irradiance::IrradianceTree;
 use crate::error::Result;
 use crate::figure::Drawing;
+use crate::raster::ToneMap;
 use crate::study::fresnel::{self, Model};
 use crate::study::map_samples::{self, Method};
 use crate::study::median_cut::{self, Centroid};
@@ -72,7 +73,7 @@ pub(super) fn all() -> Vec<Entry> {
     list
 }
 
-fn entry(
+pub(super) fn entry(
     id: &'static str,
     title: &'static str,
     answers: &'static str,
@@ -102,7 +103,7 @@ fn dielectric(eta_i: f64, eta_t: f64) -> Result<Made> {
         let beyond = curves.rows.iter().filter(|r| r.theta_deg > critical).map(|r| r.r_unpolarized);
         checks.push(Check::near("least reflectance beyond it", 1.0, beyond.fold(1.0, f64::min), 0.0));
     }
-    Ok(Made { drawing: fresnel_view::dielectric(&curves), table: output::table(&curves.rows)?, image: None, checks })
+    Ok(Made { drawing: fresnel_view::dielectric(&curves), table: output::table(&curves.rows)?, picture: None, checks })
 }
 
 fn samples(
@@ -116,7 +117,7 @@ fn samples(
     Ok(Made {
         drawing: draw(&Display::new(map, Look::default()), &result.rows, WINDOW),
         table: output::table(&result.rows)?,
-        image: None,
+        picture: None,
         checks: vec![
             Check::near("samples", if flux > 0.0 { n as f64 } else { 0.0 }, result.rows.len() as f64, 0.0),
             Check::near("densities unlike pdf(direction)", 0.0, result.pdf_mismatches as f64, 0.0),
@@ -130,14 +131,14 @@ fn proposal_figure(context: &Context) -> Result<Made> {
         return Ok(Made {
             drawing: proposal_view::nothing_to_test(),
             table: output::table::<proposal::Bin>(&[])?,
-            image: None,
+            picture: None,
             checks: vec![Check::near("the map has light in rows enough for a test", 1.0, 0.0, 0.0)],
         });
     };
     Ok(Made {
         drawing: proposal_view::drawing(&result),
         table: output::table(&result.bins)?,
-        image: None,
+        picture: None,
         checks: vec![
             // Rejected at the level of 0.1 % at either end: a fit that is too good is suspicious, too.
             Check::near("p-value with uniform numbers", 0.5, result.uniform.p, 0.499),
@@ -152,7 +153,7 @@ fn cut(context: &Context, n: usize, draw: impl Fn(&Display, &[median_cut::Row]) 
     Ok(Made {
         drawing: draw(&Display::new(map, Look::default()), &rows),
         table: output::table(&rows)?,
-        image: None,
+        picture: None,
         checks: vec![
             Check::near("regions", n as f64, rows.len() as f64, 0.0),
             Check::at_most(
@@ -170,7 +171,7 @@ fn sphere(context: &Context, spp: u32) -> Result<Made> {
     Ok(Made {
         drawing: sphere_view::shot(&shot)?,
         table: output::table(&[shot.row])?,
-        image: Some(shot.rendered.image.clone()),
+        picture: Some(Picture { image: shot.rendered.image.clone(), tone: ToneMap::LinearMax }),
         checks: vec![
             Check::at_most("relative RMSE, at most half of PBRT-v2's on Grace", shot.row.rel_rmse, pbrt / 2.0),
             Check::near("relative bias", 0.0, shot.row.rel_bias, 2e-3),
@@ -219,7 +220,7 @@ fn sphere_error(context: &Context) -> Result<Made> {
     if grace {
         checks.extend(grace_checks(context));
     }
-    Ok(Made { drawing: sphere_view::errors(&series, grace), table: output::table(&lines)?, image: None, checks })
+    Ok(Made { drawing: sphere_view::errors(&series, grace), table: output::table(&lines)?, picture: None, checks })
 }
 
 /// Radiance of the report's sphere under the Grace map at six normals, confirmed by a real PBRT render.

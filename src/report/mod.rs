@@ -2,14 +2,20 @@
 
 mod check;
 mod context;
+pub mod depth;
 mod entries;
 pub mod fresnel;
 pub mod map;
+pub mod metals;
+mod originals;
 pub mod output;
 pub mod proposal;
 mod registry;
+mod second_report;
 pub mod sphere;
+pub mod statue;
 
 pub use check::Check;
 pub use context::{Context, MapSource};
-pub use registry::{Entry, Made, Reproduced, registry, reproduce};
+pub use originals::Originals;
+pub use registry::{Entry, Made, Picture, Reproduced, registry, reproduce};

@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::context::Context;
-use super::{entries, output};
+use super::{entries, output, second_report};
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
 use crate::files;
@@ -29,8 +29,14 @@ pub struct Made {
     /// CSV text.
     pub table: Vec<u8>,
     /// A rendered image, written as EXR, PFM and PPM beside the drawing.
-    pub image: Option<Image>,
+    pub picture: Option<Picture>,
     pub checks: Vec<Check>,
+}
+
+/// A rendered image, and how its PPM shows it.
+pub struct Picture {
+    pub image: Image,
+    pub tone: ToneMap,
 }
 
 /// A figure that was made: its JSON form.
@@ -45,7 +51,9 @@ pub struct Reproduced {
 /// All figures, in the order in which they are made.
 #[must_use]
 pub fn registry() -> Vec<Entry> {
-    entries::all()
+    let mut all = entries::all();
+    all.extend(second_report::all());
+    all
 }
 
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
@@ -70,8 +78,8 @@ pub fn reproduce(
         let made = (entry.make)(context)?;
         let stem = folder.join(entry.id);
         let mut paths = output::write(&stem, &made.drawing, &made.table)?;
-        if let Some(image) = &made.image {
-            paths.extend(write_image(&stem, image, &Metadata::default().with("figure", entry.id))?);
+        if let Some(picture) = &made.picture {
+            paths.extend(write_picture(&stem, picture, &Metadata::default().with("figure", entry.id))?);
         }
         done.push(Reproduced {
             id: entry.id,
@@ -84,14 +92,14 @@ pub fn reproduce(
     Ok(done)
 }
 
-/// Writes an image as EXR and PFM (as it is) and as the first report's PPM (linear, scaled by its maximum).
-pub fn write_image(stem: &Path, image: &Image, metadata: &Metadata) -> Result<Vec<PathBuf>> {
-    let options = WriteOptions { tone: ToneMap::LinearMax, ..WriteOptions::default() };
+/// Writes a picture as EXR and PFM (as it is) and as the PPM of its report.
+fn write_picture(stem: &Path, picture: &Picture, metadata: &Metadata) -> Result<Vec<PathBuf>> {
+    let options = WriteOptions { tone: picture.tone, ..WriteOptions::default() };
     ["exr", "pfm", "ppm"]
         .into_iter()
         .map(|extension| {
             let path = output::with_extension(stem, extension);
-            raster::write_with(&path, image, metadata, options)?;
+            raster::write_with(&path, &picture.image, metadata, options)?;
             Ok(path)
         })
         .collect()

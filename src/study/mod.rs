@@ -1,8 +1,13 @@
 //! One file per experiment: each computes a plain result and neither draws nor prints.
 
+pub mod depth;
 pub mod fresnel;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;
+pub mod metals;
 pub mod proposal;
+pub mod roughness;
+pub mod sampling_strategies;
+pub mod seen;
 pub mod sphere;

@@ -1,0 +1,282 @@
+//! What each further scattering adds to a picture: one render, taken apart by path class (Heckbert 1990).
+//!
+//! A picture of depth m has the light that was scattered at most m times, so one deep render with its light kept apart
+//! by class holds the pictures of all depths; [`truncation`] proves that by renders that really end at m.
+
+use super::seen::{Kind, Seen};
+use crate::error::Result;
+use crate::raster::{Image, Rgb};
+use crate::render::{Dropped, Settings, Silent, render};
+use crate::scene::{Object, Projection, Request, Scene, Shape};
+use glam::DVec3;
+use serde::Serialize;
+
+/// The second report's depths.
+pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
+
+/// Scatterings up to which classes are kept apart.
+const APART: u32 = 5;
+
+/// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Row {
+    pub depth: u32,
+    pub seen_on: &'static str,
+    pub pixels: usize,
+    pub mean_r: f64,
+    pub mean_g: f64,
+    pub mean_b: f64,
+    /// Of all light of the deepest picture.
+    pub share_of_light: f64,
+}
+
+/// The light of one path class on one kind of object ("all" for the whole picture), as far as there is any.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ClassRow {
+    /// The depth at which it appears.
+    pub depth: u32,
+    pub class: String,
+    pub seen_on: &'static str,
+    /// Of all that this depth adds to the picture.
+    pub share_of_difference: f64,
+    /// Of all light of the deepest picture.
+    pub share_of_light: f64,
+    /// Of the pixels that show this kind of object, those that the class lights.
+    pub lit_pixels: f64,
+    /// Where on the picture, weighted by light.
+    pub centroid_x: f64,
+    pub centroid_y: f64,
+}
+
+/// The pictures of all depths, and what makes them differ.
+pub struct Depths {
+    /// In the order of [`DEPTHS`].
+    pub pictures: Vec<Image>,
+    /// Each picture but the first less the one before it.
+    pub differences: Vec<Image>,
+    pub rows: Vec<Row>,
+    pub classes: Vec<ClassRow>,
+    pub request: Request,
+    pub dropped: Dropped,
+}
+
+impl Depths {
+    /// The light of a class on what is "all" or a kind of object, if there is any.
+    #[must_use]
+    pub fn class(&self, class: &str, seen_on: &str) -> Option<&ClassRow> {
+        self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
+    }
+
+    /// Mean light of a picture.
+    #[must_use]
+    pub fn mean(&self, depth: u32) -> f64 {
+        let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
+        row.map_or(f64::NAN, |r| (r.mean_r + r.mean_g + r.mean_b) / 3.0)
+    }
+}
+
+/// The whole picture, among the kinds of objects.
+pub const ALL: &str = "all";
+
+/// Renders the scene once, as deep as [`DEPTHS`] go, and takes the picture apart.
+pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
+    let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
+    let rendered = render(scene, &request, &Settings { paths: Some(APART), ..*settings }, &Silent)?;
+    let (layers, dropped) = (rendered.part.exposure.path_layers(), rendered.dropped);
+    // The film with its classes is many times larger than what is left of it.
+    drop(rendered);
+    let seen = Seen::new(scene, &request);
+    let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; seen.pixels.len()]))
+        .chain(Kind::ALL.map(|kind| (kind.name(), seen.mask(kind))))
+        .filter(|(_, mask)| mask.contains(&true))
+        .collect();
+
+    let mut pictures = Vec::new();
+    let mut differences = Vec::new();
+    let mut so_far = vec![DVec3::ZERO; seen.pixels.len()];
+    for depth in DEPTHS {
+        let mut added = vec![DVec3::ZERO; seen.pixels.len()];
+        for (name, layer) in &layers {
+            if appears_at(name) == depth {
+                added.iter_mut().zip(layer.pixels()).for_each(|(sum, l)| *sum += l.as_dvec3());
+            }
+        }
+        so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
+        let image = |pixels: &[DVec3]| {
+            let pixels: Vec<Rgb> = pixels.iter().map(|p| p.as_vec3()).collect();
+            Image::from_pixels(request.width, request.height, pixels)
+        };
+        pictures.push(image(&so_far));
+        if depth > 0 {
+            differences.push(image(&added));
+        }
+    }
+
+    let all_light = light(&pictures[pictures.len() - 1], &regions[0].1);
+    let rows = DEPTHS.iter().zip(&pictures).flat_map(|(&depth, picture)| {
+        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, picture, all_light))
+    });
+    let rows = rows.collect();
+    let mut classes = Vec::new();
+    for (name, layer) in &layers {
+        let depth = appears_at(name);
+        let place = DEPTHS.iter().position(|d| *d == depth).unwrap_or(0);
+        let added = if place == 0 { &pictures[0] } else { &differences[place - 1] };
+        let difference = light(added, &regions[0].1);
+        for (seen_on, mask) in &regions {
+            let here = light(layer, mask);
+            if here > 0.0 {
+                let [x, y] = centroid(layer, mask, here);
+                let lit = layer.pixels().iter().zip(mask).filter(|(p, inside)| **inside && **p != Rgb::ZERO).count();
+                classes.push(ClassRow {
+                    depth,
+                    class: name.clone(),
+                    seen_on,
+                    share_of_difference: here / difference,
+                    share_of_light: here / all_light,
+                    lit_pixels: lit as f64 / mask.iter().filter(|m| **m).count() as f64,
+                    centroid_x: x,
+                    centroid_y: y,
+                });
+            }
+        }
+    }
+    Ok(Depths { pictures, differences, rows, classes, request, dropped })
+}
+
+/// The depth from which on a class is in the picture: the number of its scatterings.
+fn appears_at(class: &str) -> u32 {
+    if class == "rest" { DEPTHS[DEPTHS.len() - 1] } else { class.len() as u32 - 2 }
+}
+
+fn row(depth: u32, seen_on: &'static str, mask: &[bool], picture: &Image, all_light: f64) -> Row {
+    let (mut sum, mut pixels) = (DVec3::ZERO, 0);
+    for (p, _) in picture.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
+        sum += p.as_dvec3();
+        pixels += 1;
+    }
+    let mean = sum / f64::from(pixels);
+    let share_of_light = sum.element_sum() / 3.0 / all_light;
+    Row { depth, seen_on, pixels: pixels as usize, mean_r: mean.x, mean_g: mean.y, mean_b: mean.z, share_of_light }
+}
+
+/// The sum of (R + G + B) / 3 over the pixels of `mask`.
+fn light(image: &Image, mask: &[bool]) -> f64 {
+    let inside = image.pixels().iter().zip(mask).filter(|(_, inside)| **inside);
+    inside.map(|(p, _)| p.as_dvec3().element_sum() / 3.0).sum()
+}
+
+fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for (i, (p, _)) in image.pixels().iter().zip(mask).enumerate().filter(|(_, (_, inside))| **inside) {
+        let weight = p.as_dvec3().element_sum() / 3.0;
+        let at = [i % image.width(), i / image.width()];
+        (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));
+    }
+    sum.map(|s| s / light)
+}
+
+/// How a render that ends after `m` scatterings compares with a deep one of the same samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truncation {
+    /// Light of more than m scatterings in the one that ends there.
+    pub beyond: f64,
+    /// Largest difference of a channel between it and the classes of at most m scatterings in the deep one.
+    pub largest_difference: f64,
+}
+
+/// Renders a scene to depth `m` and deeper.
+pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
+    let settings = Settings { paths: Some(m + 1), ..*settings };
+    let to = |max_depth: u32| {
+        let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
+        Ok((rendered.part.exposure.path_layers(), rendered.image))
+    };
+    let (deep, _) = to(m + 3)?;
+    let (layers, image) = to(m)?;
+    let everything = vec![true; image.pixels().len()];
+    let within = |name: &str| name != "rest" && appears_at(name) <= m;
+    let beyond = layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer, &everything)).sum();
+    let mut sum = vec![DVec3::ZERO; image.pixels().len()];
+    for (_, layer) in deep.iter().filter(|(name, _)| within(name)) {
+        sum.iter_mut().zip(layer.pixels()).for_each(|(s, l)| *s += l.as_dvec3());
+    }
+    let differences = sum.iter().zip(image.pixels()).map(|(s, p)| (*s - p.as_dvec3()).abs().max_element());
+    Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })
+}
+
+/// Radiance × share of the picture's pixels of the lamps as the camera sees them, exact where nothing hides them: the
+/// areas of their projections.
+#[must_use]
+pub fn seen_lamps(scene: &Scene) -> f64 {
+    let camera = &scene.camera;
+    let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };
+    let film = |p: DVec3| {
+        let d = p - camera.position;
+        let depth = d.dot(camera.forward);
+        [d.dot(camera.right) / (depth * tan_half_width), d.dot(camera.up) / (depth * tan_half_height)]
+    };
+    let lamp = |object: &Object| {
+        let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) else { return 0.0 };
+        let corners = rectangle.corners().map(|c| film(c.as_dvec3()));
+        let twice: f64 = (0..4)
+            .map(|i| {
+                let (a, b) = (corners[i], corners[(i + 1) % 4]);
+                a[0] * b[1] - a[1] * b[0]
+            })
+            .sum();
+        let towards = (camera.position - rectangle.centre().as_dvec3()).dot(rectangle.normal().as_dvec3()) > 0.0;
+        let radiance = if towards || emission.two_sided { emission.radiance.as_dvec3() } else { DVec3::ZERO };
+        // The film's area is 4.
+        radiance.element_sum() / 3.0 * twice.abs() / 8.0
+    };
+    scene.objects.iter().map(lamp).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn small() -> (Scene, Request) {
+        let (scene, request) = builtin::cornell_spheres();
+        (scene, Request { width: 60, height: 45, spp: 8, ..request })
+    }
+
+    #[test]
+    fn a_render_that_ends_early_is_the_deep_ones_beginning() {
+        let (scene, request) = small();
+        for m in 0..4 {
+            let t = truncation(&scene, &request, &Settings::default(), m).unwrap();
+            assert_eq!(t.beyond, 0.0, "{m}");
+            assert!(t.largest_difference < 1e-5, "{m}: {t:?}");
+        }
+    }
+
+    #[test]
+    fn depths_add_up_and_nothing_is_counted_twice() {
+        let (scene, request) = small();
+        let d = depths(&scene, &request, &Settings::default()).unwrap();
+        assert!(DEPTHS.windows(2).all(|pair| d.mean(pair[0]) < d.mean(pair[1])));
+        let total: f64 = d.classes.iter().filter(|r| r.seen_on == ALL).map(|r| r.share_of_light).sum();
+        let by_kind: f64 = d.classes.iter().filter(|r| r.seen_on != ALL).map(|r| r.share_of_light).sum();
+        assert!((total - 1.0).abs() < 1e-9);
+        assert!(by_kind < 1.0 && by_kind > 0.95, "pixels that show nothing at their centre: {by_kind}");
+        for depth in DEPTHS {
+            let shares = d.classes.iter().filter(|r| r.seen_on == ALL && r.depth == depth);
+            let sum: f64 = shares.map(|r| r.share_of_difference).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{depth}: {sum}");
+        }
+        let light = |on: &str| d.class("LDSSE", on).map_or(0.0, |r| r.share_of_light);
+        assert!(light("glass") > 30.0 * light("room"), "what is seen through glass is not on walls, but for rims");
+    }
+
+    #[test]
+    fn the_lamp_covers_its_projection() {
+        let (scene, request) = small();
+        let request = Request { spp: 64, max_depth: 0, ..request };
+        let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
+        let mean = light(&image, &vec![true; image.pixels().len()]) / image.pixels().len() as f64;
+        assert!((mean / seen_lamps(&scene) - 1.0).abs() < 5e-3, "{mean} {}", seen_lamps(&scene));
+    }
+}

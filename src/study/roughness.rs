@@ -1,0 +1,119 @@
+//! A metal statue in its room: its light, how much of that gleams, and the noise of the picture.
+
+use super::seen::{Kind, Mean, Seen};
+use crate::bsdf::Normals;
+use crate::error::Result;
+use crate::render::{Rendered, Settings, Silent, render};
+use crate::scene::{Conductor, Material, Request, Scene};
+use serde::Serialize;
+
+/// One picture of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
+/// the standard error of the mean.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Row {
+    pub alpha: f32,
+    pub spp: u32,
+    pub light_samples: u32,
+    pub max_depth: u32,
+    pub statue_pixels: usize,
+    pub statue_r: f64,
+    pub statue_g: f64,
+    pub statue_b: f64,
+    pub statue_error_r: f64,
+    pub statue_error_g: f64,
+    pub statue_error_b: f64,
+    /// Root mean square of the standard errors of the statue's pixels, each a mean over the channels.
+    pub noise: f64,
+    /// Share of the statue's light that comes from the brightest hundredth of its pixels.
+    pub brightest_percent: f64,
+}
+
+/// A picture with its numbers.
+pub struct Shot {
+    pub row: Row,
+    pub statue: Mean,
+    /// Which pixels show the statue.
+    pub mask: Vec<bool>,
+    pub seen: Seen,
+    pub rendered: Rendered,
+}
+
+/// Renders a statue.
+pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
+    let rendered = render(scene, request, settings, &Silent)?;
+    let seen = Seen::new(scene, request);
+    let mask = seen.mask(Kind::Metal);
+    let statue = Mean::of(&rendered.part.exposure, &mask);
+    let [statue_r, statue_g, statue_b] = statue.value;
+    let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
+    let errors = rendered.part.exposure.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
+    let squares = errors.map(|(p, _)| (f64::from(p.standard_error().element_sum()) / 3.0).powi(2));
+    let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
+    let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
+    let row = Row {
+        alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
+        spp: request.spp,
+        light_samples: request.light_samples,
+        max_depth: request.max_depth,
+        statue_pixels: statue.pixels,
+        statue_r,
+        statue_g,
+        statue_b,
+        statue_error_r,
+        statue_error_g,
+        statue_error_b,
+        noise,
+        brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
+    };
+    Ok(Shot { row, statue, mask, seen, rendered })
+}
+
+/// The statue's mean by another way of drawing directions, facets as they lie, with an eighth of the samples and other
+/// numbers: independent of the picture that it is to confirm.
+pub fn second_opinion(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
+    let request = Request { spp: (request.spp / 8).max(2), ..*request };
+    let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
+    settings.model.scattering.normals = Normals::All;
+    Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.exposure, mask))
+}
+
+/// The first metal of a scene.
+#[must_use]
+pub fn conductor(scene: &Scene) -> Option<&Conductor> {
+    scene.objects.iter().find_map(|o| if let Material::Conductor(c) = &o.material { Some(c) } else { None })
+}
+
+/// Share of the largest hundredth of the values (at least one) in the sum of all.
+fn brightest_percent(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    let count = values.len().div_ceil(100);
+    values[..count].iter().sum::<f64>() / values.iter().sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::metals;
+    use crate::scene::builtin;
+
+    #[test]
+    fn one_percent_of_even_light_is_one_percent() {
+        assert!((brightest_percent(vec![2.0; 300]) - 0.01).abs() < 1e-12);
+        assert_eq!(brightest_percent([vec![0.0; 99], vec![7.0]].concat()), 1.0);
+    }
+
+    #[test]
+    fn a_second_opinion_agrees_and_another_metal_does_not() {
+        let shot = |symbol: &str| {
+            let (scene, request) = builtin::cornell_statue(metals::by_name(symbol).unwrap(), 0.25, None).unwrap();
+            let request = Request { width: 48, height: 36, spp: 32, light_samples: 1, ..request };
+            let shot = shoot(&scene, &request, &Settings::default()).unwrap();
+            let other = second_opinion(&scene, &request, &Settings::default(), &shot.mask).unwrap();
+            (shot, other)
+        };
+        let ((gold, second), (iron, _)) = (shot("Au"), shot("Fe"));
+        assert!(gold.statue.z(&second).abs() < 4.0, "{:?} {second:?}", gold.statue);
+        assert!(gold.statue.z(&iron.statue).abs() > 4.0, "{:?} {:?}", gold.statue, iron.statue);
+        assert!(gold.row.statue_r > gold.row.statue_g && gold.row.statue_g > gold.row.statue_b);
+    }
+}

@@ -1,0 +1,160 @@
+//! Directions drawn as the metal reflects them, and spread evenly over the hemisphere: the same picture on average, and
+//! another one to the eye. Measured from the statue's silhouette inwards, where the second report saw a dark rim.
+
+use super::roughness::{Shot, shoot};
+use super::seen::{Kind, Mean};
+use crate::bsdf::Normals;
+use crate::error::Result;
+use crate::raster::{Image, ToneMap, to_rgb8};
+use crate::render::Settings;
+use crate::scene::{Request, Scene};
+use serde::Serialize;
+
+/// How far from the silhouette the profile goes, in pixels: into the statue, and out into the room.
+const INSIDE: i32 = 24;
+const OUTSIDE: i32 = 6;
+/// Width of the statue's rim in pixels.
+pub const RIM: f64 = 3.0;
+
+/// All pixels at about the same distance from the silhouette. Field names are the CSV columns. Distances are negative
+/// outside the statue; radiance is (R + G + B) / 3.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Bin {
+    pub from_px: f64,
+    pub to_px: f64,
+    pub pixels: usize,
+    pub importance_mean: f64,
+    pub hemisphere_mean: f64,
+    /// Standard errors of these means.
+    pub importance_mean_error: f64,
+    pub hemisphere_mean_error: f64,
+    /// Half of the pixels are darker.
+    pub importance_median: f64,
+    pub hemisphere_median: f64,
+    /// Mean 8-bit value of the picture as it is shown.
+    pub importance_shown: f64,
+    pub hemisphere_shown: f64,
+    /// Root of the mean square of the pixels' standard errors.
+    pub importance_error: f64,
+    pub hemisphere_error: f64,
+}
+
+/// Both pictures and their profile.
+pub struct Comparison {
+    pub importance: Shot,
+    pub hemisphere: Shot,
+    pub profile: Vec<Bin>,
+    /// Difference of the means over the whole picture, the statue, and the statue's rim, in units of its standard error.
+    pub z_picture: f64,
+    pub z_statue: f64,
+    pub z_rim: f64,
+}
+
+/// Renders the scene twice, with independent numbers.
+pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
+    let shot = |normals: Normals, offset: u64| {
+        let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
+        settings.model.scattering.normals = normals;
+        shoot(scene, request, &settings)
+    };
+    let (importance, hemisphere) = (shot(Normals::Visible, 0)?, shot(Normals::Hemisphere, 1)?);
+    let z = |mask: &[bool]| {
+        let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, mask));
+        one.z(&other)
+    };
+    let depth = importance.seen.depth_inside(&importance.mask, (INSIDE + 1) as usize);
+    let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
+    let (z_picture, z_statue, z_rim) = (z(&vec![true; depth.len()]), z(&importance.mask), z(&rim));
+    let profile = profile(&importance, &hemisphere, &depth);
+    Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
+}
+
+/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour in the room.
+fn from_silhouette(depth: f64) -> f64 {
+    if depth > 0.0 { depth - 0.5 } else { depth + 0.5 }
+}
+
+/// What both pictures show at each distance from the silhouette.
+fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
+    let room: Vec<bool> = importance.seen.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Room))).collect();
+    let bins = (-OUTSIDE..INSIDE).map(|from| {
+        let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
+        let mask: Vec<bool> =
+            depth.iter().zip(&room).map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d))).collect();
+        let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
+        Bin {
+            from_px,
+            to_px,
+            pixels: a.mean.pixels,
+            importance_mean: a.mean.intensity(),
+            hemisphere_mean: b.mean.intensity(),
+            importance_mean_error: a.mean_error(),
+            hemisphere_mean_error: b.mean_error(),
+            importance_median: a.median,
+            hemisphere_median: b.median,
+            importance_shown: a.shown,
+            hemisphere_shown: b.shown,
+            importance_error: a.error,
+            hemisphere_error: b.error,
+        }
+    });
+    bins.filter(|bin| bin.pixels > 0).collect()
+}
+
+/// One picture on some pixels.
+struct Side {
+    mean: Mean,
+    median: f64,
+    shown: f64,
+    error: f64,
+}
+
+impl Side {
+    fn mean_error(&self) -> f64 {
+        // Channels are lit by the same samples: their errors do not average out.
+        self.mean.error.iter().sum::<f64>() / 3.0
+    }
+
+    fn of(shot: &Shot, mask: &[bool]) -> Self {
+        let film = &shot.rendered.part.exposure;
+        let mean = Mean::of(film, mask);
+        let mut values = Vec::with_capacity(mean.pixels);
+        let mut square = 0.0;
+        for (pixel, _) in film.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
+            values.push(pixel.mean());
+            square += (f64::from(pixel.standard_error().element_sum()) / 3.0).powi(2);
+        }
+        if values.is_empty() {
+            return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };
+        }
+        let shown = to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::Report);
+        let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
+        light.sort_unstable_by(f64::total_cmp);
+        Self {
+            mean,
+            median: light[light.len() / 2],
+            shown: shown.iter().map(|&v| f64::from(v)).sum::<f64>() / shown.len() as f64,
+            error: (square / values.len() as f64).sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn both_agree_and_one_is_noisier() {
+        let (scene, request) = builtin::by_name("cornell-statue-cu", None).unwrap().unwrap();
+        let request = Request { width: 64, height: 48, spp: 16, light_samples: 1, ..request };
+        let result = compare(&scene, &request, &Settings::default()).unwrap();
+        assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0 && result.z_rim.abs() < 4.0);
+        assert!(result.hemisphere.row.noise > 2.0 * result.importance.row.noise);
+        let rim: Vec<&Bin> = result.profile.iter().filter(|b| b.from_px >= 0.0 && b.to_px <= RIM).collect();
+        assert_eq!(rim.len(), 3);
+        assert!(rim.iter().all(|b| b.hemisphere_median < 0.5 * b.importance_median), "{rim:?}");
+        let total: usize = result.profile.iter().map(|b| b.pixels).sum();
+        assert!(total > 500 && total < 64 * 48);
+    }
+}
