@@ -2,7 +2,7 @@
 //!
 //! Through these a lamp shines as a small bright image, which directions drawn by the cosine alone seldom find: most of
 //! the noise of such scenes. So a share of the directions is drawn from cones: one around each ball, and one around the
-//! places where a ball reflects or refracts a lamp to the point. A cone of solid angle Ωⱼ is drawn from in proportion to a weight wⱼ,
+//! place where a ball reflects a lamp to the point. A cone of solid angle Ωⱼ is drawn from in proportion to a weight wⱼ,
 //! the cosine to w₀, and the density of the mixture at a direction is
 //!
 //! (w₀ cos θ / π + Σ wⱼ/Ωⱼ over the cones that hold it) / (w₀ + Σ wⱼ).
@@ -23,8 +23,11 @@ use std::f32::consts::{PI, TAU};
 /// The weight of the cosine. That of a ball is its solid angle: a large one is more likely to matter.
 const COSINE_WEIGHT: f32 = 0.5;
 
-/// The weight of the image of a lamp in a ball that sends all light to it.
+/// The weight of the image of a lamp in a mirror.
 const IMAGE_WEIGHT: f32 = 0.1;
+
+/// Metal of a larger alpha shows no image worth aiming at.
+const BLURRED: f32 = 0.15;
 
 /// Images are aimed at from the first diffuse hits of a path, of which there are the most; later ones have less light
 /// to lose than time.
@@ -40,8 +43,7 @@ const MOST_IMAGES: usize = 16;
 #[derive(Debug, Clone, Default)]
 pub struct Casters {
     balls: Vec<Ball>,
-    reflections: Vec<Reflection>,
-    refractions: Vec<Refraction>,
+    images: Vec<Image>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +52,7 @@ struct Ball {
     radius: f32,
 }
 
-/// A lamp and a ball that shows an image of it.
+/// A lamp as a ball reflects it.
 #[derive(Debug, Clone, Copy)]
 struct Image {
     ball: Ball,
@@ -58,18 +60,6 @@ struct Image {
     /// Of the lamp's front.
     normal: Vec3,
     lamp_radius: f32,
-    weight: f32,
-}
-
-/// A lamp as a ball reflects it.
-#[derive(Debug, Clone, Copy)]
-struct Reflection(Image);
-
-/// A lamp as a ball of glass refracts it.
-#[derive(Debug, Clone, Copy)]
-struct Refraction {
-    image: Image,
-    eta: f32,
 }
 
 /// For each point a cone: its axis, 1 − cos of its half angle, and its weight; 0 where it is no help.
@@ -98,21 +88,19 @@ impl Casters {
             return casters;
         }
         for ((ball, material), lamp) in balls.iter().flat_map(|ball| lamps.iter().map(move |lamp| (ball, lamp))) {
-            let image = |share: f32| Image {
-                ball: *ball,
-                lamp: lamp.centre(),
-                normal: lamp.normal(),
-                lamp_radius: (lamp.corners()[0] - lamp.centre()).length(),
-                weight: IMAGE_WEIGHT * share,
+            let reflects = match *material {
+                Material::Mirror { .. } => true,
+                Material::Conductor(metal) => metal.alpha < BLURRED,
+                // A few hundredths of the light are not worth the time; through the ball it shines from all over it.
+                Material::Glass { .. } | Material::Refraction { .. } | Material::Diffuse { .. } => false,
             };
-            match *material {
-                Material::Mirror { .. } | Material::Conductor(_) => casters.reflections.push(Reflection(image(1.0))),
-                Material::Glass { eta, .. } => {
-                    casters.reflections.push(Reflection(image(0.2)));
-                    casters.refractions.push(Refraction { image: image(1.0), eta });
-                }
-                Material::Refraction { eta, .. } => casters.refractions.push(Refraction { image: image(1.0), eta }),
-                Material::Diffuse { .. } => {}
+            if reflects {
+                casters.images.push(Image {
+                    ball: *ball,
+                    lamp: lamp.centre(),
+                    normal: lamp.normal(),
+                    lamp_radius: (lamp.corners()[0] - lamp.centre()).length(),
+                });
             }
         }
         casters
@@ -124,7 +112,7 @@ impl Casters {
 
     /// Room for the cones.
     pub fn cones(&self) -> Vec<Cone> {
-        let count = self.balls.len() + self.reflections.len() + self.refractions.len();
+        let count = self.balls.len() + self.images.len();
         vec![Cone { axis: ZERO3, opening: [0.0; LANES], weight: [0.0; LANES] }; count]
     }
 
@@ -145,11 +133,7 @@ impl Casters {
             used += 1;
         }
         if images {
-            for target in &self.reflections {
-                wide(arch, Aim { target, points, cone: &mut cones[used] });
-                used += 1;
-            }
-            for target in &self.refractions {
+            for target in &self.images {
                 wide(arch, Aim { target, points, cone: &mut cones[used] });
                 used += 1;
             }
@@ -214,12 +198,12 @@ impl Target for Ball {
     }
 }
 
-impl Reflection {
+impl Image {
     /// The normal that halves the angle at the place of `normal`: a better estimate.
     #[inline(always)]
     fn closer(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        let place = self.0.ball.centre + self.0.ball.radius * normal;
-        unit(unit(point - place) + unit(self.0.lamp - place))
+        let place = self.ball.centre + self.ball.radius * normal;
+        unit(unit(point - place) + unit(self.lamp - place))
     }
 }
 
@@ -235,14 +219,14 @@ fn opening(tan: f32) -> f32 {
     tan * tan / (root * (1.0 + root))
 }
 
-impl Target for Reflection {
+impl Target for Image {
     /// The normal at the point of reflection halves the angle between the ways to `point` and to the lamp. Starting from
     /// the far-away solution it is found by repetition, exactly enough after two rounds. How large the image is follows
     /// from the mirror equation for rays beside the plane of reflection: a ray that is off by h there meets the plane of the
     /// lamp off by h (1 + l/d + 2 l cos/r).
     #[inline(always)]
     fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
-        let Image { ball: Ball { centre, radius }, lamp, normal: front, lamp_radius, weight } = self.0;
+        let Image { ball: Ball { centre, radius }, lamp, normal: front, lamp_radius } = *self;
         let start = unit(unit(point - centre) + unit(lamp - centre));
         let normal = self.closer(point, self.closer(point, start));
         let place = centre + radius * normal;
@@ -252,65 +236,7 @@ impl Target for Reflection {
         let tan = lamp_radius / (d + l + 2.0 * l * d * cos / radius);
         let outside = (point - centre).length_squared() > radius * radius;
         let lit = (cos > 0.0) & (front.dot(to_lamp) < 0.0) & outside;
-        (to_point * (-1.0 / d), opening(tan), if lit { weight } else { 0.0 })
-    }
-}
-
-impl Refraction {
-    /// A ray that passes the ball's centre at distance `b`, by how much it misses the lamp's centre, and the sine and the
-    /// cosine of its angle with the axis behind the ball.
-    ///
-    /// It stays in one plane, whose axis runs from the point through the ball's centre: the point is `d` before that, the
-    /// lamp `along` behind and `aside` of the axis. A ray at angle φ, sin φ = b/d, is turned by 2(θᵢ − θₜ) with sin θᵢ =
-    /// b/r = η sin θₜ, and passes the centre at distance b again.
-    #[inline(always)]
-    fn ray(&self, b: f32, d: f32, along: f32, aside: f32) -> (f32, f32, f32) {
-        let cosine = |sin: f32| ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
-        let sin_i = b / self.image.ball.radius;
-        let sin_t = sin_i / self.eta;
-        let (cos_i, cos_t) = (cosine(sin_i), cosine(sin_t));
-        let (s, c) = (sin_i * cos_t - cos_i * sin_t, cos_i * cos_t + sin_i * sin_t);
-        let (sin_turn, cos_turn) = (2.0 * s * c, c * c - s * s);
-        let sin_start = b / d;
-        let cos_start = cosine(sin_start);
-        let sin = sin_start * cos_turn - cos_start * sin_turn;
-        let cos = cos_start * cos_turn + sin_start * sin_turn;
-        (aside * cos - along * sin - b, sin, cos)
-    }
-}
-
-impl Target for Refraction {
-    /// The ray that meets the lamp's centre, by two steps of the secant method from the one that would by the lens equation.
-    /// Where that fails (near the focus, where the image fills the ball) there is no cone.
-    #[inline(always)]
-    fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
-        let Image { ball: Ball { centre, radius }, lamp, normal: front, lamp_radius, weight } = self.image;
-        let to_centre = centre - point;
-        let d = to_centre.length();
-        let axis = to_centre * (1.0 / d);
-        let to_lamp = lamp - centre;
-        let along = to_lamp.dot(axis);
-        let across = to_lamp - along * axis;
-        let aside = across.length().max(1e-6 * radius);
-        // Of a ball lens, 1/f = 2 (1 − 1/η)/r.
-        let spread = 1.0 + along * (1.0 / d - 2.0 * (1.0 - 1.0 / self.eta) / radius);
-        let limit = 0.95 * radius;
-        let inside = |b: f32| b.max(-limit).min(limit);
-        let first = inside(aside / spread);
-        let (miss, _, _) = self.ray(first, d, along, aside);
-        let second = inside(first + miss / spread);
-        let (next_miss, _, _) = self.ray(second, d, along, aside);
-        let moved = second - first;
-        let slope = if moved == 0.0 { -spread } else { (next_miss - miss) / moved };
-        let b = inside(second - next_miss / slope);
-        let (left, sin, cos) = self.ray(b, d, along, aside);
-        // How far beside the ray others meet the lamp, in the plane and across it.
-        let off = (lamp_radius / slope.abs()).max(lamp_radius * b.abs() / aside);
-        let direction = axis * ((1.0 - b / d) * (1.0 + b / d)).max(0.0).sqrt() + across * (b / (d * aside));
-        let behind = axis * cos + across * (sin / aside);
-        let lit = (d > radius) & (cos > 0.0) & (front.dot(behind) < 0.0) & (left.abs() < lamp_radius) & (off < radius);
-        let opening = opening(off.min(radius) / d);
-        (direction, if lit { opening } else { 1.0 }, if lit { weight } else { 0.0 })
+        (to_point * (-1.0 / d), opening(tan), if lit { IMAGE_WEIGHT } else { 0.0 })
     }
 }
 
