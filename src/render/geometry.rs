@@ -11,32 +11,94 @@ use crate::scene::{Light, Mesh, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 
+/// A rectangle of the scene.
+#[derive(Debug, Clone, Copy)]
+struct Wall {
+    panel: Panel,
+    object: u32,
+}
+
+/// A rectangle in the form that is quickest to meet.
+#[derive(Debug, Clone, Copy)]
+enum Panel {
+    X(AxisPanel<0>),
+    Y(AxisPanel<1>),
+    Z(AxisPanel<2>),
+    Tilted(TiltedPanel),
+}
+
+impl Wall {
+    fn new(rectangle: &Rectangle, object: u32) -> Self {
+        let x = || AxisPanel::new(rectangle).map(Panel::X);
+        let y = || AxisPanel::new(rectangle).map(Panel::Y);
+        let z = || AxisPanel::new(rectangle).map(Panel::Z);
+        let panel = x().or_else(y).or_else(z);
+        Self { panel: panel.unwrap_or_else(|| Panel::Tilted(TiltedPanel::new(rectangle))), object }
+    }
+}
+
 /// A rectangle as the plane n · p = `height` and two coordinates on it that are −1 and 1 at the edges.
 #[derive(Debug, Clone, Copy)]
-struct Panel {
+struct TiltedPanel {
     normal: Vec3,
     height: f32,
     across: [Vec3; 2],
     offset: [f32; 2],
-    object: u32,
 }
 
-impl Panel {
-    fn new(rectangle: &Rectangle, object: u32) -> Self {
+impl TiltedPanel {
+    fn new(rectangle: &Rectangle) -> Self {
         let across = rectangle.half_sides().map(|half| half / half.length_squared());
         let offset = across.map(|a| a.dot(rectangle.centre()));
         let normal = rectangle.normal();
-        Self { normal, height: normal.dot(rectangle.centre()), across, offset, object }
+        Self { normal, height: normal.dot(rectangle.centre()), across, offset }
     }
 }
 
-impl Solid for Panel {
+impl Solid for TiltedPanel {
     #[inline(always)]
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
         let inside = |i: usize| {
             let at = self.across[i].dot(origin) - self.offset[i] + t * self.across[i].dot(direction);
             at.abs() <= 1.0
+        };
+        if inside(0) & inside(1) { t } else { f32::INFINITY }
+    }
+}
+
+/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and lamps often are: a third
+/// of the arithmetic.
+#[derive(Debug, Clone, Copy)]
+struct AxisPanel<const AXIS: usize> {
+    height: f32,
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+impl<const AXIS: usize> AxisPanel<AXIS> {
+    const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
+
+    fn new(rectangle: &Rectangle) -> Option<Self> {
+        let normal = rectangle.normal();
+        if normal[AXIS].abs() != 1.0 || rectangle.half_sides().iter().any(|h| h.abs().max_element() != h.length()) {
+            return None;
+        }
+        let [x, y] = rectangle.half_sides();
+        let (centre, half) = (rectangle.centre(), x.abs() + y.abs());
+        let [low, high] = [centre - half, centre + half].map(|corner| Self::ACROSS.map(|axis| corner[axis]));
+        Some(Self { height: centre[AXIS], low, high })
+    }
+}
+
+impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        let t = (self.height - origin[AXIS]) / direction[AXIS];
+        let inside = |i: usize| {
+            let at = origin[Self::ACROSS[i]] + t * direction[Self::ACROSS[i]];
+            (self.low[i] <= at) & (at <= self.high[i])
         };
         if inside(0) & inside(1) { t } else { f32::INFINITY }
     }
@@ -57,12 +119,12 @@ pub struct Surface {
 /// The prepared shapes.
 pub struct Geometry<'a> {
     objects: &'a [Object],
-    panels: Vec<Panel>,
+    walls: Vec<Wall>,
     spheres: Vec<(Sphere, u32)>,
     /// Per object, [`Surface::offset`].
     offsets: Vec<f32>,
-    /// Panels that can stand between two points of the scene: a wall with everything on one side cannot.
-    blockers: Vec<Panel>,
+    /// Those that can stand between two points of the scene: a wall with everything on one side cannot.
+    blockers: Vec<Wall>,
     meshes: Option<Meshes>,
     arch: Arch,
 }
@@ -80,12 +142,18 @@ impl<'a> Geometry<'a> {
     /// Prepares the shapes; `with_meshes` says whether to build the tree of triangles if there are none.
     pub fn new(scene: &'a Scene, with_meshes: bool) -> Self {
         let objects = &scene.objects;
-        let mut panels = Vec::new();
-        let mut spheres = Vec::new();
+        let mut walls = Vec::new();
+        let (mut spheres, mut blockers) = (Vec::new(), Vec::new());
         let (mut meshes, mut mesh_objects) = (Vec::new(), Vec::new());
         for (i, object) in objects.iter().enumerate() {
             match &object.shape {
-                Shape::Rectangle(rectangle) => panels.push(Panel::new(rectangle, i as u32)),
+                Shape::Rectangle(rectangle) => {
+                    let wall = Wall::new(rectangle, i as u32);
+                    walls.push(wall);
+                    if !encloses(rectangle, scene) {
+                        blockers.push(wall);
+                    }
+                }
                 Shape::Sphere(sphere) => spheres.push((*sphere, i as u32)),
                 Shape::Mesh(mesh) => {
                     meshes.push(&**mesh);
@@ -94,21 +162,26 @@ impl<'a> Geometry<'a> {
             }
         }
         let offsets = objects.iter().map(|object| 16.0 * f32::EPSILON * extent(&object.shape)).collect();
-        let blockers = panels.iter().copied().filter(|panel| !encloses(panel, scene)).collect();
         let meshes = with_meshes.then(|| Meshes {
             bounds: around(&meshes),
             tree: MeshBvh::build(&meshes),
             object: mesh_objects,
         });
-        Self { objects, panels, spheres, offsets, blockers, meshes, arch: Arch::new() }
+        Self { objects, walls, spheres, offsets, blockers, meshes, arch: Arch::new() }
     }
 
     /// The nearest object of the first `count` rays.
     pub fn nearest(&self, rays: &Rays, count: usize, hits: &mut Hits) {
         hits.t[..count].fill(f32::INFINITY);
         hits.object[..count].fill(NOTHING);
-        for panel in &self.panels {
-            wide(self.arch, Nearest { solid: panel, object: panel.object, rays, count, hits });
+        for wall in &self.walls {
+            let object = wall.object;
+            match &wall.panel {
+                Panel::X(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
+                Panel::Y(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
+                Panel::Z(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
+                Panel::Tilted(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
+            }
         }
         for (sphere, object) in &self.spheres {
             wide(self.arch, Nearest { solid: sphere, object: *object, rays, count, hits });
@@ -132,8 +205,13 @@ impl<'a> Geometry<'a> {
     /// Sets `blocked[i]` to nonzero where an object other than `light` is nearer than `limit[i]` along ray i.
     pub fn occluded(&self, rays: &Rays, count: usize, limit: &Lane, light: u32, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
-        for panel in self.blockers.iter().filter(|panel| panel.object != light) {
-            wide(self.arch, Blocked { solid: panel, rays, count, limit, blocked });
+        for wall in self.blockers.iter().filter(|wall| wall.object != light) {
+            match &wall.panel {
+                Panel::X(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
+                Panel::Y(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
+                Panel::Z(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
+                Panel::Tilted(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
+            }
         }
         for (sphere, _) in self.spheres.iter().filter(|(_, object)| *object != light) {
             wide(self.arch, Blocked { solid: sphere, rays, count, limit, blocked });
@@ -304,15 +382,17 @@ fn extent(shape: &Shape) -> f32 {
     }
 }
 
-/// Whether all of the scene lies on one side of a panel's plane: it then cuts no line between two points of it.
-fn encloses(panel: &Panel, scene: &Scene) -> bool {
+/// Whether all of the scene lies on one side of a rectangle's plane: it then cuts no line between two points of it.
+fn encloses(rectangle: &Rectangle, scene: &Scene) -> bool {
     if scene.environment.is_some() {
         return false;
     }
+    let normal = rectangle.normal();
+    let height = normal.dot(rectangle.centre());
     let mut sides = [true; 2];
     let mut point = |p: Vec3, radius: f32| {
-        let distance = panel.normal.dot(p) - panel.height;
-        let slack = 64.0 * f32::EPSILON * (panel.height.abs() + radius + p.length());
+        let distance = normal.dot(p) - height;
+        let slack = 64.0 * f32::EPSILON * (height.abs() + radius + p.length());
         sides[0] &= distance - radius >= -slack;
         sides[1] &= distance + radius <= slack;
     };

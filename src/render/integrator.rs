@@ -59,8 +59,8 @@ pub struct Workspace {
     /// The same by path class, all classes of a slot side by side; empty if they are not kept apart.
     pub layers: Vec<Rgb>,
     classes: Option<Classes>,
-    paths: Paths,
-    next: Paths,
+    paths: Box<Paths>,
+    next: Box<Paths>,
     hits: Hits,
     /// What rays in search of light have hit.
     pub(super) found: Hits,
@@ -121,8 +121,8 @@ impl Workspace {
             radiance: [[0.0; LANES]; 3],
             layers: vec![Rgb::ZERO; LANES * classes.map_or(0, Classes::count)],
             classes,
-            paths: Paths::default(),
-            next: Paths::default(),
+            paths: Box::default(),
+            next: Box::default(),
             hits: Hits::default(),
             found: Hits::default(),
             points: Points::default(),

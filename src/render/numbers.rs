@@ -39,9 +39,16 @@ impl Numbers {
     fn fill_with<S: Stream>(&self, arch: Arch, slots: &[u32], dimension: u32, draw: (u32, u32), out: &mut [Lane; 2]) {
         let mut key = [0; LANES];
         let mut sample = [0; LANES];
+        // Neighbours mostly belong to one pixel.
+        let mut last = None;
         for (i, &slot) in slots.iter().enumerate() {
-            key[i] = self.key[slot as usize % LANES];
-            sample[i] = self.sample[slot as usize % LANES];
+            let slot = slot as usize % LANES;
+            let prepared = match last {
+                Some((from, prepared)) if from == self.key[slot] => prepared,
+                _ => S::in_dimension(self.key[slot], dimension),
+            };
+            last = Some((self.key[slot], prepared));
+            (key[i], sample[i]) = (prepared, self.sample[slot]);
         }
         wide(
             arch,
@@ -85,7 +92,7 @@ impl<S: Stream> Wide for Fill<'_, S> {
     fn run(self) {
         let Self { key, sample, count, dimension, draw: (index, of), out, .. } = self;
         for i in 0..count.min(LANES) {
-            [out[0][i], out[1][i]] = S::join(key[i], sample[i]).short_pair_of(dimension, index, of);
+            [out[0][i], out[1][i]] = S::short_pair(key[i], sample[i], dimension, index, of);
         }
     }
 }

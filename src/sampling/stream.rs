@@ -25,7 +25,17 @@ pub trait Stream: Copy + Send + Sync {
     fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2];
 
     /// The pair of [`Stream::pair_of`] rounded down to 24 bits.
-    fn short_pair_of(&self, dimension: u32, index: u32, count: u32) -> [f32; 2];
+    #[inline]
+    fn short_pair_of(self, dimension: u32, index: u32, count: u32) -> [f32; 2] {
+        let (key, sample) = self.split();
+        Self::short_pair(Self::in_dimension(key, dimension), sample, dimension, index, count)
+    }
+
+    /// What streams of one key have in common in a dimension.
+    fn in_dimension(key: u64, dimension: u32) -> u64;
+
+    /// [`Stream::short_pair_of`] from the parts of the stream, its key [`in_dimension`](Stream::in_dimension).
+    fn short_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f32; 2];
 
     /// The pair of numbers of a dimension from which each sample draws once.
     #[inline]
@@ -62,8 +72,13 @@ impl Stream for Independent {
     }
 
     #[inline(always)]
-    fn short_pair_of(&self, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
-        self.words(dimension, index).map(|word| unit_f32((word >> 32) as u32))
+    fn in_dimension(key: u64, _dimension: u32) -> u64 {
+        key
+    }
+
+    #[inline(always)]
+    fn short_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
+        Self { key }.words(dimension, index).map(|word| unit_f32((word >> 32) as u32))
     }
 }
 
@@ -101,24 +116,24 @@ impl Stream for Sobol {
 
     #[inline]
     fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2] {
-        let scramble = self.scramble(dimension);
+        let scramble = Self::in_dimension(self.key, dimension);
         let [x, y] = self.words(scramble, index, count);
         let low = mix64(scramble ^ u64::from(x)) as u32;
         [with_low_bits(x, low), with_low_bits(y, low.rotate_left(16))]
     }
 
     #[inline(always)]
-    fn short_pair_of(&self, dimension: u32, index: u32, count: u32) -> [f32; 2] {
-        self.words(self.scramble(dimension), index, count).map(unit_f32)
+    fn in_dimension(key: u64, dimension: u32) -> u64 {
+        mix64(key.wrapping_add((u64::from(dimension) + 1).wrapping_mul(GOLDEN)))
+    }
+
+    #[inline(always)]
+    fn short_pair(key: u64, sample: u32, _dimension: u32, index: u32, count: u32) -> [f32; 2] {
+        Self { key, sample }.words(key, index, count).map(unit_f32)
     }
 }
 
 impl Sobol {
-    #[inline(always)]
-    fn scramble(&self, dimension: u32) -> u64 {
-        mix64(self.key.wrapping_add(u64::from(dimension + 1).wrapping_mul(GOLDEN)))
-    }
-
     /// The stratified bits.
     #[inline(always)]
     fn words(&self, scramble: u64, index: u32, count: u32) -> [u32; 2] {
