@@ -1,9 +1,11 @@
-//! Whole renders of the lit sphere: samples per second by strategy, and what leaving out saves.
+//! Whole renders, in camera samples per second, and directions towards a rectangular lamp.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use etalon::envmap::EnvMap;
 use etalon::envmap::synthetic::Synthetic;
-use etalon::render::{LightDensity, Sampling, Settings, render};
+use etalon::render::{LightDensity, Sampling, Settings, Silent, render};
+use etalon::sampling::rectangle::SphericalRectangle;
+use etalon::sampling::stream::{Sobol, Stream};
 use etalon::scene::{Environment, Request, builtin};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -29,5 +31,38 @@ fn sphere_env(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, sphere_env);
+fn rooms(c: &mut Criterion) {
+    let mut group = c.benchmark_group("room-160x120-16spp-1light");
+    group.sample_size(10);
+    for name in ["cornell-lambert", "cornell-spheres", "cornell-statue-au"] {
+        let (scene, request) = builtin::by_name(name, None).unwrap().unwrap();
+        let request = Request { width: 160, height: 120, spp: 16, light_samples: 1, ..request };
+        group.throughput(Throughput::Elements((request.width * request.height) as u64 * u64::from(request.spp)));
+        for general in [false, true] {
+            let name = if general { format!("{name}, nothing left out") } else { name.into() };
+            let settings = Settings { general, ..Settings::default() };
+            group.bench_function(name, |b| b.iter(|| black_box(render(&scene, &request, &settings, &Silent))));
+        }
+    }
+    group.finish();
+}
+
+fn lamp(c: &mut Criterion) {
+    let mut group = c.benchmark_group("rectangle");
+    let stream = |i: u32| Sobol::new(1, 0, i);
+    let numbers: Vec<[f32; 2]> = (0..1024).map(|i| stream(i).short_pair_of(0, 0, 1)).collect();
+    let depths: Vec<f32> = numbers.iter().map(|u| 0.1 + u[0]).collect();
+    group.throughput(Throughput::Elements(numbers.len() as u64));
+    group.bench_function("solid angle and a direction, one by one", |b| {
+        b.iter(|| {
+            for (&u, &depth) in numbers.iter().zip(&depths) {
+                let seen = SphericalRectangle::new([-0.4, 0.3], [0.1, 0.7], depth);
+                black_box((seen.solid_angle(), seen.sample(u)));
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, sphere_env, rooms, lamp);
 criterion_main!(benches);

@@ -227,7 +227,7 @@ impl Integrator<'_> {
     fn find<const NEEDS: u32>(&self, work: &mut Workspace) {
         self.geometry.nearest(&work.shadows.rays, work.shadows.count, &mut work.found);
         // Beside light samples only the environment is looked for.
-        let lamps = matches!(self.sampling, Sampling::Bsdf | Sampling::Hemisphere);
+        let lamps = self.looks_for_lamps();
         for i in 0..work.shadows.count {
             let direction = at(&work.shadows.rays.direction, i);
             let radiance = match work.found.object[i] {

@@ -47,6 +47,8 @@ pub struct Integrator<'a> {
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
     classes: Option<Classes>,
+    /// Whether there are lamps that neither light samples nor rays in search of light find.
+    left_to_chance: bool,
 }
 
 /// What one thread works with.
@@ -191,18 +193,28 @@ impl<'a> Integrator<'a> {
         geometry: Geometry<'a>,
     ) -> Self {
         let lights = Sampled::all(scene, settings);
+        let faces = Face::all(scene, settings, &lights);
+        let unsampled = |face: &Face| face.light.is_none() && face.emission.is_some_and(|e| e.role == Role::Lamp);
+        let left_to_chance = !looks_for_lamps(settings.sampling) && faces.iter().any(unsampled);
         Self {
             scene,
             request: *request,
             geometry,
-            faces: Face::all(scene, settings, &lights),
+            faces,
             lights,
-            casters: Casters::new(scene),
+            // Other strategies are as their name says.
+            casters: if settings.sampling == Sampling::Mis { Casters::new(scene) } else { Casters::default() },
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
             classes: settings.paths.map(Classes::up_to),
+            left_to_chance,
         }
+    }
+
+    /// Whether lamps are found by rays in search of light, wherever a surface is not a mirror or glass.
+    pub(super) fn looks_for_lamps(&self) -> bool {
+        looks_for_lamps(self.sampling)
     }
 
     /// What a thread needs to run [`Integrator::trace`].
@@ -249,8 +261,8 @@ impl<'a> Integrator<'a> {
             let last = scatterings == self.request.max_depth;
             if work.points.count > 0 {
                 self.light_diffuse::<NEEDS>(work, dimensions);
-                // The light at a diffuse hit has been sampled: there is nothing to find after the last one.
-                if Needs::OCCLUSION.is_in(NEEDS) && !last {
+                // After the last hit there is nothing to find but lamps that only chance can find.
+                if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.left_to_chance) {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     if self.casters.is_empty() {
@@ -336,9 +348,9 @@ impl<'a> Integrator<'a> {
         let pdf = work.paths.pdf[i];
         let share = match (emission.role, face.light) {
             _ if pdf == f32::INFINITY => 1.0,
-            (Role::Lamp, None) => 1.0,
             (Role::Picture, _) => 0.0,
             (Role::Lamp, Some(_)) if pdf == 0.0 => 0.0,
+            (Role::Lamp, None) => f32::from(u8::from(pdf > 0.0 || !self.looks_for_lamps())),
             (Role::Lamp, Some(light)) => {
                 let other = self.lights[light].pdf(at(&work.paths.rays.origin, i));
                 power_heuristic(pdf, self.request.light_samples as f32 * other)
@@ -453,6 +465,10 @@ impl<'a> Integrator<'a> {
         let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
         power_heuristic(pdf, self.request.light_samples as f32 * other)
     }
+}
+
+fn looks_for_lamps(sampling: Sampling) -> bool {
+    matches!(sampling, Sampling::Bsdf | Sampling::Hemisphere)
 }
 
 impl Surface {

@@ -1,5 +1,7 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 
+#![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
+
 mod casters;
 mod diffuse;
 mod direct;
@@ -134,86 +136,4 @@ fn check(request: &Request) -> Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::envmap::EnvMap;
-    use crate::raster::Rgb;
-    use crate::scene::{Environment, builtin};
-    use std::sync::Arc;
-
-    fn sphere(image: Image) -> (Scene, Request) {
-        let (scene, request) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(image)), "test", 1.0));
-        (scene, Request { width: 24, height: 24, spp: 4, ..request })
-    }
-
-    fn busy() -> Image {
-        Image::from_fn(16, 8, |x, y| {
-            Rgb::new((x % 3) as f32, (y % 2) as f32, if (x, y) == (5, 2) { 50.0 } else { 0.0 })
-        })
-    }
-
-    const ALL: [Sampling; 4] = [Sampling::Light, Sampling::Bsdf, Sampling::Mis, Sampling::Hemisphere];
-
-    #[test]
-    fn threads_and_leaving_out_change_no_bit() {
-        let (scene, request) = sphere(busy());
-        for sampling in ALL {
-            for stream in [StreamKind::Sobol, StreamKind::Independent] {
-                let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
-                let on = |threads: usize, settings: Settings| {
-                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                    pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
-                };
-                let one = on(1, settings);
-                assert_eq!(one, on(3, settings));
-                assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
-                assert_ne!(one, on(1, Settings { seed: 4, ..settings }));
-            }
-        }
-    }
-
-    #[test]
-    fn a_white_sphere_in_a_white_furnace_is_invisible() {
-        let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
-        for sampling in [Sampling::Bsdf, Sampling::Mis] {
-            for density in [LightDensity::Cosine, LightDensity::Map, LightDensity::Compensated] {
-                let settings = Settings { sampling, density, ..Settings::default() };
-                let image = render(&scene, &request, &settings, &Silent).unwrap().image;
-                let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
-                // BSDF sampling is exact sample by sample; MIS only on average.
-                let tolerance = if sampling == Sampling::Bsdf { 1e-6 } else { 5e-3 };
-                assert!((mean - 1.0).abs() < tolerance, "{sampling:?}: {mean}");
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_lights_nothing() {
-        let (mut scene, request) = sphere(Image::new(4, 2));
-        for sampling in ALL {
-            let settings = Settings { sampling, ..Settings::default() };
-            let rendered = render(&scene, &request, &settings, &Silent).unwrap();
-            assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
-            assert_eq!(rendered.dropped, Dropped::default());
-        }
-        scene.environment = None;
-        let rendered = render(&scene, &request, &Settings::default(), &Silent).unwrap();
-        assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
-    }
-
-    #[test]
-    fn impossible_requests_are_refused() {
-        let (scene, request) = sphere(busy());
-        for bad in [
-            Request { width: 0, ..request },
-            Request { height: usize::MAX, ..request },
-            Request { spp: 0, ..request },
-            Request { light_samples: 0, ..request },
-            Request { spp: u32::MAX, light_samples: 2, ..request },
-        ] {
-            assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
-        }
-        let alone = Settings { density: LightDensity::Compensated, sampling: Sampling::Light, ..Settings::default() };
-        assert!(render(&scene, &request, &alone, &Silent).is_err());
-    }
-}
+mod tests;

@@ -57,10 +57,10 @@ impl Strategies {
     pub fn new(scene: &Scene, settings: &Settings, needs: &Needs) -> Result<Self> {
         let scatter = if settings.sampling == Sampling::Hemisphere { Scatter::Hemisphere } else { Scatter::Bsdf };
         let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
-        let Some(environment) = &scene.environment else { return Ok(Strategies::None) };
         if !by_light {
             return Ok(Strategies::Surface(scatter));
         }
+        let Some(environment) = &scene.environment else { return Ok(Strategies::None) };
         if !needs.environment_table {
             return Ok(Strategies::None);
         }

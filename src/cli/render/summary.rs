@@ -21,6 +21,8 @@ pub struct Summary<'a> {
     max_depth: u32,
     pub seconds: f64,
     samples_per_second: f64,
+    /// Of the whole process; null where the system does not tell.
+    peak_memory_bytes: Option<u64>,
     mean_rgb: [f64; 3],
     /// Root of the mean over all pixels of the squared standard error; null where a pixel has fewer than two samples.
     standard_error_mean_rgb: [f64; 3],
@@ -61,6 +63,7 @@ impl<'a> Summary<'a> {
             max_depth: request.max_depth,
             seconds,
             samples_per_second: done as f64 / seconds,
+            peak_memory_bytes: peak_memory(),
             mean_rgb: mean.to_array(),
             standard_error_mean_rgb: square.to_array().map(f64::sqrt),
             paths: classes.collect(),
@@ -105,4 +108,11 @@ fn mean(image: &Image, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
 
 fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The most memory that the process has held so far, from Linux's /proc.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }

@@ -1,0 +1,253 @@
+//! Renders against exact answers, and against each other.
+
+use super::*;
+use crate::envmap::EnvMap;
+use crate::raster::Rgb;
+use crate::scene::{
+    Camera, Emission, Environment, Falloff, Light, Material, Object, Projection, Rectangle, Role, Shape, Sphere,
+    builtin,
+};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+fn sphere(image: Image) -> (Scene, Request) {
+    let (scene, request) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(image)), "test", 1.0));
+    (scene, Request { width: 24, height: 24, spp: 4, ..request })
+}
+
+fn busy() -> Image {
+    Image::from_fn(16, 8, |x, y| Rgb::new((x % 3) as f32, (y % 2) as f32, if (x, y) == (5, 2) { 50.0 } else { 0.0 }))
+}
+
+const ALL: [Sampling; 4] = [Sampling::Light, Sampling::Bsdf, Sampling::Mis, Sampling::Hemisphere];
+
+#[test]
+fn threads_and_leaving_out_change_no_bit() {
+    let (scene, request) = sphere(busy());
+    for sampling in ALL {
+        for stream in [StreamKind::Sobol, StreamKind::Independent] {
+            let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
+            let on = |threads: usize, settings: Settings| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
+            };
+            let one = on(1, settings);
+            assert_eq!(one, on(3, settings));
+            assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
+            assert_ne!(one, on(1, Settings { seed: 4, ..settings }));
+        }
+    }
+}
+
+#[test]
+fn a_white_sphere_in_a_white_furnace_is_invisible() {
+    let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    for sampling in [Sampling::Bsdf, Sampling::Mis] {
+        for density in [LightDensity::Cosine, LightDensity::Map, LightDensity::Compensated] {
+            let settings = Settings { sampling, density, ..Settings::default() };
+            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
+            let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
+            // BSDF sampling is exact sample by sample; MIS only on average.
+            let tolerance = if sampling == Sampling::Bsdf { 1e-6 } else { 5e-3 };
+            assert!((mean - 1.0).abs() < tolerance, "{sampling:?}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn nothing_lights_nothing() {
+    let (mut scene, request) = sphere(Image::new(4, 2));
+    for sampling in ALL {
+        let settings = Settings { sampling, ..Settings::default() };
+        let rendered = render(&scene, &request, &settings, &Silent).unwrap();
+        assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
+        assert_eq!(rendered.dropped, Dropped::default());
+    }
+    scene.environment = None;
+    let rendered = render(&scene, &request, &Settings::default(), &Silent).unwrap();
+    assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
+}
+
+#[test]
+fn impossible_requests_are_refused() {
+    let (scene, request) = sphere(busy());
+    for bad in [
+        Request { width: 0, ..request },
+        Request { height: usize::MAX, ..request },
+        Request { spp: 0, ..request },
+        Request { light_samples: 0, ..request },
+        Request { spp: u32::MAX, light_samples: 2, ..request },
+    ] {
+        assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
+    }
+    let alone = Settings { density: LightDensity::Compensated, sampling: Sampling::Light, ..Settings::default() };
+    assert!(render(&scene, &request, &alone, &Silent).is_err());
+}
+
+/// A camera of parallel rays that looks down at (x, 0, z), as one pixel of a side of 10⁻³.
+fn above(x: f64, z: f64) -> Camera {
+    Camera {
+        position: DVec3::new(x, 0.5, z),
+        right: DVec3::X,
+        up: DVec3::NEG_Z,
+        forward: DVec3::NEG_Y,
+        projection: Projection::Orthographic { half_width: 5e-4, half_height: 5e-4 },
+    }
+}
+
+/// A floor of albedo ½ under some light, seen from above.
+fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
+    let ground = Rectangle::new(Vec3::ZERO, 10.0 * Vec3::Z, 10.0 * Vec3::X).unwrap();
+    let material = Material::Diffuse { albedo: Rgb::splat(0.5) };
+    let mut all = vec![Object::new(Shape::Rectangle(ground), material)];
+    all.extend(objects);
+    Scene { name: "floor".into(), camera: above(0.3, 0.2), objects: all, lights, environment: None }
+}
+
+fn lamp(shape: Shape) -> Object {
+    let emission = Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, role: Role::Lamp });
+    Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
+}
+
+/// Radiance that the floor sends up, by direct light alone, and its standard error.
+fn seen(scene: &Scene, settings: &Settings) -> (f64, f64) {
+    let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
+    let rendered = render(scene, &request, settings, &Silent).unwrap();
+    let error = rendered.part.exposure.standard_error().get(0, 0).x;
+    (f64::from(rendered.image.get(0, 0).x), f64::from(error))
+}
+
+/// Irradiance from a polygon of radiance 1 at the origin, whose normal is +y: Lambert's formula, ½ Σ of the angles of the
+/// edges times the y of their planes' normals. Source: Arvo, "The Irradiance Jacobian for Partially Occluded Polyhedral
+/// Sources", SIGGRAPH 1994.
+fn irradiance(corners: [DVec3; 4]) -> f64 {
+    let edge = |i: usize| {
+        let (a, b) = (corners[i].normalize(), corners[(i + 1) % 4].normalize());
+        a.angle_between(b) * a.cross(b).normalize().y
+    };
+    (0.5 * (0..4).map(edge).sum::<f64>()).abs()
+}
+
+#[test]
+fn lamps_give_the_light_that_lambert_says() {
+    let ceiling = Rectangle::new(Vec3::new(0.0, 1.0, 0.0), 0.4 * Vec3::X, 0.3 * Vec3::Z).unwrap();
+    let tilted = Rectangle::new(Vec3::new(-0.5, 0.8, 0.0), Vec3::new(0.3, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.2));
+    for panel in [ceiling, tilted.unwrap()] {
+        // The front must face the floor.
+        let [x, y] = panel.half_sides();
+        let panel = if panel.normal().y > 0.0 { Rectangle::new(panel.centre(), y, x).unwrap() } else { panel };
+        let corners = panel.corners().map(|c| c.as_dvec3() - DVec3::new(0.3, 0.0, 0.2));
+        let expected = 2.0 * irradiance(corners) * 0.5 / std::f64::consts::PI;
+        let lit = floor(vec![lamp(Shape::Rectangle(panel))], Vec::new());
+        let unseen = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
+        for scene in [lit, floor(Vec::new(), vec![unseen])] {
+            for sampling in ALL {
+                for stream in [StreamKind::Independent, StreamKind::Sobol] {
+                    let (found, error) = seen(&scene, &Settings { sampling, stream, ..Settings::default() });
+                    let bound = 4.0 * error + 2e-5 * expected;
+                    assert!((found - expected).abs() < bound, "{sampling:?} {stream:?}: {found} ± {error}, {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_glowing_ball_gives_the_light_of_its_disc() {
+    let centre = Vec3::new(0.0, 1.0, 0.0);
+    let scene = floor(vec![lamp(Shape::Sphere(Sphere { centre, radius: 0.3 }))], Vec::new());
+    let to = centre.as_dvec3() - DVec3::new(0.3, 0.0, 0.2);
+    // E = π L (r/d)² cos θ while the ball is above the horizon; the floor sends up ρ E/π.
+    let expected = 0.5 * 2.0 * 0.09 / to.length_squared() * to.y / to.length();
+    for sampling in ALL {
+        let (found, error) = seen(&scene, &Settings { sampling, ..Settings::default() });
+        assert!(
+            (found - expected).abs() < 4.0 * error + 2e-5 * expected,
+            "{sampling:?}: {found} ± {error}, {expected}"
+        );
+    }
+}
+
+#[test]
+fn lights_without_extent_are_exact_and_the_sky_fills_half_the_sphere() {
+    let position = Vec3::new(0.0, 1.0, 0.0);
+    let to = DVec3::new(0.0, 1.0, 0.0) - DVec3::new(0.3, 0.0, 0.2);
+    let cos = to.y / to.length();
+    let point = |falloff| Light::Point { position, intensity: Rgb::ONE, falloff };
+    let slanted = Vec3::new(1.0, -2.0, 0.5).normalize();
+    for (light, expected) in [
+        (point(Falloff::InverseSquare), cos / to.length_squared()),
+        (point(Falloff::None), cos),
+        (Light::Directional { direction: slanted, irradiance: Rgb::ONE }, f64::from(-slanted.y)),
+    ] {
+        let (found, _) = seen(&floor(Vec::new(), vec![light]), &Settings::default());
+        let expected = expected * 0.5 / std::f64::consts::PI;
+        assert!((found / expected - 1.0).abs() < 2e-3, "{light:?}: {found} {expected}");
+    }
+    let sky = Light::Hemisphere { radiance: Rgb::splat(3.0) };
+    let (found, error) = seen(&floor(Vec::new(), vec![sky]), &Settings::default());
+    assert!((found - 1.5).abs() < 4.0 * error, "{found} ± {error}");
+}
+
+#[test]
+fn inside_a_glowing_ball_light_adds_up_to_its_geometric_series() {
+    // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
+    let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp });
+    for albedo in [0.5f32, 0.9] {
+        let shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
+        let object = Object { shape, material: Material::Diffuse { albedo: Rgb::splat(albedo) }, emission };
+        let mut scene = floor(Vec::new(), Vec::new());
+        scene.objects = vec![object];
+        let series = |scatterings: i32| (1.0 - f64::from(albedo).powi(scatterings + 1)) / (1.0 - f64::from(albedo));
+        let request = Request { width: 4, height: 4, spp: 256, light_samples: 1, max_depth: 3 };
+        for (max_depth, tolerance) in [(0, 1e-6), (3, 1e-5), (1000, 0.02)] {
+            let request = Request { max_depth, ..request };
+            // The light is found by the paths themselves.
+            let settings = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
+            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
+            let mean = image.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / 16.0;
+            let expected = series(max_depth.min(500) as i32);
+            assert!((mean / expected - 1.0).abs() < tolerance, "{albedo} {max_depth}: {mean} {expected}");
+        }
+    }
+}
+
+/// The difference of two renders' means in standard errors, for the mean of all channels.
+fn z(scene: &Scene, request: &Request, a: &Settings, b: &Settings) -> f64 {
+    let mean = |settings: &Settings| {
+        let exposure = render(scene, request, settings, &Silent).unwrap().part.exposure;
+        let (image, errors) = (exposure.image(), exposure.standard_error());
+        let sum: f64 = image.pixels().iter().map(|p| f64::from(p.element_sum())).sum();
+        // Channels of a pixel rise and fall together.
+        let square: f64 = errors.pixels().iter().map(|p| f64::from(p.element_sum()).powi(2)).sum();
+        (sum, square)
+    };
+    let ((a, va), (b, vb)) = (mean(a), mean(b));
+    (a - b) / (va + vb).sqrt()
+}
+
+#[test]
+fn all_strategies_have_the_same_mean() {
+    let metal = |alpha| {
+        let (mut scene, request) = builtin::cornell_spheres();
+        for object in &mut scene.objects {
+            if let Material::Glass { .. } = object.material {
+                object.material = Material::Conductor(crate::scene::Conductor {
+                    eta: Rgb::splat(0.2),
+                    k: Rgb::splat(3.0),
+                    alpha,
+                    distribution: crate::scene::Distribution::Ggx,
+                });
+            }
+        }
+        (scene, request)
+    };
+    for (name, (scene, _)) in [("glass", builtin::cornell_spheres()), ("rough", metal(0.4)), ("smooth", metal(0.02))] {
+        let request = Request { width: 32, height: 24, spp: 256, light_samples: 1, max_depth: 4 };
+        let by = |sampling, seed| Settings { sampling, seed, stream: StreamKind::Independent, ..Settings::default() };
+        for (i, sampling) in [Sampling::Light, Sampling::Bsdf, Sampling::Hemisphere].into_iter().enumerate() {
+            let z = z(&scene, &request, &by(Sampling::Mis, 1), &by(sampling, 2 + i as u64));
+            assert!(z.abs() < 4.0, "{name}, {sampling:?}: {z} standard errors");
+        }
+    }
+}
