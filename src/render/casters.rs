@@ -14,7 +14,7 @@ use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3};
 use super::wide::{Wide, wide};
 use crate::raster::Rgb;
-use crate::sampling::elementary::Elementary;
+use crate::sampling::circular::Circular;
 use crate::scene::{Light, Material, Rectangle, Role, Scene, Shape};
 use glam::Vec3;
 use pulp::Arch;

@@ -4,7 +4,7 @@ use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Paths, Points, Shadows, ZERO3};
 use super::lights::{Kind, SampleLight, Sampled};
 use super::wide::{Wide, wide};
-use crate::sampling::elementary::Elementary;
+use crate::sampling::circular::Circular;
 use glam::Vec3;
 use pulp::Arch;
 use std::f32::consts::FRAC_1_PI;

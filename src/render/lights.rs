@@ -5,7 +5,7 @@ use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, ZERO3};
 use super::wide::{Wide, wide};
 use crate::raster::Rgb;
-use crate::sampling::elementary::Elementary;
+use crate::sampling::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;

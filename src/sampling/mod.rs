@@ -2,7 +2,7 @@
 
 pub mod alias;
 pub mod batch;
-pub mod elementary;
+pub mod circular;
 pub(crate) mod hash;
 pub mod normals;
 mod prefetch;

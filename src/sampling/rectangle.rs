@@ -5,7 +5,7 @@
 //! product of two complex numbers, one for each of the rectangle's triangles (Van Oosterom & Strackee, "The Solid Angle
 //! of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983), whose relative error does not grow as it shrinks.
 
-use super::elementary::Elementary;
+use super::circular::Circular;
 
 /// A rectangle seen from a point, which is the origin: x in \[`x0`, `x1`\], y in \[`y0`, `y1`\], z = −`depth` ≤ 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub struct SphericalRectangle<T> {
 /// which then agrees with the solid angle to this order, is sampled instead.
 const SMALL: f64 = 1e-3;
 
-impl<T: Elementary> SphericalRectangle<T> {
+impl<T: Circular> SphericalRectangle<T> {
     /// The rectangle with sides \[x0, x1\] × \[y0, y1\] in the plane at `depth` > 0.
     #[inline(always)]
     pub fn new([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) -> Self {
@@ -74,7 +74,7 @@ impl<T: Elementary> SphericalRectangle<T> {
 
 /// The solid angle of the rectangle \[x0, x1\] × \[y0, y1\] at z = `depth`, from the origin.
 #[inline(always)]
-pub fn solid_angle<T: Elementary>([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) -> T {
+pub fn solid_angle<T: Circular>([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) -> T {
     let z2 = depth * depth;
     let length = |x: T, y: T| (x * x + y * y + z2).sqrt();
     let (l00, l10, l11, l01) = (length(x0, y0), length(x1, y0), length(x1, y1), length(x0, y1));

@@ -1,12 +1,12 @@
-//! Elementary functions as straight-line arithmetic in f32: a loop over them vectorizes, and every machine gets the
+//! Circular functions as straight-line arithmetic in f32: a loop over them vectorizes, and every machine gets the
 //! same bits.
 
 use super::warp;
 use crate::optics::Real;
 use std::f32::consts::PI;
 
-/// The elementary functions that samplers need, in the precision of the type.
-pub trait Elementary: Real {
+/// The circular functions that samplers need, in the precision of the type.
+pub trait Circular: Real {
     /// Sine and cosine of `turns` · 2π for `turns` in \[0, 1\].
     fn sin_cos_turns(turns: Self) -> (Self, Self);
 
@@ -14,7 +14,7 @@ pub trait Elementary: Real {
     fn angle(y: Self, x: Self) -> Self;
 }
 
-impl Elementary for f32 {
+impl Circular for f32 {
     /// Absolute error below 10⁻⁷.
     #[inline(always)]
     fn sin_cos_turns(turns: f32) -> (f32, f32) {
@@ -51,7 +51,7 @@ impl Elementary for f32 {
     }
 }
 
-impl Elementary for f64 {
+impl Circular for f64 {
     #[inline(always)]
     fn sin_cos_turns(turns: f64) -> (f64, f64) {
         warp::sin_cos_turns(turns)
