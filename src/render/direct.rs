@@ -1,11 +1,12 @@
 //! Light that comes straight to a hit: shadow rays towards lights, and rays in search of light where that is asked for.
 
 use super::geometry::{at, set};
-use super::integrator::{Dimensions, Integrator, Workspace, power_heuristic};
+use super::integrator::{Integrator, power_heuristic};
 use super::lanes::{LANES, NOTHING, ZERO3};
 use super::lights::{self, LightSamples};
 use super::needs::Needs;
 use super::strategies::Scatter as Blind;
+use super::workspace::{Dimensions, Workspace};
 use super::{Sampling, diffuse, rough};
 use crate::bsdf::Bsdf;
 use crate::raster::Rgb;

@@ -5,104 +5,12 @@
 //! only where there is a mesh.
 
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
+use super::solids::{Panel, Solid, Wall};
 use super::wide::{Wide, wide};
 use crate::scene::bvh::{self, MeshBvh};
 use crate::scene::{Light, Mesh, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
-
-/// A rectangle of the scene.
-#[derive(Debug, Clone, Copy)]
-struct Wall {
-    panel: Panel,
-    object: u32,
-}
-
-/// A rectangle in the form that is quickest to meet.
-#[derive(Debug, Clone, Copy)]
-enum Panel {
-    X(AxisPanel<0>),
-    Y(AxisPanel<1>),
-    Z(AxisPanel<2>),
-    Tilted(TiltedPanel),
-}
-
-impl Wall {
-    fn new(rectangle: &Rectangle, object: u32) -> Self {
-        let x = || AxisPanel::new(rectangle).map(Panel::X);
-        let y = || AxisPanel::new(rectangle).map(Panel::Y);
-        let z = || AxisPanel::new(rectangle).map(Panel::Z);
-        let panel = x().or_else(y).or_else(z);
-        Self { panel: panel.unwrap_or_else(|| Panel::Tilted(TiltedPanel::new(rectangle))), object }
-    }
-}
-
-/// A rectangle as the plane n · p = `height` and two coordinates on it that are −1 and 1 at the edges.
-#[derive(Debug, Clone, Copy)]
-struct TiltedPanel {
-    normal: Vec3,
-    height: f32,
-    across: [Vec3; 2],
-    offset: [f32; 2],
-}
-
-impl TiltedPanel {
-    fn new(rectangle: &Rectangle) -> Self {
-        let across = rectangle.half_sides().map(|half| half / half.length_squared());
-        let offset = across.map(|a| a.dot(rectangle.centre()));
-        let normal = rectangle.normal();
-        Self { normal, height: normal.dot(rectangle.centre()), across, offset }
-    }
-}
-
-impl Solid for TiltedPanel {
-    #[inline(always)]
-    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
-        let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
-        let inside = |i: usize| {
-            let at = self.across[i].dot(origin) - self.offset[i] + t * self.across[i].dot(direction);
-            at.abs() <= 1.0
-        };
-        if inside(0) & inside(1) { t } else { f32::INFINITY }
-    }
-}
-
-/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and lamps often are: a third
-/// of the arithmetic.
-#[derive(Debug, Clone, Copy)]
-struct AxisPanel<const AXIS: usize> {
-    height: f32,
-    low: [f32; 2],
-    high: [f32; 2],
-}
-
-impl<const AXIS: usize> AxisPanel<AXIS> {
-    const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
-
-    fn new(rectangle: &Rectangle) -> Option<Self> {
-        let normal = rectangle.normal();
-        if normal[AXIS].abs() != 1.0 || rectangle.half_sides().iter().any(|h| h.abs().max_element() != h.length()) {
-            return None;
-        }
-        let [x, y] = rectangle.half_sides();
-        let (centre, half) = (rectangle.centre(), x.abs() + y.abs());
-        let [low, high] = [centre - half, centre + half].map(|corner| Self::ACROSS.map(|axis| corner[axis]));
-        Some(Self { height: centre[AXIS], low, high })
-    }
-}
-
-impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
-    #[inline(always)]
-    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
-        let (origin, direction) = (origin.to_array(), direction.to_array());
-        let t = (self.height - origin[AXIS]) / direction[AXIS];
-        let inside = |i: usize| {
-            let at = origin[Self::ACROSS[i]] + t * direction[Self::ACROSS[i]];
-            (self.low[i] <= at) & (at <= self.high[i])
-        };
-        if inside(0) & inside(1) { t } else { f32::INFINITY }
-    }
-}
 
 /// A surface where a ray has met it.
 #[derive(Debug, Clone, Copy)]
@@ -279,19 +187,6 @@ pub fn set(lanes: &mut [Lane; 3], i: usize, value: Vec3) {
     lanes[0][i] = value.x;
     lanes[1][i] = value.y;
     lanes[2][i] = value.z;
-}
-
-/// A shape that is tried against all rays.
-trait Solid {
-    /// Distance along the ray to the shape; NaN, negative or infinite where it does not meet it.
-    fn distance(&self, origin: Vec3, direction: Vec3) -> f32;
-}
-
-impl Solid for Sphere {
-    #[inline(always)]
-    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
-        self.distance(origin, direction)
-    }
 }
 
 /// The loop over all rays that looks for the nearest hit.

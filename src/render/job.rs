@@ -2,11 +2,12 @@
 
 use super::exposure::{Classes, Exposure, Part, Row};
 use super::geometry::{Geometry, at};
-use super::integrator::{Integrator, Workspace};
+use super::integrator::Integrator;
 use super::lanes::LANES;
 use super::lens::Lens;
 use super::needs::Needs;
 use super::strategies::Strategies;
+use super::workspace::Workspace;
 use super::{Settings, check, fingerprint};
 use crate::error::Result;
 use crate::raster::Metadata;

@@ -17,8 +17,10 @@ mod lights;
 mod needs;
 mod numbers;
 mod rough;
+mod solids;
 mod strategies;
 mod wide;
+mod workspace;
 
 pub use exposure::Dropped;
 pub use job::{Control, Job, Silent};

@@ -1,0 +1,157 @@
+//! Where a ray meets a rectangle or a sphere, as straight-line arithmetic.
+
+use crate::scene::{Rectangle, Sphere};
+use glam::Vec3;
+
+/// A shape that is tried against all rays.
+pub trait Solid {
+    /// Distance along the ray to the shape; NaN, negative or infinite where it does not meet it.
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32;
+}
+
+impl Solid for Sphere {
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        self.distance(origin, direction)
+    }
+}
+
+/// A rectangle of the scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Wall {
+    pub panel: Panel,
+    pub object: u32,
+}
+
+/// A rectangle in the form that is quickest to meet.
+#[derive(Debug, Clone, Copy)]
+pub enum Panel {
+    X(AxisPanel<0>),
+    Y(AxisPanel<1>),
+    Z(AxisPanel<2>),
+    Tilted(TiltedPanel),
+}
+
+impl Wall {
+    pub fn new(rectangle: &Rectangle, object: u32) -> Self {
+        let x = || AxisPanel::new(rectangle).map(Panel::X);
+        let y = || AxisPanel::new(rectangle).map(Panel::Y);
+        let z = || AxisPanel::new(rectangle).map(Panel::Z);
+        let panel = x().or_else(y).or_else(z);
+        Self { panel: panel.unwrap_or_else(|| Panel::Tilted(TiltedPanel::new(rectangle))), object }
+    }
+}
+
+/// A rectangle as the plane n · p = `height` and two coordinates on it that are −1 and 1 at the edges.
+#[derive(Debug, Clone, Copy)]
+pub struct TiltedPanel {
+    normal: Vec3,
+    height: f32,
+    across: [Vec3; 2],
+    offset: [f32; 2],
+}
+
+impl TiltedPanel {
+    fn new(rectangle: &Rectangle) -> Self {
+        let across = rectangle.half_sides().map(|half| half / half.length_squared());
+        let offset = across.map(|a| a.dot(rectangle.centre()));
+        let normal = rectangle.normal();
+        Self { normal, height: normal.dot(rectangle.centre()), across, offset }
+    }
+}
+
+impl Solid for TiltedPanel {
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
+        let inside = |i: usize| {
+            let at = self.across[i].dot(origin) - self.offset[i] + t * self.across[i].dot(direction);
+            at.abs() <= 1.0
+        };
+        if inside(0) & inside(1) { t } else { f32::INFINITY }
+    }
+}
+
+/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and lamps often are: a third
+/// of the arithmetic.
+#[derive(Debug, Clone, Copy)]
+pub struct AxisPanel<const AXIS: usize> {
+    height: f32,
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+impl<const AXIS: usize> AxisPanel<AXIS> {
+    const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
+
+    fn new(rectangle: &Rectangle) -> Option<Self> {
+        let normal = rectangle.normal();
+        if normal[AXIS].abs() != 1.0 || rectangle.half_sides().iter().any(|h| h.abs().max_element() != h.length()) {
+            return None;
+        }
+        let [x, y] = rectangle.half_sides();
+        let (centre, half) = (rectangle.centre(), x.abs() + y.abs());
+        let [low, high] = [centre - half, centre + half].map(|corner| Self::ACROSS.map(|axis| corner[axis]));
+        Some(Self { height: centre[AXIS], low, high })
+    }
+}
+
+impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
+    #[inline(always)]
+    fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        let t = (self.height - origin[AXIS]) / direction[AXIS];
+        let inside = |i: usize| {
+            let at = origin[Self::ACROSS[i]] + t * direction[Self::ACROSS[i]];
+            (self.low[i] <= at) & (at <= self.high[i])
+        };
+        if inside(0) & inside(1) { t } else { f32::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream::{Independent, Stream};
+
+    #[test]
+    fn upright_walls_are_met_where_tilted_ones_are() {
+        let number = |i: u32, d: u32| 4.0 * Independent::new(1, 2, i).pair(d)[0] as f32 - 2.0;
+        let vector = |i: u32, d: u32| Vec3::new(number(i, d), number(i, d + 1), number(i, d + 2));
+        let mut met = 0;
+        for (axis, [x, y]) in [[Vec3::Y, Vec3::Z], [Vec3::Z, Vec3::X], [Vec3::X, Vec3::Y]].into_iter().enumerate() {
+            let rectangle = Rectangle::new(Vec3::new(0.2, -0.3, 0.4), 1.5 * x, -0.7 * y).unwrap();
+            let tilted = TiltedPanel::new(&rectangle);
+            let wall = Wall::new(&rectangle, 0);
+            let kinds = [
+                matches!(wall.panel, Panel::X(_)),
+                matches!(wall.panel, Panel::Y(_)),
+                matches!(wall.panel, Panel::Z(_)),
+            ];
+            assert!(kinds[axis], "{wall:?}");
+            for i in 0..10_000 {
+                let (origin, direction) = (vector(i, 0), vector(i, 3).normalize());
+                let upright = match &wall.panel {
+                    Panel::X(p) => p.distance(origin, direction),
+                    Panel::Y(p) => p.distance(origin, direction),
+                    Panel::Z(p) => p.distance(origin, direction),
+                    Panel::Tilted(p) => p.distance(origin, direction),
+                };
+                let other = tilted.distance(origin, direction);
+                met += u32::from(upright.is_finite() && upright > 0.0);
+                // At the very edge rounding decides.
+                if upright.is_finite() && other.is_finite() {
+                    assert!((upright - other).abs() <= 1e-5 * upright.abs(), "{i}: {upright} {other}");
+                } else if upright.is_finite() != other.is_finite() {
+                    let t = if upright.is_finite() { upright } else { other };
+                    let place = origin + t * direction - rectangle.centre();
+                    let [a, b] = rectangle.half_sides().map(|half| place.dot(half) / half.length_squared());
+                    assert!((a.abs() - 1.0).abs().min((b.abs() - 1.0).abs()) < 1e-5, "{i}: {a} {b}");
+                }
+            }
+        }
+        assert!(met > 1000);
+        let slanted = Rectangle::new(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::Z).unwrap();
+        assert!(matches!(Wall::new(&slanted, 0).panel, Panel::Tilted(_)));
+    }
+}

@@ -1,0 +1,145 @@
+//! What one thread works with while it follows paths: their lanes, what they have hit, and the light found so far.
+
+use super::Settings;
+use super::casters::Cone;
+use super::diffuse;
+use super::exposure::{Classes, Word};
+use super::geometry::Surface;
+use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
+use super::numbers::Numbers;
+use super::rough::Scattered;
+use crate::raster::Rgb;
+use glam::Vec3;
+
+/// What one thread works with.
+pub struct Workspace {
+    pub numbers: Numbers,
+    /// The pixel column of each slot.
+    pub pixel: [u32; LANES],
+    /// The light found so far, by slot.
+    pub radiance: Lane3,
+    /// The same by path class, all classes of a slot side by side; empty if they are not kept apart.
+    pub layers: Vec<Rgb>,
+    classes: Option<Classes>,
+    pub(super) paths: Box<Paths>,
+    pub(super) next: Box<Paths>,
+    pub(super) hits: Hits,
+    /// What rays in search of light have hit.
+    pub(super) found: Hits,
+    pub(super) points: Points,
+    pub(super) delta: Vec<u32>,
+    pub(super) rough: Vec<RoughHit>,
+    pub(super) shadows: Shadows,
+    pub(super) scattered: Scattered,
+    pub(super) blocked: [u32; LANES],
+    pub(super) u: [Lane; 2],
+    pub(super) cones: Vec<Cone>,
+}
+
+/// A hit on a rough surface, in its own frame.
+#[derive(Clone, Copy)]
+pub struct RoughHit {
+    pub surface: Surface,
+    pub frame: Frame,
+    pub wo: Vec3,
+    pub throughput: Rgb,
+    pub slot: u32,
+    pub word: Word,
+    pub object: u32,
+}
+
+/// A local frame: the normal at +z.
+#[derive(Clone, Copy)]
+pub struct Frame {
+    pub x: Vec3,
+    pub y: Vec3,
+    pub z: Vec3,
+}
+
+impl Frame {
+    #[inline(always)]
+    pub fn new(normal: Vec3) -> Self {
+        let (x, y) = diffuse::frame(normal);
+        Self { x, y, z: normal }
+    }
+
+    #[inline(always)]
+    pub fn local(&self, w: Vec3) -> Vec3 {
+        Vec3::new(self.x.dot(w), self.y.dot(w), self.z.dot(w))
+    }
+
+    #[inline(always)]
+    pub fn world(&self, w: Vec3) -> Vec3 {
+        self.x * w.x + self.y * w.y + self.z * w.z
+    }
+}
+
+impl Workspace {
+    pub(super) fn new(settings: &Settings, cones: Vec<Cone>) -> Self {
+        let classes = settings.paths.map(Classes::up_to);
+        Self {
+            numbers: Numbers::new(settings.stream, settings.seed),
+            pixel: [0; LANES],
+            radiance: [[0.0; LANES]; 3],
+            layers: vec![Rgb::ZERO; LANES * classes.map_or(0, Classes::count)],
+            classes,
+            paths: Box::default(),
+            next: Box::default(),
+            hits: Hits::default(),
+            found: Hits::default(),
+            points: Points::default(),
+            delta: Vec::with_capacity(LANES),
+            rough: Vec::with_capacity(LANES),
+            shadows: Shadows::default(),
+            scattered: Scattered::default(),
+            blocked: [0; LANES],
+            u: [[0.0; LANES]; 2],
+            cones,
+        }
+    }
+
+    /// Light that a path of class `word` has found.
+    #[inline(always)]
+    pub(super) fn add(&mut self, slot: u32, word: Word, value: Rgb) {
+        let slot = slot as usize % LANES;
+        self.radiance[0][slot] += value.x;
+        self.radiance[1][slot] += value.y;
+        self.radiance[2][slot] += value.z;
+        if let Some(classes) = self.classes {
+            self.layers[slot * classes.count() + classes.index(word)] += value;
+        }
+    }
+}
+
+/// Pairs of random numbers that each scattering draws from, after the one for the film position.
+#[derive(Clone, Copy)]
+pub struct Dimensions {
+    pub(super) first: u32,
+}
+
+impl Dimensions {
+    pub(super) const OTHERS: u32 = 4;
+
+    /// Where the path goes on.
+    pub fn bsdf(self) -> u32 {
+        self.first
+    }
+
+    /// Which of its lobes the material chooses, and Russian roulette.
+    pub fn choice(self) -> u32 {
+        self.first + 1
+    }
+
+    /// Where light is looked for without regard to where it is.
+    pub fn gather(self) -> u32 {
+        self.first + 2
+    }
+
+    pub fn environment(self) -> u32 {
+        self.first + 3
+    }
+
+    pub fn light(self, number: usize) -> u32 {
+        self.first + Self::OTHERS + number as u32
+    }
+}
