@@ -35,12 +35,17 @@ impl<T: Circular> SphericalRectangle<T> {
         let normal = |side: T| side / (z2 + side * side).sqrt();
         let (b0, b1) = (-normal(y0), normal(y1));
         let left = -normal(x0);
-        // The half angle whose cosine is −p q, as the angle of (−p q, √(1 − p² q²)).
+        // The angles at that side have the cosines −p q; their sum is the argument of a product of complex numbers.
+        let (zero, one) = (T::zero(), T::one());
         let corner = |p: T, q: T| {
             let cos = -p * q;
-            T::angle(((T::one() - cos) * (T::one() + cos)).max(T::zero()).sqrt(), cos)
+            (cos, ((one - cos) * (one + cos)).max(zero).sqrt())
         };
-        let k = T::lit(std::f64::consts::TAU) - corner(b1, left) - corner(left, b0);
+        let ((c2, s2), (c3, s3)) = (corner(b1, left), corner(left, b0));
+        let (cos, sin) = (c2 * c3 - s2 * s3, s2 * c3 + c2 * s3);
+        // 2π less that sum, which lies anywhere from 0 to 2π.
+        let half = T::angle(sin.abs(), cos);
+        let k = if sin < zero { half } else { T::lit(std::f64::consts::TAU) - half };
         Self { x0, x1, y0, y1, depth, solid_angle: solid_angle([x0, x1], [y0, y1], depth), b0, b1, k }
     }
 
