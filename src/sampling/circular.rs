@@ -50,12 +50,12 @@ impl Circular for f32 {
 /// Ascending coefficients of atan(r)/r in r² for r ≤ 1: a Chebyshev fit of this project, good to 10⁻¹⁰.
 const ARC_TANGENT: [f32; 12] = [
     1.0,
-    -0.333_333_31,
+    -0.333_333_3,
     0.199_999,
     -0.142_838_14,
     0.110_919_23,
     -0.089_741_72,
-    0.072_282_784,
+    0.072_282_78,
     -0.053_956_676,
     0.033_826_213,
     -0.015_828_32,
