@@ -12,6 +12,7 @@
 use super::diffuse::{self, frame};
 use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3};
+use super::solids;
 use super::wide::{Wide, wide};
 use crate::raster::Rgb;
 use crate::sampling::circular::Circular;
@@ -193,8 +194,7 @@ impl Target for Ball {
         let to = self.centre - point;
         let d2 = to.length_squared();
         let sin2 = self.radius * self.radius / d2;
-        // 1 − √(1 − s²) without the cancellation.
-        let opening = sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt());
+        let opening = solids::opening(sin2);
         (to * (1.0 / d2.sqrt()), opening, if sin2 < 1.0 { TAU * opening } else { 0.0 })
     }
 }

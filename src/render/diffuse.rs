@@ -1,8 +1,8 @@
 //! The two vectorized stages of a diffuse hit: rays towards a light, and the directions in which the paths go on.
 
 use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Paths, Points, Shadows, ZERO3};
-use super::lights::{Kind, SampleLight, Sampled};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3};
+use super::lights::{self, LightSamples, Sampled};
 use super::wide::{Wide, wide};
 use crate::sampling::circular::Circular;
 use glam::Vec3;
@@ -14,37 +14,30 @@ pub fn towards_light(arch: Arch, points: &Points, light: &Sampled, u: &[Lane; 2]
     shadows.count = points.count;
     shadows.slot = points.slot;
     shadows.word = points.word;
-    match &light.kind {
-        // A loop without a case distinction inside, which vectorizes.
-        Kind::Panel(panel) => wide(arch, TowardsLight { points, u, scale, shadows, light: panel }),
-        _ => TowardsLight { points, u, scale, shadows, light }.run(),
-    }
+    let mut drawn = LightSamples::default();
+    lights::sample_many(arch, light, &points.position, points.count, u, &mut drawn);
+    wide(arch, Value { points, drawn: &drawn, scale, value: &mut shadows.value });
+    (shadows.rays.origin, shadows.rays.direction, shadows.limit) = (points.position, drawn.wi, drawn.distance);
 }
 
-struct TowardsLight<'a, L> {
+struct Value<'a> {
     points: &'a Points,
-    light: &'a L,
-    u: &'a [Lane; 2],
+    drawn: &'a LightSamples,
     scale: f32,
-    shadows: &'a mut Shadows,
+    value: &'a mut Lane3,
 }
 
-impl<L: SampleLight> Wide for TowardsLight<'_, L> {
+impl Wide for Value<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { points, light, u, scale, shadows } = self;
-        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
-        let (position, normal, weight, u) = (points.position, points.normal, points.weight, *u);
-        let (mut direction, mut value, mut limit) = (ZERO3, ZERO3, [0.0; LANES]);
+        let Self { points, drawn, scale, value } = self;
+        // A local array: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+        let mut values = ZERO3;
         for i in 0..points.count.min(LANES) {
-            let light = light.sample(at(&position, i), [u[0][i], u[1][i]]);
-            let cos = at(&normal, i).dot(light.wi).max(0.0);
-            set(&mut direction, i, light.wi);
-            set(&mut value, i, at(&weight, i) * light.weight * (cos * scale * FRAC_1_PI));
-            limit[i] = light.distance;
+            let cos = at(&points.normal, i).dot(at(&drawn.wi, i)).max(0.0);
+            set(&mut values, i, at(&points.weight, i) * at(&drawn.weight, i) * (cos * scale * FRAC_1_PI));
         }
-        (shadows.rays.origin, shadows.rays.direction) = (position, direction);
-        (shadows.value, shadows.limit) = (value, limit);
+        *value = values;
     }
 }
 

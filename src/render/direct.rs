@@ -21,7 +21,7 @@ const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
 impl Integrator<'_> {
     /// Whether light `number` is found by shadow rays: always, if nothing else can find it.
     fn aims_at(&self, number: usize) -> bool {
-        matches!(self.sampling, Sampling::Light | Sampling::Mis) || self.lights[number].object == NOTHING
+        self.sampling.by_light() || self.lights[number].object == NOTHING
     }
 
     /// Adds the light that comes straight to the diffuse hits.
@@ -228,7 +228,7 @@ impl Integrator<'_> {
     fn find<const NEEDS: u32>(&self, work: &mut Workspace) {
         self.geometry.nearest(&work.shadows.rays, work.shadows.count, &mut work.found);
         // Beside light samples only the environment is looked for.
-        let lamps = self.looks_for_lamps();
+        let lamps = !self.sampling.by_light();
         for i in 0..work.shadows.count {
             let direction = at(&work.shadows.rays.direction, i);
             let radiance = match work.found.object[i] {
@@ -239,8 +239,10 @@ impl Integrator<'_> {
                 object => match &self.faces[object as usize].emission {
                     Some(emission) if lamps => {
                         let surface = self.geometry.surface(&work.shadows.rays, &work.found, i);
-                        let back = surface.normal.dot(direction) > 0.0;
-                        if back && !emission.two_sided { continue } else { emission.radiance }
+                        if !emission.is_seen(surface.normal, direction) {
+                            continue;
+                        }
+                        emission.radiance
                     }
                     _ => continue,
                 },

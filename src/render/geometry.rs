@@ -8,7 +8,7 @@ use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
 use super::solids::{Panel, Solid, Wall};
 use super::wide::{Wide, wide};
 use crate::scene::bvh::{self, MeshBvh};
-use crate::scene::{Light, Mesh, Object, Rectangle, Scene, Shape, Sphere};
+use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 
@@ -53,12 +53,15 @@ impl<'a> Geometry<'a> {
         let mut walls = Vec::new();
         let (mut spheres, mut blockers) = (Vec::new(), Vec::new());
         let (mut meshes, mut mesh_objects) = (Vec::new(), Vec::new());
+        // A large mesh is looked through once.
+        let hulls: Vec<Hull> = objects.iter().map(|object| hull(&object.shape)).collect();
+        let places = places(scene, &hulls);
         for (i, object) in objects.iter().enumerate() {
             match &object.shape {
                 Shape::Rectangle(rectangle) => {
                     let wall = Wall::new(rectangle, i as u32);
                     walls.push(wall);
-                    if !encloses(rectangle, scene) {
+                    if !places.as_ref().is_some_and(|places| encloses(rectangle, places)) {
                         blockers.push(wall);
                     }
                 }
@@ -69,9 +72,9 @@ impl<'a> Geometry<'a> {
                 }
             }
         }
-        let offsets = objects.iter().map(|object| 16.0 * f32::EPSILON * extent(&object.shape)).collect();
+        let offsets = hulls.iter().map(|hull| 16.0 * f32::EPSILON * extent(hull)).collect();
         let meshes = with_meshes.then(|| Meshes {
-            bounds: around(&meshes),
+            bounds: around(mesh_objects.iter().flat_map(|&i| &hulls[i as usize])),
             tree: MeshBvh::build(&meshes),
             object: mesh_objects,
         });
@@ -257,55 +260,56 @@ impl Wide for Reach<'_> {
     }
 }
 
-/// The box around some meshes, grown by more than the rounding of a ray's distances to it.
-fn around(meshes: &[&Mesh]) -> [Vec3; 2] {
-    let [low, high] = meshes
-        .iter()
-        .filter_map(|mesh| mesh.bounds())
-        .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
-        .unwrap_or([Vec3::INFINITY, Vec3::NEG_INFINITY]);
+/// Balls that together reach as far as a shape in all directions: itself, or the corners of it or of the box around it.
+type Hull = Vec<(Vec3, f32)>;
+
+fn hull(shape: &Shape) -> Hull {
+    match shape {
+        Shape::Sphere(s) => vec![(s.centre, s.radius)],
+        Shape::Rectangle(r) => r.corners().map(|corner| (corner, 0.0)).into(),
+        Shape::Mesh(mesh) => {
+            let corner = |ends: [Vec3; 2], i: usize| Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z);
+            mesh.bounds().map_or(Vec::new(), |ends| (0..8).map(|i| (corner(ends, i), 0.0)).collect())
+        }
+    }
+}
+
+/// The box around the points of meshes, grown by more than the rounding of a ray's distances to it.
+fn around<'a>(points: impl Iterator<Item = &'a (Vec3, f32)>) -> [Vec3; 2] {
+    let ends = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = points.fold(ends, |[low, high], (p, _)| [low.min(*p), high.max(*p)]);
     let room = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
     [low - room, high + room]
 }
 
 /// Largest coordinate of a shape, which its points are rounded to.
-fn extent(shape: &Shape) -> f32 {
-    match shape {
-        Shape::Sphere(s) => s.radius + s.centre.abs().max_element(),
-        Shape::Rectangle(r) => (r.centre().abs() + r.half_sides()[0].abs() + r.half_sides()[1].abs()).max_element(),
-        Shape::Mesh(mesh) => mesh.bounds().map_or(0.0, |[low, high]| low.abs().max(high.abs()).max_element()),
-    }
+fn extent(hull: &Hull) -> f32 {
+    hull.iter().fold(0.0, |largest, (p, radius)| largest.max(radius + p.abs().max_element()))
 }
 
-/// Whether all of the scene lies on one side of a rectangle's plane: it then cuts no line between two points of it.
-fn encloses(rectangle: &Rectangle, scene: &Scene) -> bool {
-    if scene.environment.is_some() {
-        return false;
+/// Everything that rays start from or end at; `None` if some go to infinity.
+fn places(scene: &Scene, hulls: &[Hull]) -> Option<Hull> {
+    let mut all = hulls.concat();
+    for light in &scene.lights {
+        match light {
+            Light::Rectangle { rectangle, .. } => all.extend(rectangle.corners().map(|corner| (corner, 0.0))),
+            Light::Point { position, .. } => all.push((*position, 0.0)),
+            Light::Directional { .. } | Light::Hemisphere { .. } => return None,
+        }
     }
+    scene.environment.is_none().then_some(all)
+}
+
+/// Whether all places lie on one side of a rectangle's plane: it then cuts no line between two of them.
+fn encloses(rectangle: &Rectangle, places: &Hull) -> bool {
     let normal = rectangle.normal();
     let height = normal.dot(rectangle.centre());
     let mut sides = [true; 2];
-    let mut point = |p: Vec3, radius: f32| {
+    for &(p, radius) in places {
         let distance = normal.dot(p) - height;
         let slack = 64.0 * f32::EPSILON * (height.abs() + radius + p.length());
         sides[0] &= distance - radius >= -slack;
         sides[1] &= distance + radius <= slack;
-    };
-    for object in &scene.objects {
-        match &object.shape {
-            Shape::Sphere(s) => point(s.centre, s.radius),
-            Shape::Rectangle(r) => r.corners().into_iter().for_each(|corner| point(corner, 0.0)),
-            Shape::Mesh(mesh) => mesh.bounds().into_iter().for_each(|ends| {
-                (0..8).for_each(|i| point(Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z), 0.0));
-            }),
-        }
-    }
-    for light in &scene.lights {
-        match light {
-            Light::Rectangle { rectangle, .. } => rectangle.corners().into_iter().for_each(|c| point(c, 0.0)),
-            Light::Point { position, .. } => point(*position, 0.0),
-            Light::Directional { .. } | Light::Hemisphere { .. } => return false,
-        }
     }
     sides[0] || sides[1]
 }

@@ -63,7 +63,7 @@ impl<'a> Integrator<'a> {
         let lights = Sampled::all(scene, settings);
         let faces = Face::all(scene, settings, &lights);
         let unsampled = |face: &Face| face.light.is_none() && face.emission.is_some_and(|e| e.role == Role::Lamp);
-        let left_to_chance = !looks_for_lamps(settings.sampling) && faces.iter().any(unsampled);
+        let left_to_chance = settings.sampling.by_light() && faces.iter().any(unsampled);
         Self {
             scene,
             request: *request,
@@ -78,11 +78,6 @@ impl<'a> Integrator<'a> {
             classes: settings.paths.map(Classes::up_to),
             left_to_chance,
         }
-    }
-
-    /// Whether lamps are found by rays in search of light, wherever a surface is not a mirror or glass.
-    pub(super) fn looks_for_lamps(&self) -> bool {
-        looks_for_lamps(self.sampling)
     }
 
     /// What a thread needs to run [`Integrator::trace`].
@@ -210,7 +205,7 @@ impl<'a> Integrator<'a> {
     #[inline]
     fn glow(&self, work: &mut Workspace, i: usize, face: &Face, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        if !emission.two_sided && surface.normal.dot(at(&work.paths.rays.direction, i)) > 0.0 {
+        if !emission.is_seen(surface.normal, at(&work.paths.rays.direction, i)) {
             return;
         }
         let pdf = work.paths.pdf[i];
@@ -218,7 +213,7 @@ impl<'a> Integrator<'a> {
             _ if pdf == f32::INFINITY => 1.0,
             (Role::Picture, _) => 0.0,
             (Role::Lamp, Some(_)) if pdf == 0.0 => 0.0,
-            (Role::Lamp, None) => f32::from(u8::from(pdf > 0.0 || !self.looks_for_lamps())),
+            (Role::Lamp, None) => f32::from(u8::from(pdf > 0.0 || self.sampling.by_light())),
             (Role::Lamp, Some(light)) => {
                 let other = self.lights[light].pdf(at(&work.paths.rays.origin, i));
                 power_heuristic(pdf, self.request.light_samples as f32 * other)
@@ -335,10 +330,6 @@ impl<'a> Integrator<'a> {
     }
 }
 
-fn looks_for_lamps(sampling: Sampling) -> bool {
-    matches!(sampling, Sampling::Bsdf | Sampling::Hemisphere)
-}
-
 impl Surface {
     /// The frame for shading, seen from `wo`: where the interpolated normal faces away, that of the surface itself.
     #[inline]
@@ -357,7 +348,7 @@ impl Surface {
 
 /// Ends paths at random that carry little light, and lets the others stand for them.
 fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
-    paths.retain(0, |paths, i| {
+    paths.retain(|paths, i| {
         let throughput = at(&paths.throughput, i);
         let survival = (throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);
         let [_, u] = numbers.short_pair(paths.slot[i], dimension, (0, 1));

@@ -134,13 +134,11 @@ impl Paths {
         self.word[i] = word;
         self.count += 1;
     }
-}
 
-impl Paths {
-    /// Drops those paths from number `start` on that `keep` does not want.
-    pub fn retain(&mut self, start: usize, mut keep: impl FnMut(&mut Self, usize) -> bool) {
-        let count = std::mem::replace(&mut self.count, start);
-        for i in start..count {
+    /// Drops those paths that `keep` does not want.
+    pub fn retain(&mut self, mut keep: impl FnMut(&mut Self, usize) -> bool) {
+        let count = std::mem::take(&mut self.count);
+        for i in 0..count {
             if keep(self, i) {
                 let j = self.count;
                 if i != j {

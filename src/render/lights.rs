@@ -3,6 +3,7 @@
 use super::Settings;
 use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, ZERO3};
+use super::solids;
 use super::wide::{Wide, wide};
 use crate::raster::Rgb;
 use crate::sampling::circular::Circular;
@@ -184,8 +185,7 @@ impl BallLight {
     fn opening(&self, point: Vec3) -> f32 {
         let d2 = (self.sphere.centre - point).length_squared();
         let sin2 = self.sphere.radius * self.sphere.radius / d2;
-        // 1 − √(1 − s²) without the cancellation.
-        if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 2.0 }
+        if sin2 < 1.0 { solids::opening(sin2) } else { 2.0 }
     }
 }
 

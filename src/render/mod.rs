@@ -47,6 +47,14 @@ pub enum Sampling {
     Hemisphere,
 }
 
+impl Sampling {
+    /// Whether light is looked for where the lights are; otherwise rays in search of it find it by chance.
+    #[must_use]
+    pub fn by_light(self) -> bool {
+        matches!(self, Self::Light | Self::Mis)
+    }
+}
+
 /// What the directions towards the environment are drawn in proportion to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LightDensity {

@@ -1,7 +1,7 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::{Sampling, Settings};
-use crate::scene::{Conductor, Material, Projection, Request, Scene, Shape};
+use super::Settings;
+use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// A part of the renderer that some scenes can do without, as a bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,24 +56,21 @@ impl Needs {
     /// Looks at a scene once.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
-        let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
-        let any = |wanted: fn(&Material) -> bool| {
-            request.max_depth > 0 && scene.objects.iter().any(|object| wanted(&object.material))
+        let by_light = settings.sampling.by_light();
+        let any = |delta: bool| {
+            request.max_depth > 0
+                && scene.objects.iter().any(|object| match &object.material {
+                    Material::Diffuse { .. } => false,
+                    other => other.bsdf(settings.model.scattering).is_delta() == delta,
+                })
         };
-        // A metal that is all but smooth is a mirror.
-        let delta = |m: &Material| match m {
-            Material::Diffuse { .. } => false,
-            Material::Conductor(metal) => metal.alpha < Conductor::SMOOTH_ALPHA,
-            Material::Mirror { .. } | Material::Refraction { .. } | Material::Glass { .. } => true,
-        };
-        let rough = |m: &Material| matches!(m, Material::Conductor(metal) if metal.alpha >= Conductor::SMOOTH_ALPHA);
         let lamps = !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
         let bits = [
             (Self::OCCLUSION, !lone_convex_from_outside(scene)),
             (Self::ENVIRONMENT, scene.environment.is_some()),
             (Self::LAMPS, lamps),
-            (Self::DELTA, any(delta)),
-            (Self::ROUGH, any(rough)),
+            (Self::DELTA, any(true)),
+            (Self::ROUGH, any(false)),
         ];
         Self {
             bits: bits.into_iter().filter(|(_, needed)| *needed).map(|(need, _)| need.0).sum(),
@@ -131,6 +128,7 @@ mod tests {
     use super::*;
     use crate::envmap::EnvMap;
     use crate::raster::Image;
+    use crate::render::Sampling;
     use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;

@@ -56,8 +56,7 @@ impl Strategies {
     /// them out.
     pub fn new(scene: &Scene, settings: &Settings, needs: &Needs) -> Result<Self> {
         let scatter = if settings.sampling == Sampling::Hemisphere { Scatter::Hemisphere } else { Scatter::Bsdf };
-        let by_light = matches!(settings.sampling, Sampling::Light | Sampling::Mis);
-        if !by_light {
+        if !settings.sampling.by_light() {
             return Ok(Strategies::Surface(scatter));
         }
         let Some(environment) = &scene.environment else { return Ok(Strategies::None) };

@@ -2,6 +2,7 @@
 
 pub use crate::optics::microfacet::Distribution;
 use crate::raster::Rgb;
+use glam::Vec3;
 
 /// How a surface scatters light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,15 @@ pub struct Emission {
     /// Whether the back glows as well as the front (the side of the normal).
     pub two_sided: bool,
     pub role: Role,
+}
+
+impl Emission {
+    /// Whether a ray of that direction, where it meets a surface of that normal, sees it glow.
+    #[inline]
+    #[must_use]
+    pub fn is_seen(&self, normal: Vec3, direction: Vec3) -> bool {
+        self.two_sided || normal.dot(direction) <= 0.0
+    }
 }
 
 /// What a glowing surface does in the scene.
