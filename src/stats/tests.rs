@@ -1,0 +1,181 @@
+//! The harness on samplers that are right, and on the same with one thing wrong.
+
+use super::*;
+use crate::error::Result;
+use crate::sampling::warp;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+fn protocol() -> Protocol {
+    Protocol::default()
+}
+
+/// Density of a lobe around +z of width `alpha`: tan²θ/α² is exponentially distributed (Beckmann's normals).
+fn lobe_pdf(alpha: f64) -> impl Fn(DVec3) -> f64 {
+    move |w: DVec3| {
+        let tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
+        if w.z > 0.0 { (-tan2 / (alpha * alpha)).exp() / (PI * alpha * alpha * w.z.powi(3)) } else { 0.0 }
+    }
+}
+
+fn lobe(alpha: f64) -> impl Sampler<DVec3> {
+    sampler(2, move |u| {
+        let tan = alpha * (-(1.0 - u[0]).ln()).sqrt();
+        let (sin, cos) = (TAU * u[1]).sin_cos();
+        Some(Draw::new(DVec3::new(tan * cos, tan * sin, 1.0).normalize()))
+    })
+}
+
+#[test]
+fn right_samplers_are_accepted() -> Result<()> {
+    let sphere = Directions::sphere(Pole::Z);
+    for alpha in [1e-4, 0.01, 0.3, 1.0] {
+        let outcome = validate(&sphere, &lobe(alpha), &density(lobe_pdf(alpha)), &protocol())?;
+        assert!(outcome.is_accepted(), "{alpha}: {outcome}");
+        assert!((outcome.mass.unwrap() - 1.0).abs() < 2e-5, "{outcome:?}");
+        assert!(outcome.dof > 150 && outcome.detectable.unwrap() < 0.0202, "{outcome}");
+    }
+    let triangular = sampler(1, |u: &[f64]| Some(Draw::with_pdf(u[0].sqrt(), 2.0 * u[0].sqrt())));
+    let triangular = triangular.with_inverse(|x: f64| vec![x * x]);
+    let outcome = validate(&Line::UNIT, &triangular, &density(|x: f64| 2.0 * x), &protocol())?;
+    assert!(outcome.is_accepted(), "{outcome}");
+    Ok(())
+}
+
+#[test]
+fn small_mistakes_are_rejected() -> Result<()> {
+    let sphere = Directions::sphere(Pole::Z);
+    for alpha in [1e-4, 0.3] {
+        // A lobe 3 % wider than the density says.
+        let pdf = lobe_pdf(alpha);
+        let outcome = validate(&sphere, &lobe(1.03 * alpha), &density(&pdf), &protocol())?;
+        assert_eq!((outcome.verdict, outcome.fault.is_none()), (Verdict::Reject, true), "{outcome}");
+        assert!(outcome.repeated);
+        // A density 0.3 % too large fails the exact check, whatever the counts say.
+        let outcome = validate(&sphere, &lobe(alpha), &density(|w| 1.003 * pdf(w)), &protocol())?;
+        assert!(outcome.verdict == Verdict::Reject && outcome.fault.is_some(), "{outcome}");
+    }
+    Ok(())
+}
+
+#[test]
+fn broken_contracts_are_rejected_and_named() -> Result<()> {
+    let half = Directions::hemisphere(Pole::Z);
+    let even = density(|_: DVec3| 1.0 / TAU);
+    let fault = |draw: &(dyn Fn(&[f64]) -> Option<Draw<DVec3>> + Sync)| -> Result<String> {
+        let outcome = validate(&half, &sampler(2, draw), &even, &protocol())?;
+        assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
+        Ok(outcome.fault.unwrap_or_default())
+    };
+    let good = |u: &[f64]| warp::uniform_hemisphere([u[0], u[1]]);
+    let other_pdf = 0.5f64.mul_add(1.0 / PI, 1e-17).next_up();
+    assert!(fault(&|u| Some(Draw::with_pdf(good(u), other_pdf)))?.contains("carries"));
+    assert!(fault(&|u| Some(Draw::new(if u[0] < 1e-4 { -good(u) } else { good(u) })))?.contains("outside"));
+    assert!(fault(&|u| Some(Draw::new(good(u) / if u[0] == 0.0 { 0.0 } else { 1.0 })))?.contains("outside"));
+    assert!(fault(&|u| Some(Draw::atom(good(u))))?.contains("atoms"));
+    let backwards = sampler(2, |u: &[f64]| Some(Draw::new(good(u))));
+    let backwards = backwards.with_inverse(|w: DVec3| vec![w.z, 0.0]);
+    assert!(validate(&half, &backwards, &even, &protocol())?.fault.unwrap().contains("inverse"));
+    let nan = density(|w: DVec3| if w.z > 0.999 { f64::NAN } else { 1.0 / TAU });
+    let outcome = validate(&half, &sampler(2, |u: &[f64]| Some(Draw::new(good(u)))), &nan, &protocol())?;
+    assert!(outcome.verdict == Verdict::Reject && outcome.fault.is_some());
+    Ok(())
+}
+
+#[test]
+fn atoms_and_no_sample_are_counted() -> Result<()> {
+    let half = Directions::hemisphere(Pole::Z);
+    let up = DVec3::Z;
+    // One in five at the pole, one in ten nothing, the rest even.
+    let mixed = |at_pole: f64| {
+        sampler(3, move |u: &[f64]| match u[2] {
+            c if c < at_pole => Some(Draw::atom(up)),
+            c if c < at_pole + 0.1 => None,
+            _ => Some(Draw::new(warp::uniform_hemisphere([u[0], u[1]]))),
+        })
+    };
+    let claim = |mass| {
+        let spread = density(move |_: DVec3| 0.7 / TAU).with_mass(mass);
+        spread.with_atoms(vec![Atom { point: up, probability: 0.2 }])
+    };
+    for mass in [Mass::Exactly(0.9), Mass::AtMostOne] {
+        let outcome = validate(&half, &mixed(0.2), &claim(mass), &protocol())?;
+        assert!(outcome.is_accepted() && (outcome.mass.unwrap() - 0.9).abs() < 1e-9, "{outcome}");
+        assert_eq!(validate(&half, &mixed(0.21), &claim(mass), &protocol())?.verdict, Verdict::Reject);
+    }
+    assert!(validate(&half, &mixed(0.2), &claim(Mass::Exactly(1.0)), &protocol())?.fault.is_some());
+    // A sampler that should always draw and once in 2¹² does not.
+    let lazy = sampler(2, |u: &[f64]| (u[0] > 2.5e-4).then(|| Draw::new(warp::uniform_hemisphere([u[0], u[1]]))));
+    assert_eq!(validate(&half, &lazy, &density(|_| 1.0 / TAU), &protocol())?.verdict, Verdict::Reject);
+    Ok(())
+}
+
+#[test]
+fn finite_sets() -> Result<()> {
+    let fair = Discrete { outcomes: 37 };
+    let wheel = sampler(1, |u: &[f64]| Some(Draw::new((u[0] * 37.0) as usize)));
+    let even = density(|_: usize| 1.0 / 37.0);
+    let outcome = validate(&fair, &wheel, &even, &protocol())?;
+    assert!(outcome.is_accepted() && outcome.dof == 36, "{outcome}");
+    let biased = sampler(1, |u: &[f64]| Some(Draw::new((u[0].powf(1.03) * 37.0) as usize)));
+    assert_eq!(validate(&fair, &biased, &even, &protocol())?.verdict, Verdict::Reject);
+    Ok(())
+}
+
+#[test]
+fn too_few_samples_never_pass() -> Result<()> {
+    let line = density(|_: f64| 1.0);
+    let even = sampler(1, |u: &[f64]| Some(Draw::new(u[0])));
+    for n in [1, 4, 100, 1000] {
+        let outcome = validate(&Line::UNIT, &even, &line, &Protocol { samples: Samples::Count(n), ..protocol() })?;
+        assert_eq!(outcome.verdict, Verdict::Inconclusive, "{n}: {outcome}");
+    }
+    // But few samples may be enough to reject.
+    let few = Protocol { samples: Samples::Count(1000), ..protocol() };
+    let wrong = sampler(1, |u: &[f64]| Some(Draw::new(u[0].powi(3))));
+    assert_eq!(validate(&Line::UNIT, &wrong, &line, &few)?.verdict, Verdict::Reject);
+    Ok(())
+}
+
+#[test]
+fn an_integral_that_stays_uncertain_is_not_a_pass() -> Result<()> {
+    // Noise instead of a density: its mean is 1, but no rule will agree with another.
+    let noise = density(|[x, y]: [f64; 2]| {
+        let bits = (x.to_bits() ^ y.to_bits().rotate_left(32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
+        2.0 * bits as f64 / (1u64 << 53) as f64
+    });
+    let even = sampler(2, |u: &[f64]| Some(Draw::new([u[0], u[1]])));
+    let few = Protocol { samples: Samples::Count(1 << 24), ..protocol() };
+    let outcome = examine(&Square, &even, &noise, &few, 0)?;
+    assert!(outcome.p.is_none() && outcome.doubt.is_some(), "{outcome}");
+    Ok(())
+}
+
+#[test]
+fn p_values_of_right_samplers_are_even() -> Result<()> {
+    let density = density(lobe_pdf(0.01));
+    let p: Vec<f64> = (0..100)
+        .filter_map(|seed| {
+            let few = Protocol { seed, samples: Samples::Count(20_000), cells: 50, ..protocol() };
+            examine(&Directions::hemisphere(Pole::Z), &lobe(0.01), &density, &few, 0).ok()?.p
+        })
+        .collect();
+    let even = kolmogorov::evenness(&p);
+    assert!(p.len() == 100 && even.p > 1e-3, "{even:?}");
+    Ok(())
+}
+
+#[test]
+fn impossible_protocols_are_refused() {
+    let even = sampler(1, |u: &[f64]| Some(Draw::new(u[0])));
+    for bad in [
+        Protocol { level: 0.0, ..protocol() },
+        Protocol { level: f64::NAN, ..protocol() },
+        Protocol { cells: 1, ..protocol() },
+        Protocol { samples: Samples::Count(0), ..protocol() },
+        Protocol { samples: Samples::Detect(f64::NAN), ..protocol() },
+        Protocol { samples: Samples::Detect(1e-9), ..protocol() },
+    ] {
+        assert!(validate(&Line::UNIT, &even, &density(|_| 1.0), &bad).is_err(), "{bad:?}");
+    }
+}

@@ -1,0 +1,44 @@
+//! A named test, ready to run: what a suite is a list of.
+
+use crate::error::Result;
+use crate::sampling::hash;
+use crate::stats::{Density, Domain, Outcome, Protocol, Sampler, examine};
+
+/// One round of a test; see [`examine`].
+type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
+
+/// A test with its name: words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
+pub struct Case {
+    pub name: String,
+    test: Box<Test>,
+}
+
+impl Case {
+    /// A test of any kind.
+    pub fn new(
+        name: impl Into<String>,
+        test: impl Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync + 'static,
+    ) -> Self {
+        Self { name: name.into(), test: Box::new(test) }
+    }
+
+    /// The test of a sampler against its density. `make` builds both, when the test runs and not before: tables of large maps
+    /// need not all exist at once.
+    pub fn of<D, S, P>(name: impl Into<String>, domain: D, make: impl Fn() -> (S, P) + Send + Sync + 'static) -> Self
+    where
+        D: Domain + Send + Sync + 'static,
+        S: Sampler<D::Point>,
+        P: Density<D::Point>,
+    {
+        Self::new(name, move |protocol, round| {
+            let (sampler, density) = make();
+            examine(&domain, &sampler, &density, protocol, round)
+        })
+    }
+
+    /// Runs one round. The random numbers depend on the name and the seed alone, not on what else is in the run.
+    pub fn examine(&self, protocol: &Protocol, round: u64) -> Result<Outcome> {
+        let seed = self.name.bytes().fold(protocol.seed, |key, byte| hash::mix64(key ^ u64::from(byte)));
+        (self.test)(&Protocol { seed, ..*protocol }, round)
+    }
+}

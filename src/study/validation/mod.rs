@@ -1,0 +1,8 @@
+//! The project's own samplers, tested: cases, suites of them, and runs.
+
+mod case;
+mod run;
+pub mod suite;
+
+pub use case::Case;
+pub use run::{Tested, Validation, run};
