@@ -2,6 +2,7 @@
 
 mod check;
 mod context;
+pub mod converge;
 pub mod depth;
 mod entries;
 pub mod fresnel;
