@@ -85,10 +85,16 @@ pub fn word(verdict: Verdict) -> &'static str {
 fn label(curve: &Curve) -> String {
     let name = curve.strategy.name.replace('+', ", ");
     match curve.verdict {
-        Verdict::Biased => format!("{name}: bias {:.2e}", curve.bias2.value.sqrt()),
+        Verdict::Biased => format!("{name}: bias {}", short(curve.bias2.value.sqrt())),
         Verdict::Unknown => name,
         _ => format!("{name}: {}", signed(curve.slope.value, curve.slope.half_width)),
     }
+}
+
+/// Two digits that count: "0.0020", "0.31".
+fn short(value: f64) -> String {
+    let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
 }
 
 /// "−0.50 ± 0.02".
@@ -151,7 +157,7 @@ fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
     vec![[first, scale / first.sqrt()], [last, scale / last.sqrt()]]
 }
 
-/// 1 / (MSE · time) of each strategy, at the last level within the time that all have had.
+/// 1 / (MSE · time) of each strategy, at the level nearest to the time that all have had.
 fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let title = format!("Efficiency at equal time ({})", duration(seconds));
@@ -159,12 +165,11 @@ fn efficiency(result: &Convergence) -> Panel {
     let x = Axis::linear("strategies, in the order of the legend").range(0.0, count).at([-1.0]);
     let mut panel = Panel::new(x, Axis::log("1 / (MSE · time) (1/s)")).title(title);
     for (i, curve) in result.curves.iter().enumerate() {
-        let Some(level) = curve.within(seconds).map(|at| &curve.levels[at]) else { continue };
+        let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
         let (left, stroke) = (i as f64, stroke(result, curve));
         panel = panel.bars("", stroke.colour, [left + 0.15, left + 0.85], [level.efficiency]);
-        let [low, high] = [level.mse.high(), level.mse.low()].map(|mse| 1.0 / (mse * level.cpu_seconds));
-        let whisker = Stroke::solid(theme::INK, 1.0);
-        panel = panel.line("", whisker, [[left + 0.5, low], [left + 0.5, if high > 0.0 { high } else { low }]]);
+        let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
+        panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
         panel = panel.line(label(curve), stroke, Vec::new());
     }
     panel.line("slope −1/2", GUIDE, Vec::new())
@@ -193,11 +198,11 @@ pub fn pictures(result: &Convergence) -> Result<Drawing> {
     let shown: Vec<(&Curve, &Level, &Image)> = result
         .curves
         .iter()
-        .filter_map(|curve| curve.within(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
+        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
         .collect();
     let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     errors.sort_by(f64::total_cmp);
-    let limit = round(2.0 * errors.get(errors.len() / 2).copied().unwrap_or(0.05));
+    let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
     let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
     let mut cells = Vec::new();
     for (curve, level, image) in shown {
@@ -209,15 +214,15 @@ pub fn pictures(result: &Convergence) -> Result<Drawing> {
         let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();
         let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
         let caption = format!(
-            "{}: {} spp, {}, RMSE {:.2}\u{a0}%",
+            "{}: {} spp, {}, RMSE {}\u{a0}%",
             curve.strategy.name.replace('+', ", "),
             level.spp,
             duration(level.cpu_seconds),
-            100.0 * level.rmse() / mean
+            short(100.0 * level.rmse() / mean)
         );
         cells.push((caption, beside(&picture, &map)));
     }
-    let title = format!("At most {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
+    let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
     Ok(contact_sheet(&title, 4, &cells))
 }
 

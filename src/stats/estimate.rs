@@ -65,6 +65,13 @@ impl Estimate {
     pub fn high(&self) -> f64 {
         self.value + self.half_width
     }
+
+    /// The interval of a value that cannot be negative, from that of its logarithm: value · exp(± half_width / value).
+    #[must_use]
+    pub fn positive(&self) -> [f64; 2] {
+        let factor = (self.half_width / self.value).exp();
+        [self.value / factor, self.value * factor]
+    }
 }
 
 #[cfg(test)]
@@ -79,6 +86,8 @@ mod tests {
         assert!((e.value - 2.0).abs() < 1e-15 && (e.half_width - 4.302_653 / 3.0_f64.sqrt()).abs() < 1e-5, "{e:?}");
         assert_eq!(Estimate::mean(&[5.0]).half_width, f64::INFINITY);
         assert!(Estimate::mean(&[]).value.is_nan());
+        let [low, high] = Estimate { value: 2.0, half_width: 4.0, standard_error: 1.0 }.positive();
+        assert!((low - 2.0 * (-2.0_f64).exp()).abs() < 1e-15 && (high - 2.0 * 2.0_f64.exp()).abs() < 1e-13);
     }
 
     #[test]

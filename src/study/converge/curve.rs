@@ -40,10 +40,10 @@ impl Level {
         self.mse.value.sqrt()
     }
 
-    /// The interval of [`Level::rmse`], NaN at an end that is below 0.
+    /// The interval of [`Level::rmse`].
     #[must_use]
     pub fn rmse_band(&self) -> [f64; 2] {
-        [self.mse.low().sqrt(), self.mse.high().sqrt()]
+        self.mse.positive().map(f64::sqrt)
     }
 }
 
@@ -143,10 +143,11 @@ impl Curve {
         Ok(Self { strategy, replicates: runs.len(), levels, slope, bias2, verdict, preparation_seconds, images })
     }
 
-    /// The last level that took no more than `seconds` of processor time.
+    /// The level whose processor time is nearest to `seconds`, by their ratio.
     #[must_use]
-    pub fn within(&self, seconds: f64) -> Option<usize> {
-        self.levels.iter().rposition(|level| level.cpu_seconds <= seconds)
+    pub fn nearest(&self, seconds: f64) -> Option<usize> {
+        let off = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
+        (0..self.levels.len()).min_by(|&a, &b| off(&self.levels[a]).total_cmp(&off(&self.levels[b])))
     }
 
     /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
