@@ -17,9 +17,13 @@ use crate::study::converge::{Convergence, Plan, depth, measure, roughness};
 use std::sync::Arc;
 
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
-const LIMIT: f64 = 60.0;
+const LIMIT: f64 = 120.0;
 /// Numbers of lights that the map is cut into.
 const LIGHTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+
+/// Widths of the lobe whose efficiency is measured, and those of a quick run.
+const ALPHAS: [f32; 6] = [0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
+const QUICK_ALPHAS: [f32; 3] = [0.05, 0.25, 1.0];
 
 pub(super) fn all() -> Vec<Entry> {
     vec![
@@ -64,14 +68,14 @@ fn sphere_scene(context: &Context) -> (Scene, Request) {
     let source = &context.source;
     let environment = Environment::upright(source.map.clone(), source.name.clone(), builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
-    let side = context.size(80, 40);
+    let side = context.size(80, 32);
     (scene, Request { width: side, height: side, light_samples: 1, ..request })
 }
 
 fn sphere(context: &Context) -> Result<Arc<Convergence>> {
     context.convergences.get("sphere", || {
         let (scene, request) = sphere_scene(context);
-        let plan = plan(context, context.size(128, 32), context.size(5, 3));
+        let plan = plan(context, context.size(128, 32), context.size(5, 4));
         measure(&scene, &request, &Strategy::usual(&scene), &plan, None)
     })
 }
@@ -80,7 +84,7 @@ fn cornell(context: &Context) -> Result<Convergence> {
     let (scene, request) = context.spheres();
     let (width, height) = (context.size(96, 48), context.size(72, 36));
     let (scene, request) = scene.resized(request, [width, height]);
-    let plan = plan(context, context.size(128, 32), context.size(5, 3));
+    let plan = plan(context, context.size(128, 16), context.size(5, 4));
     measure(&scene, &Request { light_samples: 1, ..request }, &Strategy::usual(&scene), &plan, None)
 }
 
@@ -160,8 +164,9 @@ fn by_roughness(context: &Context) -> Result<Made> {
     let (scene, request) = scene.resized(request, [context.size(96, 48), context.size(72, 36)]);
     let request = Request { spp: context.size(32, 8), light_samples: 1, ..request };
     let replicates = context.size(4, 2);
-    let levels = roughness::measure(&scene, &request, replicates, context.seed, &Deadline::after(LIMIT))?;
-    let expected = roughness::ALPHAS.len() * roughness::NORMALS.len();
+    let alphas = context.size(&ALPHAS[..], &QUICK_ALPHAS[..]);
+    let levels = roughness::measure(&scene, &request, alphas, replicates, context.seed, &Deadline::after(LIMIT))?;
+    let expected = alphas.len() * roughness::NORMALS.len();
     let mut checks = vec![Check::near("rows", expected as f64, levels.len() as f64, 0.0)];
     for three in levels.chunks_exact(roughness::NORMALS.len()) {
         let [visible, all, _] = three else { continue };
@@ -190,7 +195,7 @@ fn by_depth(context: &Context) -> Result<Made> {
     let size = [context.size(96, 48), context.size(72, 36)];
     let series_of = |(scene, request): (Scene, Request)| {
         let (scene, request) = scene.resized(request, size);
-        let request = Request { spp: context.size(64, 16), light_samples: 1, ..request };
+        let request = Request { spp: context.size(64, 8), light_samples: 1, ..request };
         depth::measure(&scene, &request, replicates, context.seed, &deadline)
     };
     let scenes = [series_of(context.spheres())?, series_of(builtin::cornell_lambert())?];
@@ -216,7 +221,7 @@ fn by_depth(context: &Context) -> Result<Made> {
 fn median_cut(context: &Context) -> Result<Made> {
     let (scene, request) = sphere_scene(context);
     let sampled = sphere(context)?;
-    let plan = plan(context, 1, context.size(3, 2));
+    let plan = plan(context, 1, 3);
     let fixed = lights::cuts(&scene, &request, &LIGHTS, &plan, sampled.truth.as_ref())?;
     let mut checks = vec![Check::near("things cut off by the time limit", 0.0, fixed.cut.len() as f64, 0.0)];
     for cut in CUTS {

@@ -170,11 +170,16 @@ impl Reference {
 ///
 /// With x̄ the mean picture of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
 /// bias² + variance; so bias² = (R MSE(x̄) − mean MSE)/(R − 1). Without bias it comes out about 0, and may be below.
+/// Unknown from fewer than three replicates.
 fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
     let images: Vec<(&Image, f64)> =
         runs.iter().filter_map(|run| Some((&run.last, run.levels.last()?.errors.mse))).collect();
     let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
     reference.compare(first)?;
+    // Leaving one out must leave a pair.
+    if images.len() < 3 {
+        return Ok(Estimate::default());
+    }
     let estimate = Estimate::jackknife(&images, |some| {
         let n = some.len() as f64;
         let pictures: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();
