@@ -2,6 +2,7 @@
 
 mod compare;
 mod console;
+mod converge;
 mod envmap;
 mod fresnel;
 mod map_file;
@@ -36,6 +37,7 @@ Examples:
   etalon envmap sample nave -n 256      importance samples of the built-in map
   etalon render sphere-env -s 64        the lit sphere
   etalon render cornell-spheres         a mirror and a glass ball in a room
+  etalon converge cornell-spheres       error against run time
   etalon scenes                         what else can be rendered";
 
 /// Flags that every subcommand takes.
@@ -71,6 +73,8 @@ enum Command {
     Scenes(scenes::Scenes),
     /// Compare two images
     Compare(compare::Compare),
+    /// Measure the error of sampling strategies against their run time
+    Converge(converge::Converge),
     /// Merge parts of a render
     Merge(merge::Merge),
     /// Make every figure and check it against the reports' numbers
@@ -127,6 +131,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Render(args) => args.run(&cli.global, console),
         Command::Scenes(args) => args.run(&cli.global, console),
         Command::Compare(args) => args.run(&cli.global, console),
+        Command::Converge(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }

@@ -58,6 +58,11 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
+    /// Whether a size was asked for.
+    pub fn has_size(&self) -> bool {
+        self.resolution.is_some()
+    }
+
     fn resolution(&self) -> Option<[usize; 2]> {
         <[usize; 2]>::try_from(self.resolution.as_deref()?).ok()
     }

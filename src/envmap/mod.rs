@@ -9,6 +9,7 @@ pub mod latlong;
 pub mod report_model;
 pub mod sampler;
 mod sat;
+pub mod strata;
 pub mod synthetic;
 
 pub use latlong::{Block, EnvMap, LatLong};

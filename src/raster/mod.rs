@@ -15,7 +15,7 @@ mod rgbe;
 mod tone;
 mod write;
 
-pub use self::compare::{Comparison, compare};
+pub use self::compare::{Comparison, compare, compare_with_halves};
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::{Image, Rgb};
 pub use self::read::{ReadOptions, read};

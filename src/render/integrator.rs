@@ -22,6 +22,7 @@ use super::strategies::Strategies;
 use super::workspace::{Dimensions, Frame, RoughHit, Workspace};
 use super::{Sampling, Settings};
 use crate::bsdf::{Bsdf, Scatter};
+use crate::error::Result;
 use crate::raster::Rgb;
 use crate::render::exposure::{Classes, Word};
 use crate::scene::{Emission, Request, Role, Scene};
@@ -53,18 +54,20 @@ pub struct Integrator<'a> {
 }
 
 impl<'a> Integrator<'a> {
+    /// # Errors
+    /// As [`Sampled::all`].
     pub fn new(
         scene: &'a Scene,
         request: &Request,
         settings: &Settings,
         strategies: Strategies,
         geometry: Geometry<'a>,
-    ) -> Self {
-        let lights = Sampled::all(scene, settings);
+    ) -> Result<Self> {
+        let lights = Sampled::all(scene, settings)?;
         let faces = Face::all(scene, settings, &lights);
         let unsampled = |face: &Face| face.light.is_none() && face.emission.is_some_and(|e| e.role == Role::Lamp);
         let left_to_chance = settings.sampling.by_light() && faces.iter().any(unsampled);
-        Self {
+        Ok(Self {
             scene,
             request: *request,
             geometry,
@@ -77,7 +80,7 @@ impl<'a> Integrator<'a> {
             arch: Arch::new(),
             classes: settings.paths.map(Classes::up_to),
             left_to_chance,
-        }
+        })
     }
 
     /// What a thread needs to run [`Integrator::trace`].

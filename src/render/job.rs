@@ -57,7 +57,7 @@ impl<'a> Job<'a> {
         let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
         let strategies = Strategies::new(scene, settings, &needs)?;
         let geometry = Geometry::new(scene, needs.meshes);
-        let integrator = Integrator::new(scene, request, settings, strategies, geometry);
+        let integrator = Integrator::new(scene, request, settings, strategies, geometry)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
         Ok(Self { integrator, settings: *settings, needs, lens, start })
     }

@@ -1,10 +1,12 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
 use super::Settings;
+use super::cut_lights;
 use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, ZERO3};
 use super::solids;
 use super::wide::{Wide, wide};
+use crate::error::Result;
 use crate::raster::Rgb;
 use crate::sampling::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
@@ -215,7 +217,10 @@ impl SampleLight for BallLight {
 
 impl Sampled {
     /// All lights of a scene that are sampled at every hit.
-    pub fn all(scene: &Scene, settings: &Settings) -> Vec<Self> {
+    ///
+    /// # Errors
+    /// As [`cut_lights::of`].
+    pub fn all(scene: &Scene, settings: &Settings) -> Result<Vec<Self>> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
             let panel = PanelLight::new(rectangle, radiance, two_sided);
             if settings.model.inverse_distance { Kind::ReportPanel(panel) } else { Kind::Panel(panel) }
@@ -232,7 +237,8 @@ impl Sampled {
             };
             Some(Self { kind, object: i as u32 })
         });
-        let others = scene.lights.iter().map(|light| {
+        let from_map = cut_lights::of(scene, settings)?;
+        let others = scene.lights.iter().chain(&from_map).map(|light| {
             let kind = match *light {
                 Light::Rectangle { ref rectangle, radiance } => panel(rectangle, radiance, false),
                 Light::Point { position, intensity, falloff } => Kind::Point { position, intensity, falloff },
@@ -241,7 +247,7 @@ impl Sampled {
             };
             Self { kind, object: super::lanes::NOTHING }
         });
-        lamps.chain(others).collect()
+        Ok(lamps.chain(others).collect())
     }
 
     /// Whether its light comes from more than one direction.

@@ -3,6 +3,7 @@
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
 mod casters;
+mod cut_lights;
 mod diffuse;
 mod direct;
 pub mod exposure;
@@ -25,6 +26,7 @@ mod workspace;
 pub use exposure::Dropped;
 pub use job::{Control, Job, Silent};
 
+use crate::envmap::cut::Split;
 use crate::error::{Error, Result};
 use crate::raster::{Image, Metadata};
 use crate::sampling::stream::StreamKind;
@@ -65,7 +67,15 @@ pub enum LightDensity {
     Map,
     /// The map's radiance less its mean; only [`Sampling::Mis`] can use it.
     Compensated,
+    /// The energy of so many regions of a cut of the map, evenly within each.
+    Strata(RegionCount),
+    /// Nothing is drawn: so many fixed lights, one for each region of a cut, stand for the map. They miss part of the
+    /// picture for good, and light whatever [`Sampling::Light`] lights; camera rays, mirrors and glass see the map.
+    CutLights(RegionCount, Split),
 }
+
+/// Number of regions that a map is cut into.
+pub type RegionCount = u32;
 
 /// What light does at surfaces and on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,6 +1,6 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::Settings;
+use super::{LightDensity, Settings};
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// A part of the renderer that some scenes can do without, as a bit.
@@ -64,7 +64,9 @@ impl Needs {
                     other => other.bsdf(settings.model.scattering).is_delta() == delta,
                 })
         };
-        let lamps = !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
+        let cut_lights = matches!(settings.density, LightDensity::CutLights(..)) && scene.environment.is_some();
+        let lamps =
+            cut_lights || !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
         let bits = [
             (Self::OCCLUSION, !lone_convex_from_outside(scene)),
             (Self::ENVIRONMENT, scene.environment.is_some()),
@@ -74,7 +76,7 @@ impl Needs {
         ];
         Self {
             bits: bits.into_iter().filter(|(_, needed)| *needed).map(|(need, _)| need.0).sum(),
-            environment_table: by_light && request.max_depth > 0 && scene.environment.is_some(),
+            environment_table: by_light && !cut_lights && request.max_depth > 0 && scene.environment.is_some(),
             meshes: scene.objects.iter().any(|object| matches!(object.shape, Shape::Mesh(_))),
         }
     }

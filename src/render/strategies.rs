@@ -5,6 +5,7 @@ use super::{LightDensity, Sampling, Settings};
 use crate::bsdf::diffuse;
 use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{CdfSampler, CompensatedSampler, Complete, SurfaceSampler};
+use crate::envmap::strata::StrataSampler;
 use crate::error::{Error, Result};
 use crate::sampling::warp;
 use crate::scene::Scene;
@@ -65,6 +66,12 @@ impl Strategies {
         }
         let map = environment.map.clone();
         Ok(match (settings.sampling, settings.density) {
+            // They are among the scene's lights.
+            (_, LightDensity::CutLights(..)) => Strategies::None,
+            (Sampling::Mis, LightDensity::Strata(n)) => {
+                Strategies::Both(Box::new(StrataSampler::new(map, n as usize)?), scatter)
+            }
+            (_, LightDensity::Strata(n)) => Strategies::Light(Box::new(StrataSampler::new(map, n as usize)?)),
             (_, LightDensity::Cosine) => Strategies::Light(Box::new(CosineSampler::new(map))),
             (Sampling::Light, LightDensity::Map) => Strategies::Light(Box::new(CdfSampler::new(map))),
             (Sampling::Light, LightDensity::Compensated) => {

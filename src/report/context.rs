@@ -8,6 +8,7 @@ use crate::optics::metals::{METALS, Metal};
 use crate::raster::Rgb;
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
+use crate::study::converge::Convergence;
 use crate::study::depth::{Depths, depths};
 use crate::study::roughness::{self, Shot as Statue};
 use crate::study::sampling_strategies::{Comparison, compare};
@@ -37,14 +38,14 @@ pub const COPPER: &Metal = &METALS[3];
 pub const IRON: &Metal = &METALS[4];
 
 /// Results by what they are of, each computed once.
-struct Memory<K, T>(Mutex<HashMap<K, Arc<T>>>);
+pub(super) struct Memory<K, T>(Mutex<HashMap<K, Arc<T>>>);
 
 impl<K: Eq + Hash, T> Memory<K, T> {
     fn new() -> Self {
         Self(Mutex::default())
     }
 
-    fn get(&self, key: K, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
+    pub(super) fn get(&self, key: K, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(result) = known.get(&key) {
             return Ok(result.clone());
@@ -88,6 +89,7 @@ pub struct Context {
     depths: Memory<(), Depths>,
     statues: Memory<(&'static str, u32), Statue>,
     comparison: Memory<(), Comparison>,
+    pub(super) convergences: Memory<&'static str, Convergence>,
 }
 
 impl Context {
@@ -106,6 +108,7 @@ impl Context {
             depths: Memory::new(),
             statues: Memory::new(),
             comparison: Memory::new(),
+            convergences: Memory::new(),
         }
     }
 
@@ -125,6 +128,12 @@ impl Context {
     #[must_use]
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
+    }
+
+    /// `full`, or `quick` if the run is a quick one.
+    #[must_use]
+    pub fn size<T>(&self, full: T, quick: T) -> T {
+        if self.quick { quick } else { full }
     }
 
     /// Whether the scenes are the report's own files.

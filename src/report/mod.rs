@@ -2,6 +2,9 @@
 
 mod check;
 mod context;
+pub mod converge;
+mod converge_entries;
+pub mod converge_series;
 pub mod depth;
 mod entries;
 pub mod fresnel;

@@ -1,0 +1,122 @@
+//! Regions of a cut as strata: a region in proportion to its energy, then a direction evenly within it.
+//!
+//! Unlike the lights of a cut, which stand at fixed places, such directions reach all of the map, so the estimate has
+//! no bias. Regions of equal energy are chosen equally often: with stratified numbers every one of them in turn.
+
+use super::cut::{MedianCut, SideRule, Split};
+use super::latlong::{Block, EnvMap};
+use super::sampler::{Complete, DirectionSampler, EnvSample};
+use crate::error::Result;
+use crate::sampling::table::Table1;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Draws directions by the regions of a median cut.
+pub struct StrataSampler {
+    map: Arc<EnvMap>,
+    regions: Table1,
+    strata: Vec<Stratum>,
+    /// The region of each texel.
+    of_texel: Vec<u32>,
+}
+
+/// A region between two meridians and two parallels.
+struct Stratum {
+    block: Block,
+    /// cos θ of its upper edge, less that of its lower one.
+    top: f64,
+    height: f64,
+    /// Density per solid angle.
+    pdf: f64,
+}
+
+impl StrataSampler {
+    /// Cuts the map into `count` regions.
+    ///
+    /// # Errors
+    /// As [`MedianCut::regions`].
+    pub fn new(map: Arc<EnvMap>, count: usize) -> Result<Self> {
+        let regions = MedianCut::new(&map, Split::Energy, SideRule::Sphere).regions(count)?;
+        let (width, rows) = (map.geometry().width(), map.geometry().height());
+        let energies: Vec<f64> = regions.iter().map(|region| region.energy).collect();
+        let table = Table1::new(&energies);
+        let mut of_texel = vec![0; width * rows];
+        let mut strata = Vec::with_capacity(count);
+        for (number, region) in regions.iter().enumerate() {
+            let Block { x0, x1, y0, y1 } = region.block;
+            for y in y0..y1 {
+                of_texel[y * width + x0..y * width + x1].fill(number as u32);
+            }
+            let cos = |y: usize| (PI * y as f64 / rows as f64).cos();
+            let (top, height) = (cos(y0), cos(y0) - cos(y1));
+            let solid_angle = height * 2.0 * PI * (x1 - x0) as f64 / width as f64;
+            strata.push(Stratum { block: region.block, top, height, pdf: table.probability(number) / solid_angle });
+        }
+        Ok(Self { map, regions: table, strata, of_texel })
+    }
+}
+
+impl DirectionSampler for StrataSampler {
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        let draw = self.regions.draw(u[0])?;
+        let Stratum { block, top, height, .. } = &self.strata[draw.cell];
+        let cos_theta = (top - u[1] * height).clamp(-1.0, 1.0);
+        let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
+        let x = block.x0 as f64 + draw.offset * (block.x1 - block.x0) as f64;
+        let (sin_phi, cos_phi) = (2.0 * PI * x / self.map.geometry().width() as f64).sin_cos();
+        let wi = DVec3::new(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi);
+        Some(EnvSample { wi, pdf: self.pdf(wi), radiance: self.map.radiance(wi) })
+    }
+
+    #[inline]
+    fn pdf(&self, wi: DVec3) -> f64 {
+        let (x, y) = self.map.geometry().texel(wi);
+        self.strata[self.of_texel[y * self.map.geometry().width() + x] as usize].pdf
+    }
+}
+
+// A region of no energy is never drawn, and has no light.
+impl Complete for StrataSampler {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::info::Info;
+    use crate::envmap::synthetic::Synthetic;
+    use crate::sampling::stream::{Independent, Stream};
+
+    #[test]
+    fn the_density_integrates_to_one_and_the_flux_is_the_maps() {
+        for synthetic in [Synthetic::Sun, Synthetic::Constant] {
+            let map = Arc::new(EnvMap::new(synthetic.make()));
+            let flux = Info::of(&map).flux_rgb.iter().sum::<f64>() / 3.0;
+            for count in [1, 7, 64] {
+                let sampler = StrataSampler::new(map.clone(), count).unwrap();
+                let g = map.geometry();
+                let texels = (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y)));
+                let total: f64 =
+                    texels.map(|(x, y)| sampler.pdf(g.direction_in_texel(x, y, 0.5, 0.5)) * g.solid_angle(y)).sum();
+                assert!((total - 1.0).abs() < 1e-9, "{count}: {total}");
+                let (n, mut sum, mut square) = (200_000_u32, 0.0, 0.0);
+                for i in 0..n {
+                    let sample = sampler.sample(Independent::new(3, 0, i).pair(0)).unwrap();
+                    let value = f64::from(sample.radiance.element_sum()) / 3.0 / sample.pdf;
+                    sum += value;
+                    square += value * value;
+                }
+                let mean = sum / f64::from(n);
+                let error = ((square / f64::from(n) - mean * mean) / f64::from(n)).sqrt();
+                assert!((mean - flux).abs() < 4.0 * error + 1e-6 * flux, "{count}: {mean} {flux} {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_black_map_gives_no_samples_and_impossible_cuts_are_refused() {
+        let map = Arc::new(EnvMap::new(crate::raster::Image::new(4, 2)));
+        assert!(StrataSampler::new(map.clone(), 3).unwrap().sample([0.5; 2]).is_none());
+        assert!(StrataSampler::new(map.clone(), 0).is_err() && StrataSampler::new(map, 9).is_err());
+    }
+}

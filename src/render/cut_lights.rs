@@ -1,0 +1,74 @@
+//! Lights that stand for a map: one for each region of a cut, with the region's flux, at its energy centroid.
+
+use super::{LightDensity, Sampling, Settings};
+use crate::envmap::cut::{MedianCut, SideRule};
+use crate::error::{Error, Result};
+use crate::scene::{Light, Scene};
+
+/// The directional lights that the settings put in the place of the scene's environment, if they do.
+///
+/// # Errors
+/// [`Error::Parameter`] for a cut that the map does not allow, and for strategies that would find the map's light once
+/// more by the material's directions.
+pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
+    let (LightDensity::CutLights(count, split), Some(environment)) = (settings.density, &scene.environment) else {
+        return Ok(Vec::new());
+    };
+    if settings.sampling != Sampling::Light {
+        return Err(Error::parameter("--light-density", "lights that stand for the map bring all of its light")
+            .with_hint("light sampling only: the material's directions would find the map a second time"));
+    }
+    let regions = MedianCut::new(&environment.map, split, SideRule::Sphere).regions(count as usize)?;
+    let light = |(x, y), flux: glam::DVec3| {
+        let towards = environment.to_world * environment.map.geometry().direction(x, y);
+        Light::Directional { direction: -towards.as_vec3(), irradiance: flux.as_vec3() * environment.scale }
+    };
+    Ok(regions.into_iter().map(|region| light(region.centroid, region.flux)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::EnvMap;
+    use crate::envmap::cut::Split;
+    use crate::envmap::synthetic::Synthetic;
+    use crate::render::{Silent, render};
+    use crate::scene::{Environment, Request, builtin};
+    use std::sync::Arc;
+
+    fn sphere() -> (Scene, Request) {
+        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
+        let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 1.0));
+        (scene, Request { width: 24, height: 24, spp: 16, light_samples: 1, ..request })
+    }
+
+    #[test]
+    fn many_lights_are_the_map_and_few_are_not() {
+        let (scene, request) = sphere();
+        let image = |density, spp| {
+            let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
+            render(&scene, &Request { spp, ..request }, &settings, &Silent).unwrap().image
+        };
+        let map = image(LightDensity::Cosine, 512);
+        let off = |count| {
+            let lights = image(LightDensity::CutLights(count, Split::Energy), 16);
+            crate::raster::compare(&lights, &map).unwrap().rmse
+        };
+        let (few, many) = (off(4), off(1024));
+        assert!(many < 0.01 && few > 10.0 * many, "{few} {many}");
+    }
+
+    #[test]
+    fn the_maps_light_is_not_brought_twice() {
+        let (scene, request) = sphere();
+        for sampling in [Sampling::Mis, Sampling::Bsdf] {
+            let density = LightDensity::CutLights(16, Split::Energy);
+            let settings = Settings { sampling, density, ..Settings::default() };
+            assert!(render(&scene, &request, &settings, &Silent).is_err());
+        }
+        for density in [LightDensity::CutLights(0, Split::Energy), LightDensity::Strata(u32::MAX)] {
+            let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
+            assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density:?}");
+        }
+    }
+}

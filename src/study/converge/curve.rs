@@ -1,0 +1,219 @@
+//! The error of one strategy as its samples and its time grow: levels from replicates, the slope, and whether it is bias.
+
+use super::ladder::Times;
+use super::reference::Reference;
+use super::strategy::Strategy;
+use crate::error::Result;
+use crate::raster::{Comparison, Image};
+use crate::stats::estimate::Estimate;
+use crate::stats::fit;
+use glam::DVec3;
+use serde::Serialize;
+
+/// One replicate at one number of samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    pub spp: u32,
+    pub times: Times,
+    pub errors: Comparison,
+}
+
+/// All replicates at one number of samples. Errors carry 95 % intervals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Level {
+    pub spp: u32,
+    /// Mean times of a render, without its preparation.
+    pub cpu_seconds: f64,
+    pub wall_seconds: f64,
+    pub mse: Estimate,
+    pub rel_mse: Estimate,
+    /// Mean HDR-FLIP of the first replicate.
+    pub flip: Option<f64>,
+    /// 1 / (MSE · processor time).
+    pub efficiency: f64,
+}
+
+impl Level {
+    /// √MSE; NaN where the reference's noise hides it.
+    #[must_use]
+    pub fn rmse(&self) -> f64 {
+        self.mse.value.sqrt()
+    }
+
+    /// The interval of [`Level::rmse`].
+    #[must_use]
+    pub fn rmse_band(&self) -> [f64; 2] {
+        self.mse.positive().map(f64::sqrt)
+    }
+}
+
+/// What a curve says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The error of the mean over all replicates is more than chance explains: the curve flattens.
+    Biased,
+    /// As −½, within the slope's interval.
+    MonteCarlo,
+    /// The slope's interval lies below −½.
+    Faster,
+    /// The slope's interval lies above −½.
+    Slower,
+    /// Too few replicates or levels.
+    Unknown,
+}
+
+/// One strategy's errors.
+#[derive(Debug, Clone, Serialize)]
+pub struct Curve {
+    pub strategy: Strategy,
+    pub replicates: usize,
+    pub levels: Vec<Level>,
+    /// p of RMSE ∝ sppᵖ from [`FIT_FROM`] samples per pixel on.
+    pub slope: Estimate,
+    /// Mean squared bias of the last level; its standard error has the reference's noise in it.
+    pub bias2: Estimate,
+    pub verdict: Verdict,
+    /// Mean wall-clock time of the preparation: tables, trees.
+    pub preparation_seconds: f64,
+    /// The first replicate's picture at each level.
+    #[serde(skip)]
+    pub images: Vec<Image>,
+}
+
+/// Levels with fewer samples per pixel are left out of the fit: Sobol' points need some company.
+pub const FIT_FROM: u32 = 4;
+/// Levels that a slope needs.
+const FIT_LEVELS: usize = 3;
+/// Standard errors beyond which the error of the mean picture is bias.
+pub const SIGMAS: f64 = 3.0;
+/// Levels whose RMSE is not this many times that of the reference's mean are left out of the fit.
+const ABOVE_REFERENCE: f64 = 1.0;
+
+/// What one replicate left behind: its levels, and its last picture.
+pub struct Run {
+    pub levels: Vec<Measured>,
+    pub last: Image,
+    pub preparation: f64,
+}
+
+impl Curve {
+    /// From replicates that all have the same levels; `images` and `flips` are the first one's, level by level.
+    ///
+    /// # Errors
+    /// As [`Reference::compare`].
+    pub fn new(
+        strategy: Strategy,
+        runs: &[Run],
+        reference: &Reference,
+        images: Vec<Image>,
+        flips: &[Option<f64>],
+    ) -> Result<Self> {
+        let count = runs.iter().map(|run| run.levels.len()).min().unwrap_or(0);
+        let level = |i: usize| {
+            let all = |f: &dyn Fn(&Measured) -> f64| runs.iter().map(|run| f(&run.levels[i])).collect::<Vec<_>>();
+            let mean = |f: &dyn Fn(&Measured) -> f64| all(f).iter().sum::<f64>() / runs.len() as f64;
+            let mse = Estimate::mean(&all(&|m| m.errors.mse));
+            let cpu_seconds = mean(&|m| m.times.cpu);
+            Level {
+                spp: runs[0].levels[i].spp,
+                cpu_seconds,
+                wall_seconds: mean(&|m| m.times.wall),
+                mse,
+                rel_mse: Estimate::mean(&all(&|m| m.errors.rel_mse)),
+                flip: flips.get(i).copied().flatten(),
+                efficiency: 1.0 / (mse.value * cpu_seconds),
+            }
+        };
+        let levels: Vec<Level> = (0..count).map(level).collect();
+        let fitted: Vec<usize> =
+            (0..count).filter(|&i| levels[i].spp >= FIT_FROM && reference.is_clear(levels[i].mse.value)).collect();
+        let slope_of = |run: &Run| {
+            let points = fitted.iter().map(|&i| [f64::from(levels[i].spp), run.levels[i].errors.mse.sqrt()]);
+            fit::log_log_slope(&points.collect::<Vec<_>>())
+        };
+        let slope = if fitted.len() < FIT_LEVELS {
+            Estimate::default()
+        } else {
+            Estimate::mean(&runs.iter().map(slope_of).collect::<Vec<_>>())
+        };
+        let bias2 = bias2(runs, reference)?;
+        let verdict = verdict(slope, bias2, levels.last());
+        let preparation_seconds = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
+        Ok(Self { strategy, replicates: runs.len(), levels, slope, bias2, verdict, preparation_seconds, images })
+    }
+
+    /// The level whose processor time is nearest to `seconds`, by their ratio.
+    #[must_use]
+    pub fn nearest(&self, seconds: f64) -> Option<usize> {
+        let off = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
+        (0..self.levels.len()).min_by(|&a, &b| off(&self.levels[a]).total_cmp(&off(&self.levels[b])))
+    }
+
+    /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
+    #[must_use]
+    pub fn time_to(&self, rmse: f64) -> Option<f64> {
+        let first = self.levels.first().filter(|level| level.rmse() <= rmse);
+        let points: Vec<[f64; 2]> = self.levels.iter().rev().map(|l| [l.rmse(), l.cpu_seconds]).collect();
+        first.map(|level| level.cpu_seconds).or_else(|| fit::log_log_at(&points, rmse))
+    }
+}
+
+impl Reference {
+    /// Whether a mean squared error stands above the reference's own.
+    fn is_clear(&self, mse: f64) -> bool {
+        mse > (ABOVE_REFERENCE * self.facts.rmse).powi(2)
+    }
+}
+
+/// The mean over all pixels of the squared bias of the last level, which replicates do not average away.
+///
+/// With x̄ the mean picture of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
+/// bias² + variance; so bias² = (R MSE(x̄) − mean MSE)/(R − 1). Without bias it comes out about 0, and may be below.
+/// Unknown from fewer than three replicates.
+fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
+    let images: Vec<(&Image, f64)> =
+        runs.iter().filter_map(|run| Some((&run.last, run.levels.last()?.errors.mse))).collect();
+    let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
+    reference.compare(first)?;
+    // Leaving one out must leave a pair.
+    if images.len() < 3 {
+        return Ok(Estimate::default());
+    }
+    let estimate = Estimate::jackknife(&images, |some| {
+        let n = some.len() as f64;
+        let pictures: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();
+        // The sizes were compared above.
+        let of_mean = reference.compare(&mean(&pictures)).map_or(f64::NAN, |c| c.mse);
+        let mean_mse = some.iter().map(|(_, mse)| mse).sum::<f64>() / n;
+        (n * of_mean - mean_mse) / (n - 1.0)
+    });
+    let widened = estimate.standard_error.hypot(reference.mse_resolution());
+    let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
+    Ok(Estimate { standard_error: widened, half_width: widened * ratio, ..estimate })
+}
+
+fn mean(images: &[&Image]) -> Image {
+    let mut sums = vec![DVec3::ZERO; images[0].pixels().len()];
+    for image in images {
+        sums.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+    }
+    let pixels = sums.into_iter().map(|sum| (sum / images.len() as f64).as_vec3()).collect();
+    Image::from_pixels(images[0].width(), images[0].height(), pixels)
+}
+
+/// Bias must be significant, and of weight: a hundredth of what is left of the error at the end.
+fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> Verdict {
+    let last = last.map_or(f64::NAN, |level| level.mse.value);
+    if bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last {
+        Verdict::Biased
+    } else if !slope.half_width.is_finite() {
+        Verdict::Unknown
+    } else if slope.high() < -0.5 {
+        Verdict::Faster
+    } else if slope.low() > -0.5 {
+        Verdict::Slower
+    } else {
+        Verdict::MonteCarlo
+    }
+}

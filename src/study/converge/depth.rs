@@ -1,0 +1,101 @@
+//! Light that is missing in a render that ends at some depth, and the time that ending saves.
+
+use super::ladder::{Deadline, Ladder};
+use crate::error::Result;
+use crate::raster::Image;
+use crate::render::Settings;
+use crate::scene::{Request, Scene};
+use crate::stats::estimate::Estimate;
+
+/// Depths that are measured; the last one stands for all light.
+pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];
+
+/// One depth of one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    pub depth: u32,
+    /// 1 − the picture's light over that of the deepest one of the same random numbers.
+    pub missing: Estimate,
+    pub cpu_seconds: Estimate,
+    /// Processor time over that of the deepest picture.
+    pub time_share: f64,
+}
+
+/// A scene's depths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Depths {
+    pub scene: String,
+    pub replicates: u32,
+    pub spp: u32,
+    pub levels: Vec<Level>,
+}
+
+/// Renders a scene to every depth, `replicates` times with seeds of their own, all depths in turns. A picture that ends
+/// early is the beginning of a deep one (see [`truncation`](crate::study::depth::truncation)), so that their noise is
+/// the same and what is missing is known far better than either of them. Without a level if the deadline comes first.
+///
+/// # Errors
+/// As [`Ladder::new`].
+pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, deadline: &Deadline) -> Result<Depths> {
+    let mut light: Vec<Vec<f64>> = vec![Vec::new(); DEPTHS.len()];
+    let mut times = light.clone();
+    for replicate in 0..replicates {
+        let settings = Settings { seed: seed.wrapping_add(u64::from(replicate)), ..Settings::default() };
+        let ladders = DEPTHS.map(|max_depth| Ladder::new(scene, &Request { max_depth, ..*request }, &settings));
+        let mut ladders = ladders.into_iter().collect::<Result<Vec<_>>>()?;
+        while ladders[0].spp() <= request.spp / 2 {
+            for ladder in &mut ladders {
+                ladder.double(deadline);
+            }
+        }
+        if deadline.is_over() {
+            break;
+        }
+        for ((ladder, light), times) in ladders.iter().zip(&mut light).zip(&mut times) {
+            light.push(mean(&ladder.image()));
+            times.push(ladder.times.cpu);
+        }
+    }
+    let deepest = DEPTHS.len() - 1;
+    let all_time: f64 = times[deepest].iter().sum();
+    let level = |i: usize| {
+        let missing = light[i].iter().zip(&light[deepest]).map(|(some, all)| 1.0 - some / all);
+        Level {
+            depth: DEPTHS[i],
+            missing: Estimate::mean(&missing.collect::<Vec<_>>()),
+            cpu_seconds: Estimate::mean(&times[i]),
+            time_share: times[i].iter().sum::<f64>() / all_time,
+        }
+    };
+    let count = if light[0].is_empty() { 0 } else { DEPTHS.len() };
+    Ok(Depths {
+        scene: scene.name.clone(),
+        replicates: light[0].len() as u32,
+        spp: request.spp,
+        levels: (0..count).map(level).collect(),
+    })
+}
+
+fn mean(image: &Image) -> f64 {
+    let sum: f64 = image.pixels().iter().map(|p| p.as_dvec3().element_sum()).sum();
+    sum / (3.0 * image.pixels().len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn each_depth_has_more_light_and_takes_more_time() {
+        let (scene, request) = builtin::cornell_spheres();
+        let request = Request { width: 40, height: 30, spp: 16, light_samples: 1, ..request };
+        let depths = measure(&scene, &request, 3, 1, &Deadline::after(60.0)).unwrap();
+        let missing: Vec<f64> = depths.levels.iter().map(|l| l.missing.value).collect();
+        assert!(missing.windows(2).all(|pair| pair[0] > pair[1]), "{missing:?}");
+        assert_eq!((missing[DEPTHS.len() - 1], depths.levels[DEPTHS.len() - 1].time_share), (0.0, 1.0));
+        assert!(depths.levels[0].time_share < 0.7, "{:?}", depths.levels[0]);
+        let none = measure(&scene, &request, 3, 1, &Deadline::after(0.0)).unwrap();
+        assert!(none.levels.is_empty() && none.replicates == 0);
+    }
+}

@@ -1,0 +1,151 @@
+//! A render that doubles its samples step by step, its time taken around the rendering alone.
+
+use crate::error::Result;
+use crate::raster::{Image, Metadata};
+use crate::render::exposure::Part;
+use crate::render::{Control, Job, Settings};
+use crate::scene::{Request, Scene};
+use cpu_time::ProcessTime;
+use std::time::{Duration, Instant};
+
+/// When everything must be over.
+#[derive(Debug, Clone, Copy)]
+pub struct Deadline(Instant);
+
+impl Deadline {
+    #[must_use]
+    pub fn after(seconds: f64) -> Self {
+        Self(Instant::now() + Duration::from_secs_f64(seconds))
+    }
+
+    /// The moment when `share` of the time left will have passed.
+    #[must_use]
+    pub fn share(&self, share: f64) -> Self {
+        Self::after(self.left() * share)
+    }
+
+    /// Seconds until then, at least 0.
+    #[must_use]
+    pub fn left(&self) -> f64 {
+        self.0.saturating_duration_since(Instant::now()).as_secs_f64()
+    }
+
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        Instant::now() >= self.0
+    }
+}
+
+impl Control for Deadline {
+    fn done(&self, _samples: u64) {}
+
+    fn stop(&self) -> bool {
+        self.is_over()
+    }
+}
+
+/// Time that something took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Times {
+    /// By the clock on the wall.
+    pub wall: f64,
+    /// Of all processors together.
+    pub cpu: f64,
+}
+
+impl Times {
+    /// Does something and adds how long it took. Where the system does not know processor time, it counts as wall time.
+    pub fn of<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let (wall, cpu) = (Instant::now(), ProcessTime::try_now());
+        let result = work();
+        let elapsed = wall.elapsed();
+        self.wall += elapsed.as_secs_f64();
+        self.cpu += cpu.and_then(|cpu| cpu.try_elapsed()).unwrap_or(elapsed).as_secs_f64();
+        result
+    }
+}
+
+/// A render that grows.
+pub struct Ladder<'a> {
+    job: Job<'a>,
+    part: Part,
+    spp: u32,
+    /// Of all samples so far, without the preparation.
+    pub times: Times,
+    /// Of the preparation: tables, trees.
+    pub preparation: Times,
+}
+
+impl<'a> Ladder<'a> {
+    /// Prepares the render; `request.spp` is where it ends.
+    ///
+    /// # Errors
+    /// As [`Job::new`] and [`Job::part`].
+    pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
+        let mut preparation = Times::default();
+        let job = preparation.of(|| Job::new(scene, request, settings))?;
+        let part = job.part(Metadata::default())?;
+        Ok(Self { job, part, spp: 0, times: Times::default(), preparation })
+    }
+
+    /// Samples per pixel so far.
+    #[must_use]
+    pub fn spp(&self) -> u32 {
+        self.spp
+    }
+
+    /// What the next step is going to take, by what the samples so far took.
+    #[must_use]
+    pub fn next_step(&self) -> f64 {
+        self.times.wall
+    }
+
+    /// Doubles the samples (from none to one). False, and of no use any more, if the deadline came first.
+    pub fn double(&mut self, deadline: &Deadline) -> bool {
+        let next = (2 * self.spp).max(1);
+        self.times.of(|| self.job.run(&mut self.part, self.spp..next, deadline));
+        self.spp = next;
+        self.part.ranges().have(&(0..next))
+    }
+
+    /// The picture so far.
+    #[must_use]
+    pub fn image(&self) -> Image {
+        self.part.exposure.image()
+    }
+
+    /// The film so far.
+    #[must_use]
+    pub fn part(&self) -> &Part {
+        &self.part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{Silent, render};
+    use crate::scene::builtin;
+
+    #[test]
+    fn step_by_step_is_the_same_picture() {
+        let (scene, request) = builtin::cornell_lambert();
+        let request = Request { width: 24, height: 18, spp: 8, ..request };
+        let mut ladder = Ladder::new(&scene, &request, &Settings::default()).unwrap();
+        let deadline = Deadline::after(60.0);
+        let mut before = Times::default();
+        for spp in [1, 2, 4, 8] {
+            assert!(ladder.double(&deadline) && ladder.spp() == spp);
+            assert!(ladder.times.wall > before.wall && ladder.times.cpu >= before.cpu);
+            before = ladder.times;
+        }
+        assert_eq!(ladder.image(), render(&scene, &request, &Settings::default(), &Silent).unwrap().image);
+    }
+
+    #[test]
+    fn a_deadline_that_is_over_stops_it() {
+        let (scene, request) = builtin::cornell_lambert();
+        let mut ladder = Ladder::new(&scene, &request, &Settings::default()).unwrap();
+        assert!(!ladder.double(&Deadline::after(0.0)));
+    }
+}

@@ -1,0 +1,243 @@
+//! Error against run time: how far each sampling strategy's picture is from the truth as its samples double.
+//!
+//! A replicate renders every strategy once, with a seed of its own. All strategies take each step (1, 2, 4, … samples
+//! per pixel) in turns, so that a machine that slows down slows all of them, and only the rendering itself is timed.
+//! Errors are taken against an exact picture where there is one, else against two independent long renders whose own
+//! errors drop out (see [`compare_with_halves`](crate::raster::compare_with_halves)).
+
+pub mod curve;
+pub mod depth;
+pub mod flip;
+pub mod ladder;
+pub mod lights;
+pub mod reference;
+pub mod roughness;
+pub mod strategy;
+
+use crate::error::{Error, Result};
+use crate::scene::{Request, Scene};
+use curve::{Curve, Measured, Run, Verdict};
+use ladder::{Deadline, Ladder};
+use reference::{Facts, Reference};
+use serde::Serialize;
+use strategy::Strategy;
+
+/// How much to measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Seconds of wall-clock time for everything.
+    pub budget: f64,
+    pub max_spp: u32,
+    /// At most so many renders of each strategy with seeds of their own.
+    pub replicates: u32,
+    pub seed: u64,
+}
+
+/// Largest budget, in seconds: a day.
+const LONGEST: f64 = 86_400.0;
+/// Films and pictures may take so many bytes.
+const MEMORY: usize = 1 << 29;
+/// A film's bytes per pixel, and an image's.
+const FILM: usize = 104;
+const IMAGE: usize = 12;
+
+impl Plan {
+    fn check(&self, request: &Request, strategies: usize) -> Result<()> {
+        if !(self.budget > 0.0 && self.budget <= LONGEST) {
+            return Err(Error::parameter("--budget", format!("{} is not a number of seconds", self.budget))
+                .with_hint("more than 0 and at most 86400"));
+        }
+        if self.max_spp == 0 || self.max_spp > 1 << 24 {
+            return Err(Error::parameter("--max-spp", format!("{} samples per pixel", self.max_spp))
+                .with_hint("from 1 to 16777216"));
+        }
+        if !(1..=1000).contains(&self.replicates) {
+            return Err(Error::parameter("--replicates", format!("{}", self.replicates)).with_hint("from 1 to 1000"));
+        }
+        if strategies == 0 {
+            return Err(Error::parameter("--strategies", "none is given"));
+        }
+        let levels = self.max_spp.ilog2() as usize + 1;
+        let each = FILM + IMAGE * (levels + self.replicates as usize);
+        let bytes = request.width.saturating_mul(request.height).saturating_mul(strategies * each);
+        if bytes > MEMORY {
+            let message = format!("the films of {}x{} pixels need {} MiB", request.width, request.height, bytes >> 20);
+            return Err(Error::parameter("-r", message).with_hint("at most 512 MiB: a small picture measures as well"));
+        }
+        Ok(())
+    }
+}
+
+/// The curves of all strategies on one scene.
+#[derive(Debug, Clone, Serialize)]
+pub struct Convergence {
+    pub scene: String,
+    pub width: usize,
+    pub height: usize,
+    /// None if the budget was over before there was one.
+    pub reference: Option<Facts>,
+    pub curves: Vec<Curve>,
+    /// What the budget did not allow, in words.
+    pub cut: Vec<String>,
+    pub seconds: f64,
+    #[serde(skip)]
+    pub truth: Option<Reference>,
+}
+
+/// Each half of a rendered reference has at most so many times the samples of what is compared with it, each with several
+/// light samples: together a mean squared error of less than a tenth.
+const FURTHER: u32 = 8;
+
+/// The share of the time that is kept back for evaluating errors.
+const RESERVE: f64 = 0.03;
+
+/// Measures the strategies on a scene.
+///
+/// `known` is a reference to use in place of one that is made here, within half of the budget.
+///
+/// # Errors
+/// [`Error::Parameter`] for a plan that cannot be carried out, or a strategy that the scene has no use for.
+pub fn measure(
+    scene: &Scene,
+    request: &Request,
+    strategies: &[Strategy],
+    plan: &Plan,
+    known: Option<&Reference>,
+) -> Result<Convergence> {
+    plan.check(request, strategies.len())?;
+    strategies.iter().try_for_each(|strategy| strategy.check(scene))?;
+    let all = Deadline::after(plan.budget);
+    let mut result = Convergence {
+        scene: scene.name.clone(),
+        width: request.width,
+        height: request.height,
+        reference: None,
+        curves: Vec::new(),
+        cut: Vec::new(),
+        seconds: 0.0,
+        truth: None,
+    };
+    let truth = match known {
+        Some(known) => Some(known.clone()),
+        None => make_reference(scene, request, plan, &all.share(0.5))?,
+    };
+    if let Some(truth) = truth {
+        result.reference = Some(truth.facts.clone());
+        climb(scene, request, strategies, plan, &truth, &all, &mut result)?;
+        result.truth = Some(truth);
+    } else {
+        result.cut.push("the reference: nothing was measured".into());
+    }
+    result.seconds = plan.budget - all.left();
+    Ok(result)
+}
+
+fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Deadline) -> Result<Option<Reference>> {
+    if let Some(exact) = Reference::exact(scene, request, deadline) {
+        return Ok(Some(exact));
+    }
+    let max_spp = plan.max_spp.saturating_mul(FURTHER).min(1 << 24);
+    Reference::rendered(scene, request, plan.seed, max_spp, deadline)
+}
+
+/// Renders replicate after replicate as long as the next one fits into the time that is left.
+fn climb(
+    scene: &Scene,
+    request: &Request,
+    strategies: &[Strategy],
+    plan: &Plan,
+    truth: &Reference,
+    all: &Deadline,
+    result: &mut Convergence,
+) -> Result<()> {
+    let request = Request { spp: plan.max_spp, ..*request };
+    let picture = truth.image();
+    let mut runs: Vec<Vec<Run>> = strategies.iter().map(|_| Vec::new()).collect();
+    let mut images = vec![Vec::new(); strategies.len()];
+    let mut flips = vec![Vec::new(); strategies.len()];
+    let mut longest = 0.0_f64;
+    for replicate in 0..plan.replicates {
+        let before = all.left();
+        if before < longest * (1.0 + RESERVE) {
+            result.cut.push(format!("{} of {} replicates", plan.replicates - replicate, plan.replicates));
+            break;
+        }
+        // What one strategy may take in one replicate.
+        let share = before * (1.0 - RESERVE) / f64::from(plan.replicates - replicate) / strategies.len() as f64;
+        let seed = plan.seed.wrapping_add(u64::from(replicate));
+        let ladders = strategies.iter().map(|s| Ladder::new(scene, &request, &s.settings(seed)));
+        let mut ladders = ladders.collect::<Result<Vec<_>>>()?;
+        let mut levels: Vec<Vec<Measured>> = vec![Vec::new(); strategies.len()];
+        let mut climbing: Vec<usize> = (0..strategies.len()).collect();
+        while !climbing.is_empty() && !all.is_over() {
+            let mut on = Vec::new();
+            for i in climbing {
+                let ladder = &mut ladders[i];
+                let fits = match runs[i].first() {
+                    // All replicates have the levels of the first one.
+                    Some(first) => levels[i].len() < first.levels.len(),
+                    None => ladder.preparation.wall + ladder.times.wall + ladder.next_step() <= share,
+                };
+                if ladder.spp() > plan.max_spp / 2 || !fits || !ladder.double(all) {
+                    continue;
+                }
+                let image = ladder.image();
+                levels[i].push(Measured { spp: ladder.spp(), times: ladder.times, errors: truth.compare(&image)? });
+                if replicate == 0 {
+                    flips[i].push(flip::mean(&image, &picture));
+                    images[i].push(image);
+                }
+                on.push(i);
+            }
+            climbing = on;
+        }
+        let whole = |i: usize| runs[i].first().is_none_or(|first: &Run| levels[i].len() == first.levels.len());
+        if all.is_over() || !(0..strategies.len()).all(whole) {
+            result.cut.push(format!("{} of {} replicates", plan.replicates - replicate, plan.replicates));
+            break;
+        }
+        for ((runs, levels), ladder) in runs.iter_mut().zip(levels).zip(&ladders) {
+            runs.push(Run { levels, last: ladder.image(), preparation: ladder.preparation.wall });
+        }
+        longest = longest.max(before - all.left());
+    }
+    for (((strategy, runs), images), flips) in strategies.iter().zip(runs).zip(images).zip(flips) {
+        let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
+        if reached <= plan.max_spp / 2 {
+            result.cut.push(format!("{}: {reached} of {} samples per pixel", strategy.name, plan.max_spp));
+        }
+        if !runs.is_empty() {
+            result.curves.push(Curve::new(strategy.clone(), &runs, truth, images, &flips)?);
+        }
+    }
+    Ok(())
+}
+
+impl Convergence {
+    /// A strategy's curve.
+    #[must_use]
+    pub fn curve(&self, strategy: &str) -> Option<&Curve> {
+        self.curves.iter().find(|curve| curve.strategy.name == strategy)
+    }
+
+    /// The processor time that all strategies have had: the shortest of their last levels.
+    #[must_use]
+    pub fn common_seconds(&self) -> f64 {
+        let last = self.curves.iter().filter_map(|curve| Some(curve.levels.last()?.cpu_seconds));
+        last.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest RMSE that every strategy without bias has reached.
+    #[must_use]
+    pub fn common_rmse(&self) -> f64 {
+        let unbiased = self.curves.iter().filter(|curve| curve.verdict != Verdict::Biased);
+        let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
+        unbiased.map(least).fold(f64::NAN, f64::max)
+    }
+
+    /// Whether anything can be said of any strategy.
+    #[must_use]
+    pub fn has_verdict(&self) -> bool {
+        self.curves.iter().any(|curve| curve.verdict != Verdict::Unknown)
+    }
+}

@@ -1,0 +1,232 @@
+//! What renders are compared with: the exact picture where there is one, else two independent long renders.
+
+use super::ladder::{Deadline, Ladder};
+use crate::envmap::irradiance::IrradianceTree;
+use crate::error::Result;
+use crate::raster::{Comparison, Image, Rgb, compare, compare_with_halves};
+use crate::render::Settings;
+use crate::scene::{Environment, Material, Object, Projection, Request, Scene, Shape};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// A reference. Pixels that are not finite do not count.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// Two independent estimates; twice the same picture where it is exact.
+    halves: [Image; 2],
+    pub facts: Facts,
+}
+
+/// What is known of a reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Facts {
+    pub exact: bool,
+    /// Samples per pixel of both halves together; 0 where it is exact.
+    pub spp: u32,
+    /// Root mean square error of the mean of the halves, by how they differ: √(mean((b₁ − b₂)²)/4).
+    pub rmse: f64,
+    /// Mean of the channel values.
+    pub mean: f64,
+    /// Pixels that are compared.
+    pub pixels: usize,
+}
+
+/// Steps of light samples in the long renders.
+const LIGHT_SAMPLES: u32 = 4;
+/// Offset of the seed of the long renders, whose numbers must have nothing in common with the others'.
+const APART: u64 = 0x5eed_0000_0000;
+/// Inner and outer radius of the pixels of a lit sphere that count, in units of its own: in the middle the report's
+/// camera touches it, and at the rim radiance changes too fast for four points in a pixel.
+const RING: [f64; 2] = [0.05, 0.95];
+
+impl Reference {
+    /// The exact picture where there is one; `None` for other scenes and if the deadline comes first.
+    #[must_use]
+    pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Self> {
+        let image = lit_sphere(scene, request, deadline).or_else(|| white_furnace(scene, request))?;
+        let Comparison { mean_a, pixels, .. } = compare(&image, &image).ok()?;
+        let facts = Facts { exact: true, spp: 0, rmse: 0.0, mean: mean_a, pixels };
+        Some(Self { halves: [image.clone(), image], facts })
+    }
+
+    /// Renders two halves by the renderer's default strategy, in turns, each twice as long as before until the deadline
+    /// or `max_spp` forbids another step; `None` if it forbids the first one.
+    ///
+    /// # Errors
+    /// As [`Ladder::new`].
+    pub fn rendered(
+        scene: &Scene,
+        request: &Request,
+        seed: u64,
+        max_spp: u32,
+        deadline: &Deadline,
+    ) -> Result<Option<Self>> {
+        let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
+        let ladder = |i: u64| {
+            let settings = Settings { seed: seed.wrapping_add(APART + i), ..Settings::default() };
+            Ladder::new(scene, &request, &settings)
+        };
+        let mut ladders = [ladder(0)?, ladder(1)?];
+        while ladders[0].spp() <= max_spp / 2 && ladders.iter().map(Ladder::next_step).sum::<f64>() < deadline.left() {
+            let mut grown = ladders.iter_mut().map(|ladder| ladder.double(deadline));
+            if !grown.all(|whole| whole) {
+                return Ok(None);
+            }
+        }
+        let halves = [ladders[0].image(), ladders[1].image()];
+        let difference = compare(&halves[0], &halves[1])?;
+        let facts = Facts {
+            exact: false,
+            spp: 2 * ladders[0].spp(),
+            rmse: 0.5 * difference.rmse,
+            mean: 0.5 * (difference.mean_a + difference.mean_b),
+            pixels: difference.pixels,
+        };
+        Ok(Some(Self { halves, facts }).filter(|r| r.facts.spp > 0))
+    }
+
+    /// How far a picture is from the truth, the reference's own noise taken out on average.
+    ///
+    /// # Errors
+    /// As [`compare_with_halves`].
+    pub fn compare(&self, image: &Image) -> Result<Comparison> {
+        compare_with_halves(image, [&self.halves[0], &self.halves[1]])
+    }
+
+    /// The standard deviation that the reference's noise gives to a mean squared error near 0: the mean product of the
+    /// halves' errors over all channel values.
+    #[must_use]
+    pub fn mse_resolution(&self) -> f64 {
+        2.0 * self.facts.rmse.powi(2) / (3.0 * self.facts.pixels as f64).sqrt()
+    }
+
+    /// The mean of the halves.
+    #[must_use]
+    pub fn image(&self) -> Image {
+        let pairs = self.halves[0].pixels().iter().zip(self.halves[1].pixels());
+        let pixels = pairs.map(|(a, b)| 0.5 * (a + b)).collect();
+        Image::from_pixels(self.halves[0].width(), self.halves[0].height(), pixels)
+    }
+}
+
+/// The mean radiance over each pixel's square of a diffuse sphere alone in an environment, seen in parallel so that it
+/// fills a square picture.
+fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Image> {
+    let (environment, albedo) = lone_sphere(scene, request)?;
+    let tree = IrradianceTree::new(&environment.map);
+    let size = request.width;
+    let radiance = |x: f64, y: f64| {
+        let (nx, ny) = (2.0 * x / size as f64 - 1.0, 1.0 - 2.0 * y / size as f64);
+        let r2 = nx * nx + ny * ny;
+        let inside = (RING[0] * RING[0]..RING[1] * RING[1]).contains(&r2);
+        let n = inside.then(|| DVec3::new(nx, ny, (1.0 - r2).sqrt()))?;
+        Some(tree.irradiance(environment.to_map(n)).value)
+    };
+    let scale = (albedo * environment.scale).as_dvec3() / PI;
+    // Gauss' two points along either side.
+    let at = 0.5 / 3.0_f64.sqrt();
+    let pixel = |i: usize| {
+        let centre = [(i % size) as f64 + 0.5, (i / size) as f64 + 0.5];
+        let mut sum = DVec3::ZERO;
+        for [dx, dy] in [[-at, -at], [at, -at], [-at, at], [at, at]] {
+            // A pixel counts if all of it does.
+            radiance(centre[0] + dx.signum() * 0.5, centre[1] + dy.signum() * 0.5).filter(|_| !deadline.is_over())?;
+            sum += radiance(centre[0] + dx, centre[1] + dy)?;
+        }
+        Some((sum * 0.25 * scale).as_vec3())
+    };
+    let pixels = (0..size * size).into_par_iter().map(|i| pixel(i).unwrap_or(Rgb::NAN)).collect();
+    let image = Image::from_pixels(size, size, pixels);
+    (!deadline.is_over()).then_some(image)
+}
+
+/// The picture of white spheres that lose no light, in even light from everywhere: that light.
+fn white_furnace(scene: &Scene, request: &Request) -> Option<Image> {
+    let environment = scene.environment.as_ref()?;
+    let texels = environment.map.image().pixels();
+    let lossless = |object: &Object| {
+        let white = match object.material {
+            Material::Diffuse { albedo } => albedo == Rgb::ONE,
+            Material::Mirror { reflectance } => reflectance == Rgb::ONE,
+            Material::Glass { reflectance, transmittance, .. } => reflectance == Rgb::ONE && transmittance == Rgb::ONE,
+            _ => false,
+        };
+        white && matches!(object.shape, Shape::Sphere(_)) && object.emission.is_none()
+    };
+    let even = texels.iter().all(|texel| *texel == texels[0]);
+    let whole = request.max_depth >= DEEP && scene.lights.is_empty() && scene.objects.iter().all(lossless);
+    (even && whole).then(|| Image::from_fn(request.width, request.height, |_, _| texels[0] * environment.scale))
+}
+
+/// Paths of so many segments have found their way out from between spheres.
+const DEEP: u32 = 50;
+
+/// The environment and albedo of a scene whose picture is known exactly.
+fn lone_sphere<'a>(scene: &'a Scene, request: &Request) -> Option<(&'a Environment, Rgb)> {
+    let [object] = scene.objects.as_slice() else { return None };
+    let (Shape::Sphere(sphere), Material::Diffuse { albedo }) = (&object.shape, &object.material) else { return None };
+    let camera = &scene.camera;
+    let Projection::Orthographic { half_width, half_height } = camera.projection else { return None };
+    let radius = f64::from(sphere.radius);
+    let fills = half_width == radius && half_height == radius && request.width == request.height;
+    let along_z = (camera.right, camera.up, camera.forward) == (DVec3::X, DVec3::Y, DVec3::NEG_Z);
+    let offset = camera.position - sphere.centre.as_dvec3();
+    let in_front = offset.truncate().length() == 0.0 && offset.z >= radius;
+    let alone = scene.lights.is_empty() && object.emission.is_none() && request.max_depth > 0;
+    (fills && along_z && in_front && alone).then_some((scene.environment.as_ref()?, *albedo))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::EnvMap;
+    use crate::envmap::synthetic::Synthetic;
+    use crate::scene::builtin;
+    use std::sync::Arc;
+
+    #[test]
+    fn the_exact_picture_is_what_the_default_strategy_converges_to() {
+        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
+        let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 8.0));
+        let request = Request { width: 40, height: 40, ..request };
+        let deadline = Deadline::after(60.0);
+        let exact = Reference::exact(&scene, &request, &deadline).unwrap();
+        let rendered = Reference::rendered(&scene, &request, 1, 256, &deadline).unwrap().unwrap();
+        let off = exact.compare(&rendered.image()).unwrap();
+        assert!((off.mean_a / off.mean_b - 1.0).abs() < 1e-4, "{off:?}");
+        // All the difference is the noise of the render, as far as that is known.
+        assert!(off.rmse < 1.2 * rendered.facts.rmse, "{off:?} {:?}", rendered.facts);
+        assert!((700..1257).contains(&exact.facts.pixels) && off.non_finite == 1600 - exact.facts.pixels);
+        assert!(Reference::exact(&scene, &request, &Deadline::after(0.0)).is_none());
+        let (room, request) = builtin::cornell_lambert();
+        assert!(Reference::exact(&room, &request, &deadline).is_none());
+    }
+
+    #[test]
+    fn a_furnace_is_even_if_nothing_in_it_takes_light() {
+        let (mut scene, request) = builtin::furnace();
+        let request = Request { width: 48, height: 12, light_samples: 1, ..request };
+        let deadline = Deadline::after(60.0);
+        assert!(Reference::exact(&scene, &request, &deadline).is_none(), "its metal takes some");
+        scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
+        let exact = Reference::exact(&scene, &request, &deadline).unwrap();
+        let rendered = Reference::rendered(&scene, &request, 1, 64, &deadline).unwrap().unwrap();
+        let off = exact.compare(&rendered.image()).unwrap();
+        assert!((off.mean_a - 1.0).abs() < 2e-3 && off.pixels == 48 * 12, "{off:?}");
+        assert!(Reference::exact(&scene, &Request { max_depth: 2, ..request }, &deadline).is_none());
+    }
+
+    #[test]
+    fn its_own_error_is_what_more_samples_show() {
+        let (scene, request) = builtin::cornell_lambert();
+        let request = Request { width: 40, height: 30, ..request };
+        let deadline = Deadline::after(60.0);
+        let rendered = |seed, spp| Reference::rendered(&scene, &request, seed, spp, &deadline).unwrap().unwrap();
+        let (short, long) = (rendered(1, 4), rendered(7, 128));
+        assert_eq!((short.facts.spp, long.facts.spp), (8, 256));
+        let off = compare(&short.image(), &long.image()).unwrap().rmse;
+        assert!((short.facts.rmse / off - 1.0).abs() < 0.1, "{} {off}", short.facts.rmse);
+    }
+}

@@ -1,0 +1,118 @@
+//! What the choice of microfacet normals costs and brings, over the roughness of a metal.
+
+use super::ladder::{Deadline, Times};
+use crate::bsdf::Normals;
+use crate::error::Result;
+use crate::raster::Metadata;
+use crate::render::{Job, Settings};
+use crate::sampling::stream::StreamKind;
+use crate::scene::{Material, Request, Scene};
+use crate::stats::estimate::Estimate;
+use crate::study::seen::{Kind, Mean, Seen};
+
+/// The ways of drawing normals, by name.
+pub const NORMALS: [(&str, Normals); 3] =
+    [("visible normals", Normals::Visible), ("all normals", Normals::All), ("hemisphere", Normals::Hemisphere)];
+
+/// One way of drawing normals at one roughness, on the pixels that show metal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    pub alpha: f32,
+    pub normals: &'static str,
+    pub spp: u32,
+    pub replicates: u32,
+    /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
+    pub mse: Estimate,
+    pub cpu_seconds: Estimate,
+    /// 1 / (MSE · processor time).
+    pub efficiency: Estimate,
+    /// The metal's mean radiance, over all replicates.
+    pub light: Mean,
+}
+
+/// Renders a scene with its metals at each roughness, drawing normals in every way, each `replicates` times in turns.
+///
+/// Numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
+/// is no bias, and replicates are ranges of samples of one render. Fewer roughnesses if the deadline comes first.
+///
+/// # Errors
+/// As [`Job::new`].
+pub fn measure(
+    scene: &Scene,
+    request: &Request,
+    alphas: &[f32],
+    replicates: u32,
+    seed: u64,
+    deadline: &Deadline,
+) -> Result<Vec<Level>> {
+    let mask = Seen::new(scene, request).mask(Kind::Metal);
+    let each = request.spp;
+    let request = Request { spp: each * replicates, ..*request };
+    let mut levels = Vec::new();
+    for &alpha in alphas {
+        let mut scene = scene.clone();
+        for object in &mut scene.objects {
+            if let Material::Conductor(metal) = &mut object.material {
+                metal.alpha = alpha;
+            }
+        }
+        let job = |(_, normals): (&str, Normals)| {
+            let mut settings = Settings { seed, stream: StreamKind::Independent, ..Settings::default() };
+            settings.model.scattering.normals = normals;
+            Job::new(&scene, &request, &settings)
+        };
+        let jobs = NORMALS.into_iter().map(job).collect::<Result<Vec<_>>>()?;
+        let mut parts = jobs.iter().map(|job| job.part(Metadata::default())).collect::<Result<Vec<_>>>()?;
+        let mut measured: Vec<[Vec<f64>; 2]> = vec![Default::default(); NORMALS.len()];
+        for replicate in 0..replicates {
+            for ((job, whole), measured) in jobs.iter().zip(&mut parts).zip(&mut measured) {
+                let mut part = job.part(Metadata::default())?;
+                let mut times = Times::default();
+                times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
+                let errors = part.exposure.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
+                let squares: Vec<f64> =
+                    errors.map(|(p, _)| p.standard_error().as_dvec3().length_squared() / 3.0).collect();
+                measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
+                measured[1].push(times.cpu);
+                whole.exposure.merge(&part.exposure)?;
+            }
+        }
+        if deadline.is_over() {
+            break;
+        }
+        for (((normals, _), part), [mse, cpu]) in NORMALS.iter().zip(&parts).zip(&measured) {
+            let efficiency = Estimate::mean(&mse.iter().zip(cpu).map(|(mse, s)| 1.0 / (mse * s)).collect::<Vec<_>>());
+            levels.push(Level {
+                alpha,
+                normals,
+                spp: each,
+                replicates,
+                mse: Estimate::mean(mse),
+                cpu_seconds: Estimate::mean(cpu),
+                efficiency,
+                light: Mean::of(&part.exposure, &mask),
+            });
+        }
+    }
+    Ok(levels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn all_ways_agree_and_one_is_best() {
+        let (scene, request) = builtin::by_name("cornell-statue-au", None).unwrap().unwrap();
+        let request = Request { width: 32, height: 24, spp: 16, light_samples: 1, ..request };
+        let levels = measure(&scene, &request, &[0.05, 0.25, 1.0], 2, 1, &Deadline::after(60.0)).unwrap();
+        assert_eq!(levels.len(), 3 * NORMALS.len());
+        for three in levels.chunks(3) {
+            let [visible, all, hemisphere] = three else { unreachable!() };
+            assert!(visible.light.z(&all.light).abs() < 4.5, "{three:?}");
+            assert!(visible.alpha < 0.3 || visible.mse.value < all.mse.value, "{three:?}");
+            assert!(visible.alpha > 0.3 || visible.mse.value < 0.5 * hemisphere.mse.value, "{three:?}");
+        }
+    }
+}
