@@ -68,7 +68,7 @@ fn a_browser_finds_nothing_missing_or_broken() {
     let broken = text.replacen("base64,", "base64,AAAA", 1).replacen("href=\"#figure-", "href=\"#lost-", 1);
     std::fs::write(&file, probed(&broken)).unwrap();
     let found = title(browser, dir.path(), &file, 1400);
-    assert!(found.contains("not decoded") && found.contains("leads nowhere: #lost-"), "{found}");
+    assert!(found.contains("no picture: ") && found.contains("leads nowhere: #lost-"), "{found}");
 }
 
 /// What the browser reports of the one figure that the page alone holds compressed.
