@@ -1,4 +1,4 @@
-//! A figure's picture as the page carries it: the SVG where that is small, else its PNG made smaller.
+//! A figure's picture as the page carries it: the SVG of small plots, else the PNG made smaller.
 
 use crate::error::{Error, Result};
 use crate::figure::base64;
@@ -7,7 +7,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::imageops::FilterType;
 use std::path::Path;
 
-/// Larger drawings hold an image, which a PNG or JPEG file holds with fewer bytes.
+/// Larger plots take fewer bytes as an image.
 const LARGEST_SVG: usize = 150_000;
 /// Larger PNG files are noise, which JPEG holds with fewer bytes.
 const LARGEST_PNG: usize = 60_000;
@@ -37,26 +37,27 @@ impl Picture {
     pub fn read(folder: &Path, id: &str) -> Result<Self> {
         let path = folder.join(format!("{id}.svg"));
         let svg = files::read_bounded(&path, LIMIT)?;
-        let [width, height] = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
-        let picture = |kind: &str, bytes: &[u8], vector| {
+        let picture = |kind: &str, bytes: &[u8], [width, height]: [u32; 2], vector| {
             Ok(Self { source: format!("data:image/{kind};base64,{}", base64(bytes)), width, height, vector })
         };
-        if svg.len() <= LARGEST_SVG {
-            return picture("svg+xml", &svg, true);
+        if svg.len() <= LARGEST_SVG && !svg.windows(6).any(|w| w == b"<image") {
+            let size = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
+            return picture("svg+xml", &svg, size, true);
         }
         let path = folder.join(format!("{id}.png"));
         let png = files::read_bounded(&path, LIMIT)?;
-        if png.len() <= LARGEST_PNG {
-            return picture("png", &png, false);
-        }
         let damaged = |e: image::ImageError| Error::input(&path, e.to_string());
         let mut full = image::load_from_memory_with_format(&png, image::ImageFormat::Png).map_err(damaged)?;
+        if png.len() <= LARGEST_PNG {
+            return picture("png", &png, [full.width(), full.height()], false);
+        }
         if full.width() > WIDEST {
             full = full.resize(WIDEST, u32::MAX, FilterType::CatmullRom);
         }
+        let size = [full.width(), full.height()];
         let mut jpeg = Vec::new();
         JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(&full.into_rgb8()).map_err(damaged)?;
-        picture("jpeg", &jpeg, false)
+        picture("jpeg", &jpeg, size, false)
     }
 }
 
