@@ -40,6 +40,9 @@ Examples:
   etalon converge cornell-spheres       error against run time
   etalon scenes                         what else can be rendered";
 
+/// The seed when none is given.
+const DEFAULT_SEED: u64 = 1;
+
 /// Flags that every subcommand takes.
 #[derive(Args)]
 struct Global {
@@ -47,7 +50,7 @@ struct Global {
     #[arg(long, global = true)]
     json: bool,
     /// Seed of all random numbers
-    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    #[arg(long, global = true, value_name = "N", default_value_t = DEFAULT_SEED)]
     seed: u64,
     /// Worker threads (default: one per core)
     #[arg(short, long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]

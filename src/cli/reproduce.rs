@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
-use super::{Global, Verdict};
+use super::{DEFAULT_SEED, Global, Verdict};
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
@@ -16,8 +16,9 @@ use std::time::Instant;
 /// Make every figure from built-in data (or from a map and scenes of your own) and check it
 #[derive(Args)]
 #[command(
-    after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) and checks.csv into figures/, or \
-                        into the folder given with -o. Exit code 1 if a check fails.\n\nExamples:\n  etalon reproduce\n  \
+    after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
+                        given with -o, with checks.csv and index.html, a page that shows all figures there, those of \
+                        earlier runs (reproduce.json) too. Exit code 1 if a check fails.\n\nExamples:\n  etalon reproduce\n  \
                         etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr\n  \
                         etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
@@ -29,7 +30,7 @@ pub struct Reproduce {
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     only: Vec<String>,
     /// The environment map to use instead of the built-in nave
-    #[arg(long, value_name = "MAP", default_value = "nave")]
+    #[arg(long, value_name = "MAP", default_value = DEFAULT_MAP)]
     envmap: String,
     #[command(flatten)]
     options: MapOptions,
@@ -76,7 +77,7 @@ impl Reproduce {
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
         let count = if self.only.is_empty() { report::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
-        let figures = report::reproduce(&context, &self.only, folder, &mut |entry| {
+        let figures = report::reproduce(&context, &self.only, folder, &self.options(global), &mut |entry| {
             bar.set_message(entry.id);
             bar.inc(1);
         })?;
@@ -86,6 +87,25 @@ impl Reproduce {
         let output = Output { figures: &figures, passed, failed, seconds: start.elapsed().as_secs_f64() };
         console.result(&output, || human(&output, folder));
         Ok(if failed == 0 { Verdict::Good } else { Verdict::Rejected })
+    }
+
+    /// The flags that make the same figures again, apart from where they go and how fast.
+    fn options(&self, global: &Global) -> String {
+        let mut options = Vec::new();
+        let mut add = |given: bool, flag: String| {
+            if given {
+                options.push(flag);
+            }
+        };
+        add(self.quick, "--quick".into());
+        add(global.seed != DEFAULT_SEED, format!("--seed {}", global.seed));
+        add(self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap)));
+        add(self.options.flip, "--flip".into());
+        add(self.options.ldr, "--ldr".into());
+        if let Some(folder) = &self.scenes {
+            add(true, format!("--scenes {}", quoted(&folder.to_string_lossy())));
+        }
+        options.join(" ")
     }
 
     /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is turned without being asked.
@@ -110,6 +130,16 @@ impl Reproduce {
     }
 }
 
+/// The map that is used when none is named.
+const DEFAULT_MAP: &str = "nave";
+
+/// A path as a shell takes it, without the folders that are nobody's business.
+fn quoted(path: &str) -> String {
+    let path = report::page::without_place(path);
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,@".contains(c);
+    if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
+}
+
 /// A table of checks.
 fn human(output: &Output<'_>, folder: &Path) -> String {
     let mut text = String::new();
@@ -126,7 +156,7 @@ fn human(output: &Output<'_>, folder: &Path) -> String {
     text + &format!(
         "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",
         output.figures.len(),
-        folder.display(),
+        folder.join(report::page::FILE).display(),
         output.passed,
         output.failed,
         output.seconds

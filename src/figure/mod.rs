@@ -32,3 +32,4 @@ pub use panel::Panel;
 pub use plot::Plot;
 pub use shapes::{Anchor, Colour, Level, Paint, Point, Rect, Rgb8, Stroke, Text};
 pub use sheet::contact_sheet;
+pub(crate) use svg::base64;

@@ -1,15 +1,23 @@
 //! A check: a number that a figure must meet, and whether it did.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// |got − expected| ≤ tolerance.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     pub name: String,
+    #[serde(deserialize_with = "number_or_nan")]
     pub expected: f64,
+    #[serde(deserialize_with = "number_or_nan")]
     pub got: f64,
+    #[serde(deserialize_with = "number_or_nan")]
     pub tolerance: f64,
     pub pass: bool,
+}
+
+/// JSON writes what is no number as null.
+pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(source)?.unwrap_or(f64::NAN))
 }
 
 impl Check {

@@ -28,48 +28,109 @@ pub(super) fn all() -> Vec<Entry> {
     let mut list = vec![
         entry("fresnel-enter", "Reflectance from air into glass", "first report: Fresnel curves, entering", |_| {
             dielectric(1.0, GLASS)
-        }),
+        })
+        .shows(
+            "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
+             approximation and its error; one polarization vanishes at Brewster's angle.",
+        )
+        .beside("fresnel-exit")
+        .command("etalon fresnel --eta-i 1 --eta-t 1.45"),
         entry("fresnel-exit", "Reflectance from glass into air", "first report: Fresnel curves, leaving", |_| {
             dielectric(GLASS, 1.0)
-        }),
+        })
+        .shows("The same from inside: everything is reflected beyond the critical angle.")
+        .beside("fresnel-enter")
+        .command("etalon fresnel --eta-i 1.45 --eta-t 1"),
     ];
-    for (id, n) in [("envmap-samples-64", 64), ("envmap-samples-256", 256), ("envmap-samples-1024", 1024)] {
-        list.push(entry(id, "Importance samples of the map", "first report: environment-map samples", move |c| {
-            samples(c, n, Display::samples)
-        }));
+    for (id, n, beside, command) in [
+        ("envmap-samples-64", 64, "envmap-samples-256", "etalon envmap sample {map} -n 64"),
+        ("envmap-samples-256", 256, "median-cut-64", "etalon envmap sample {map} -n 256"),
+        ("envmap-samples-1024", 1024, "envmap-samples-256", "etalon envmap sample {map} -n 1024"),
+    ] {
+        list.push(
+            entry(id, "Importance samples of the map", "first report: environment-map samples", move |c| {
+                samples(c, n, Display::samples)
+            })
+            .shows("A blue window at each direction that was drawn in proportion to the light from there.")
+            .beside(beside)
+            .command(command),
+        );
     }
-    list.push(entry(
-        "envmap-samples-only-256",
-        "The samples alone, in the colours that they see",
-        "first report: environment-map samples, radiance",
-        |c| samples(c, 256, Display::samples_only),
-    ));
-    list.push(entry(
-        "proposal",
-        "Why inversion wants uniform numbers",
-        "first report: proposal distributions",
-        proposal_figure,
-    ));
-    for (id, n) in [("median-cut-2", 2), ("median-cut-4", 4), ("median-cut-16", 16), ("median-cut-64", 64)] {
-        list.push(entry(id, "Median cut of the map", "first report: median cut", move |c| {
-            cut(c, n, |display, rows| display.partition(rows))
-        }));
+    list.push(
+        entry(
+            "envmap-samples-only-256",
+            "The samples alone, in the colours that they see",
+            "first report: environment-map samples, radiance",
+            |c| samples(c, 256, Display::samples_only),
+        )
+        .shows("The same 256 samples without the map: each window has the radiance that its sample meets.")
+        .beside("envmap-samples-256")
+        .command("etalon envmap sample {map} -n 256"),
+    );
+    list.push(
+        entry(
+            "proposal",
+            "Why inversion wants uniform numbers",
+            "first report: proposal distributions",
+            proposal_figure,
+        )
+        .shows(
+            "Rows of the map drawn by inverting its distribution: uniform numbers give its density back, Gaussian numbers \
+             do not.",
+        )
+        .command("etalon envmap proposal {map}"),
+    );
+    for (id, n, beside, command) in [
+        ("median-cut-2", 2, "median-cut-4", "etalon envmap cut {map} -n 2"),
+        ("median-cut-4", 4, "median-cut-16", "etalon envmap cut {map} -n 4"),
+        ("median-cut-16", 16, "median-cut-64", "etalon envmap cut {map} -n 16"),
+        ("median-cut-64", 64, "median-cut-radiance-64", "etalon envmap cut {map} -n 64"),
+    ] {
+        list.push(
+            entry(id, "Median cut of the map", "first report: median cut", move |c| {
+                cut(c, n, |display, rows| display.partition(rows))
+            })
+            .shows("Regions of equal energy, halved along their longer side, each with the centroid of its light.")
+            .beside(beside)
+            .command(command),
+        );
     }
-    list.push(entry(
-        "median-cut-radiance-64",
-        "The lights that stand for 64 regions",
-        "first report: median cut, radiance",
-        |c| cut(c, 64, |display, rows| display.lights(rows, WINDOW)),
-    ));
-    for (id, spp) in [("sphere-8", 8), ("sphere-16", 16), ("sphere-32", 32), ("sphere-64", 64)] {
-        list.push(entry(id, "The lit sphere and its error", "first report: PBRT renders", move |c| sphere(c, spp)));
+    list.push(
+        entry(
+            "median-cut-radiance-64",
+            "The lights that stand for 64 regions",
+            "first report: median cut, radiance",
+            |c| cut(c, 64, |display, rows| display.lights(rows, WINDOW)),
+        )
+        .shows("One light at each centroid, in the colour of its region's flux.")
+        .beside("median-cut-64")
+        .command("etalon envmap cut {map} -n 64"),
+    );
+    for (id, spp, beside, command) in [
+        ("sphere-8", 8, "sphere-64", "etalon render sphere-env --envmap {map} -s 8 -l 4"),
+        ("sphere-16", 16, "sphere-8", "etalon render sphere-env --envmap {map} -s 16 -l 4"),
+        ("sphere-32", 32, "sphere-16", "etalon render sphere-env --envmap {map} -s 32 -l 4"),
+        ("sphere-64", 64, "sphere-32", "etalon render sphere-env --envmap {map} -s 64 -l 4"),
+    ] {
+        list.push(
+            entry(id, "The lit sphere and its error", "first report: PBRT renders", move |c| sphere(c, spp))
+                .shows(
+                    "A white diffuse sphere under the map, and how far each pixel is from the exact integral: noise that \
+                     shrinks with the samples, without a bias.",
+                )
+                .beside(beside)
+                .command(command),
+        );
     }
-    list.push(entry(
-        "sphere-error",
-        "Error of the lit sphere against samples and time",
-        "first report: PBRT renders, measured",
-        sphere_error,
-    ));
+    list.push(
+        entry(
+            "sphere-error",
+            "Error of the lit sphere against samples and time",
+            "first report: PBRT renders, measured",
+            sphere_error,
+        )
+        .shows("Four ways of choosing directions towards the light, by the error that they leave."),
+    );
     list
 }
 
@@ -79,7 +140,7 @@ pub(super) fn entry(
     answers: &'static str,
     make: impl Fn(&Context) -> Result<Made> + Send + Sync + 'static,
 ) -> Entry {
-    Entry { id, title, answers, make: Box::new(make) }
+    Entry::new(id, title, answers, Box::new(make))
 }
 
 fn dielectric(eta_i: f64, eta_t: f64) -> Result<Made> {

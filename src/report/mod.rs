@@ -1,4 +1,4 @@
-//! The registry of figures and the views of results: a table, a drawing, checks.
+//! The registry of figures and the views of results: a table, a drawing, checks, and the page that shows them all.
 
 mod check;
 mod context;
@@ -7,11 +7,13 @@ mod converge_entries;
 pub mod converge_series;
 pub mod depth;
 mod entries;
+mod erratum;
 pub mod fresnel;
 pub mod map;
 pub mod metals;
 mod originals;
 pub mod output;
+pub mod page;
 pub mod proposal;
 mod registry;
 mod second_report;
@@ -20,5 +22,6 @@ pub mod statue;
 
 pub use check::Check;
 pub use context::{Context, MapSource};
+pub use erratum::Erratum;
 pub use originals::Originals;
 pub use registry::{Entry, Made, Picture, Reproduced, registry, reproduce};

@@ -2,6 +2,8 @@
 
 use super::check::Check;
 use super::context::Context;
+use super::erratum::Erratum;
+use super::page::{self, Record, Records, Setup};
 use super::{converge_entries, entries, output, second_report};
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
@@ -14,13 +16,50 @@ use std::time::Instant;
 /// Makes a figure's content.
 pub(super) type Make = Box<dyn Fn(&Context) -> Result<Made> + Send + Sync>;
 
+/// Finds the mistakes of a report.
+type Audit = Box<dyn Fn(&Context) -> Result<Vec<Erratum>> + Send + Sync>;
+
 /// A figure: what it shows, what it answers, and how it is made.
 pub struct Entry {
     pub id: &'static str,
     pub title: &'static str,
-    /// The part of a report that it reproduces.
+    /// Its counterpart: "report: part of it", with the number of the figure where the report gives one.
     pub answers: &'static str,
+    /// What is to be seen, in a sentence or two.
+    pub shows: &'static str,
+    /// The figure that it is best compared with.
+    pub beside: Option<&'static str>,
+    /// The subcommand that makes the same alone; `{map}` stands for the environment map.
+    pub command: Option<&'static str>,
     pub(super) make: Make,
+    audit: Option<Audit>,
+}
+
+impl Entry {
+    pub(super) fn new(id: &'static str, title: &'static str, answers: &'static str, make: Make) -> Self {
+        Self { id, title, answers, shows: "", beside: None, command: None, make, audit: None }
+    }
+
+    #[must_use]
+    pub fn shows(self, shows: &'static str) -> Self {
+        Self { shows, ..self }
+    }
+
+    #[must_use]
+    pub fn beside(self, id: &'static str) -> Self {
+        Self { beside: Some(id), ..self }
+    }
+
+    #[must_use]
+    pub fn command(self, command: &'static str) -> Self {
+        Self { command: Some(command), ..self }
+    }
+
+    /// Contributes to the list of where the reports are wrong.
+    #[must_use]
+    pub fn errata(self, audit: impl Fn(&Context) -> Result<Vec<Erratum>> + Send + Sync + 'static) -> Self {
+        Self { audit: Some(Box::new(audit)), ..self }
+    }
 }
 
 /// A figure's content.
@@ -46,6 +85,7 @@ pub struct Reproduced {
     pub files: Vec<PathBuf>,
     pub seconds: f64,
     pub checks: Vec<Check>,
+    pub errata: Vec<Erratum>,
 }
 
 /// All figures, in the order in which they are made.
@@ -59,11 +99,16 @@ pub fn registry() -> Vec<Entry> {
 
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
 ///
-/// Also writes `checks.csv` there.
+/// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They cover what earlier runs left in the
+/// folder, too, as far as this run does not make it again. `options` are the flags that make the same again.
+///
+/// # Errors
+/// An unknown id, a damaged `reproduce.json`, those of the figures and of writing them.
 pub fn reproduce(
     context: &Context,
     ids: &[String],
     folder: &Path,
+    options: &str,
     before: &mut dyn FnMut(&Entry),
 ) -> Result<Vec<Reproduced>> {
     let all = registry();
@@ -72,6 +117,8 @@ pub fn reproduce(
         return Err(Error::parameter("--only", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
+    let mut records = page::read_records(folder, &all)?;
+    let setup = Setup::of(context, options);
     let mut done = Vec::new();
     for entry in all.iter().filter(|e| ids.is_empty() || ids.iter().any(|id| id == e.id)) {
         before(entry);
@@ -82,14 +129,14 @@ pub fn reproduce(
         if let Some(picture) = &made.picture {
             paths.extend(write_picture(&stem, picture, &Metadata::default().with("figure", entry.id))?);
         }
-        done.push(Reproduced {
-            id: entry.id,
-            files: paths,
-            seconds: start.elapsed().as_secs_f64(),
-            checks: made.checks,
-        });
+        let errata = entry.audit.as_ref().map_or_else(|| Ok(Vec::new()), |audit| audit(context))?;
+        let (seconds, checks) = (start.elapsed().as_secs_f64(), made.checks);
+        let (new, made_by) = (entry.id.to_owned(), setup.clone());
+        records.insert(new, Record { seconds, checks: checks.clone(), errata: errata.clone(), setup: made_by });
+        done.push(Reproduced { id: entry.id, files: paths, seconds, checks, errata });
     }
-    files::write_bytes(&folder.join("checks.csv"), &checks_table(&done)?)?;
+    files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
+    page::write(folder, &all, &records)?;
     Ok(done)
 }
 
@@ -106,7 +153,7 @@ fn write_picture(stem: &Path, picture: &Picture, metadata: &Metadata) -> Result<
         .collect()
 }
 
-fn checks_table(figures: &[Reproduced]) -> Result<Vec<u8>> {
+fn checks_table(entries: &[Entry], records: &Records) -> Result<Vec<u8>> {
     #[derive(Default, Serialize)]
     struct Row<'a> {
         figure: &'a str,
@@ -116,11 +163,12 @@ fn checks_table(figures: &[Reproduced]) -> Result<Vec<u8>> {
         tolerance: f64,
         pass: bool,
     }
-    let rows: Vec<Row<'_>> = figures
+    let rows: Vec<Row<'_>> = entries
         .iter()
-        .flat_map(|f| {
-            f.checks.iter().map(|c| Row {
-                figure: f.id,
+        .filter_map(|entry| Some((entry.id, records.get(entry.id)?)))
+        .flat_map(|(id, record)| {
+            record.checks.iter().map(move |c| Row {
+                figure: id,
                 name: &c.name,
                 expected: c.expected,
                 got: c.got,

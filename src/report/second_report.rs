@@ -22,60 +22,142 @@ const POINTS: usize = 181;
 /// Standard errors that two means may differ by.
 const SIGMAS: f64 = 4.0;
 /// Widths of the lobe in the report's roughness series.
-const ALPHAS: [(&str, f32); 4] =
-    [("roughness-0.005", 0.005), ("roughness-0.05", 0.05), ("roughness-0.25", 0.25), ("roughness-0.5", 0.5)];
+const ALPHAS: [(&str, f32, &str, &str); 4] = [
+    (
+        "roughness-0.005",
+        0.005,
+        "roughness-0.05",
+        "etalon render cornell-statue-au --alpha 0.005 -s 128 -l 4 -m 5 --tone report",
+    ),
+    (
+        "roughness-0.05",
+        0.05,
+        "roughness-0.005",
+        "etalon render cornell-statue-au --alpha 0.05 -s 128 -l 4 -m 5 --tone report",
+    ),
+    (
+        "roughness-0.25",
+        0.25,
+        "roughness-0.05",
+        "etalon render cornell-statue-au --alpha 0.25 -s 128 -l 4 -m 5 --tone report",
+    ),
+    (
+        "roughness-0.5",
+        0.5,
+        "roughness-0.25",
+        "etalon render cornell-statue-au --alpha 0.5 -s 128 -l 4 -m 5 --tone report",
+    ),
+];
+/// What appears at each depth of the report.
+const SEEN_AT_DEPTH: [&str; 7] = [
+    "Only the lamp itself is seen.",
+    "Light straight from the lamp: lit walls, and the lamp in both balls. The ceiling is dark.",
+    "Light over a second surface: the ceiling, and the lit walls in the mirror ball. Glass is dark, because light has to get \
+     in and out again.",
+    "Two scatterings pass the glass ball: walls are seen through it, and it focuses light on the floor below.",
+    "The glass ball, as clear as before, is seen in the mirror ball.",
+    "What is left to come is faint: light that glass and mirror pass on once more.",
+    "As good as all light. Compare it with depth 5 to see how little was missing.",
+];
 
 pub(super) fn all() -> Vec<Entry> {
     let mut list = Vec::new();
-    let ids = ["depth-0", "depth-1", "depth-2", "depth-3", "depth-4", "depth-5", "depth-100"];
-    for (place, id) in ids.into_iter().enumerate() {
-        list.push(entry(id, "Mirror and glass ball, light followed to a depth", "second report: max_ray_depth", {
-            move |c| picture_of_depth(c, place)
-        }));
+    for (place, (id, beside, command)) in [
+        ("depth-0", "depth-1", "etalon render cornell-spheres -s 64 -l 4 -m 0 --tone report"),
+        ("depth-1", "depth-0", "etalon render cornell-spheres -s 64 -l 4 -m 1 --tone report"),
+        ("depth-2", "depth-1", "etalon render cornell-spheres -s 64 -l 4 -m 2 --tone report"),
+        ("depth-3", "depth-2", "etalon render cornell-spheres -s 64 -l 4 -m 3 --tone report"),
+        ("depth-4", "depth-3", "etalon render cornell-spheres -s 64 -l 4 -m 4 --tone report"),
+        ("depth-5", "depth-4", "etalon render cornell-spheres -s 64 -l 4 -m 5 --tone report"),
+        ("depth-100", "depth-5", "etalon render cornell-spheres -s 64 -l 4 -m 100 --tone report"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        list.push(
+            entry(id, "Mirror and glass ball, light followed to a depth", "second report: max_ray_depth", {
+                move |c| picture_of_depth(c, place)
+            })
+            .shows(SEEN_AT_DEPTH[place])
+            .beside(beside)
+            .command(command),
+        );
     }
-    list.push(entry(
-        "depth-differences",
-        "What each further scattering adds, by path class",
-        "second report: what appears at each depth",
-        differences,
-    ));
-    for (i, (id, alpha)) in ALPHAS.into_iter().enumerate() {
-        list.push(entry(id, "Golden statue of growing roughness", "second report: microfacet alpha", move |c| {
-            roughness(c, alpha, i.checked_sub(1).map(|before| ALPHAS[before].1))
-        }));
+    list.push(
+        entry(
+            "depth-differences",
+            "What each further scattering adds, by path class",
+            "second report: what appears at each depth",
+            differences,
+        )
+        .shows("Each depth less the one before, on one scale, with the classes of paths that make the difference."),
+    );
+    for (i, (id, alpha, beside, command)) in ALPHAS.into_iter().enumerate() {
+        list.push(
+            entry(id, "Golden statue of growing roughness", "second report: microfacet alpha", move |c| {
+                roughness(c, alpha, i.checked_sub(1).map(|before| ALPHAS[before].1))
+            })
+            .shows("The wider the facets are spread, the wider and dimmer are the gleams.")
+            .beside(beside)
+            .command(command),
+        );
     }
-    list.push(entry(
-        "sampling-importance",
-        "Copper statue, directions drawn as it reflects",
-        "second report: importance sampling",
-        |c| sampling(c, true),
-    ));
-    list.push(entry(
-        "sampling-hemisphere",
-        "Copper statue, directions spread evenly",
-        "second report: hemisphere sampling",
-        |c| sampling(c, false),
-    ));
-    list.push(entry(
-        "sampling-error",
-        "Noise by both, and what they show from the silhouette inwards",
-        "second report: the dark rim of hemisphere sampling",
-        sampling_error,
-    ));
-    list.push(entry("iron", "Iron statue", "second report: another material", |c| {
-        let shot = c.statue_shot(IRON, 0.5)?;
-        let mut made = statue(c, &shot, IRON, 0.5)?;
-        // Grey: no channel is off their mean by more than a fifth.
-        let off = shot.statue.value.map(|v| (v / shot.statue.intensity() - 1.0).abs());
-        made.checks.push(Check::at_most("colour of the statue off grey", off.into_iter().fold(0.0, f64::max), 0.2));
-        Ok(made)
-    }));
-    list.push(entry(
-        "metals-table",
-        "Five metals: indices, special angles, albedo, error of the approximation",
-        "second report: eta and k of metals",
-        |_| metals_table(),
-    ));
+    list.push(
+        entry(
+            "sampling-importance",
+            "Copper statue, directions drawn as it reflects",
+            "second report: importance sampling",
+            |c| sampling(c, true),
+        )
+        .shows("Directions in proportion to what the metal reflects: little noise at few samples.")
+        .beside("sampling-hemisphere")
+        .command("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report"),
+    );
+    list.push(
+        entry(
+            "sampling-hemisphere",
+            "Copper statue, directions spread evenly",
+            "second report: hemisphere sampling",
+            |c| sampling(c, false),
+        )
+        .shows("The same samples spread evenly: most miss what the metal reflects, so that it looks dark and noisy.")
+        .beside("sampling-importance")
+        .command("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report"),
+    );
+    list.push(
+        entry(
+            "sampling-error",
+            "Noise by both, and what they show from the silhouette inwards",
+            "second report: the dark rim of hemisphere sampling",
+            sampling_error,
+        )
+        .shows(
+            "Both ways give the same light on average; spread evenly, its median is far below its mean, and the eye sees a \
+             dark rim.",
+        ),
+    );
+    list.push(
+        entry("iron", "Iron statue", "second report: another material", |c| {
+            let shot = c.statue_shot(IRON, 0.5)?;
+            let mut made = statue(c, &shot, IRON, 0.5)?;
+            // Grey: no channel is off their mean by more than a fifth.
+            let off = shot.statue.value.map(|v| (v / shot.statue.intensity() - 1.0).abs());
+            made.checks.push(Check::at_most("colour of the statue off grey", off.into_iter().fold(0.0, f64::max), 0.2));
+            Ok(made)
+        })
+        .shows("The same statue in iron: all colours are reflected nearly alike.")
+        .beside("roughness-0.5")
+        .command("etalon render cornell-statue-fe -s 128 -l 4 -m 5 --tone report"),
+    );
+    list.push(
+        entry(
+            "metals-table",
+            "Five metals: indices, special angles, albedo, error of the approximation",
+            "second report: eta and k of metals",
+            |_| metals_table(),
+        )
+        .shows("Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula."),
+    );
     list
 }
 
