@@ -106,7 +106,7 @@ impl<'a> Geometry<'a> {
                 if let Some(hit) = hit {
                     hits.t[i] = hit.t;
                     hits.object[i] = meshes.object[meshes.tree.mesh_of(hit.triangle) as usize];
-                    hits.triangle[i] = hit.triangle;
+                    (hits.triangle[i], hits.place[i]) = (hit.triangle, hit.place);
                     (hits.u[i], hits.v[i]) = (hit.u, hit.v);
                 }
             }
@@ -161,12 +161,13 @@ impl<'a> Geometry<'a> {
                 Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
             }
             Shape::Mesh(mesh) => {
-                let local = self.meshes.as_ref().map_or(0, |meshes| meshes.tree.local(hits.triangle[i]));
-                match mesh.surface(local, hits.u[i], hits.v[i]) {
-                    Some(s) => Surface { position: s.point, normal: s.normal, shading: s.shading, offset },
-                    // Triangles without area are never hit.
-                    None => Surface { position, normal: -direction, shading: -direction, offset },
-                }
+                // Without a tree no mesh is ever hit.
+                let Some(Meshes { tree, .. }) = &self.meshes else {
+                    return Surface { position, normal: -direction, shading: -direction, offset };
+                };
+                let (facet, local) = (tree.facet(hits.place[i]), tree.local(hits.triangle[i]));
+                let s = mesh.surface_of(facet, local, hits.u[i], hits.v[i]);
+                Surface { position: s.point, normal: s.normal, shading: s.shading, offset }
             }
         }
     }

@@ -80,7 +80,13 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Option<Surface> {
-        let (corners, normal) = self.facet(triangle)?;
+        Some(self.surface_of(self.facet(triangle)?, triangle, u, v))
+    }
+
+    /// [`surface`](Self::surface) where the triangle's [`facet`](Self::facet) is known.
+    #[inline]
+    #[must_use]
+    pub fn surface_of(&self, (corners, normal): ([Vec3; 3], Vec3), triangle: u32, u: f32, v: f32) -> Surface {
         let weights = [1.0 - u - v, u, v];
         // In f64, so that only the result is rounded.
         let [a, b, c] = corners.map(Vec3::as_dvec3);
@@ -88,7 +94,7 @@ impl Mesh {
         let vertices =
             self.triangles[triangle as usize].map(|i| self.normals.get(i as usize).copied().unwrap_or(normal));
         let shading = vertices.iter().zip(weights).map(|(n, w)| n * w).sum::<Vec3>();
-        Some(Surface { point, normal, shading: shading.try_normalize().unwrap_or(normal) })
+        Surface { point, normal, shading: shading.try_normalize().unwrap_or(normal) }
     }
 
     /// How far, per axis, the point of any [`Surface`] may be off its triangle, with room for the rounding of the ray

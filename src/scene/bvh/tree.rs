@@ -2,6 +2,7 @@
 
 use super::build::{Bounds, Branch};
 use super::lanes::WIDTH;
+use crate::sampling::prefetch::prefetch;
 use glam::Vec3;
 
 /// Set in the number of a child that is a pack of triangles; the other bits tell which.
@@ -55,6 +56,35 @@ impl Tree {
             }
         }
         tree
+    }
+
+    /// Starts to bring a node or pack into the cache.
+    #[inline(always)]
+    pub fn prefetch(&self, child: u32) {
+        // A line of the cache holds two rows of eight.
+        if child & LEAF == 0 {
+            if let Some(node) = self.nodes.get(child as usize) {
+                prefetch(&node.faces, 0);
+                prefetch(&node.faces, 2);
+                prefetch(&node.faces, 4);
+                prefetch(&node.child, 0);
+            }
+        } else if let Some(pack) = self.packs.get((child & !LEAF) as usize) {
+            let rows = pack.corner.as_flattened();
+            prefetch(rows, 0);
+            prefetch(rows, 2);
+            prefetch(rows, 4);
+            prefetch(rows, 6);
+            prefetch(rows, 8);
+        }
+    }
+
+    /// Corners and unit normal of the triangle at a place: eight times the number of its pack and the number there.
+    #[inline(always)]
+    pub fn facet(&self, place: u32) -> ([Vec3; 3], Vec3) {
+        let (pack, i) = (&self.packs[place as usize / WIDTH], place as usize % WIDTH);
+        let at = |rows: &[[f32; WIDTH]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
+        (pack.corner.each_ref().map(at), at(&pack.normal))
     }
 
     fn node(&mut self, children: Vec<(Bounds, Branch)>, facet: &impl Fn(u32) -> ([Vec3; 3], Vec3)) -> u32 {
