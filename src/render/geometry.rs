@@ -106,7 +106,7 @@ impl<'a> Geometry<'a> {
                 if let Some(hit) = hit {
                     hits.t[i] = hit.t;
                     hits.object[i] = meshes.object[meshes.tree.mesh_of(hit.triangle) as usize];
-                    (hits.triangle[i], hits.place[i]) = (hit.triangle, hit.place);
+                    hits.place[i] = hit.place;
                     (hits.u[i], hits.v[i]) = (hit.u, hit.v);
                 }
             }
@@ -160,13 +160,12 @@ impl<'a> Geometry<'a> {
                 let normal = (origin - s.centre + hits.t[i] * direction).normalize();
                 Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
             }
-            Shape::Mesh(mesh) => {
+            Shape::Mesh(_) => {
                 // Without a tree no mesh is ever hit.
                 let Some(Meshes { tree, .. }) = &self.meshes else {
                     return Surface { position, normal: -direction, shading: -direction, offset };
                 };
-                let (facet, local) = (tree.facet(hits.place[i]), tree.local(hits.triangle[i]));
-                let s = mesh.surface_of(facet, local, hits.u[i], hits.v[i]);
+                let s = tree.surface(hits.place[i], hits.u[i], hits.v[i]);
                 Surface { position: s.point, normal: s.normal, shading: s.shading, offset }
             }
         }

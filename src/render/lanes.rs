@@ -26,8 +26,7 @@ pub struct Hits {
     pub t: Lane,
     /// Number of the object in [`super::geometry::Geometry`], or [`NOTHING`].
     pub object: [u32; LANES],
-    /// For meshes: the triangle, where the tree keeps it, and the place on it.
-    pub triangle: [u32; LANES],
+    /// For meshes: where the tree keeps the triangle, and the place on it.
     pub place: [u32; LANES],
     pub u: Lane,
     pub v: Lane,
@@ -84,14 +83,7 @@ impl Default for Rays {
 
 impl Default for Hits {
     fn default() -> Self {
-        Self {
-            t: [0.0; LANES],
-            object: [NOTHING; LANES],
-            triangle: [0; LANES],
-            place: [0; LANES],
-            u: [0.0; LANES],
-            v: [0.0; LANES],
-        }
+        Self { t: [0.0; LANES], object: [NOTHING; LANES], place: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
     }
 }
 

@@ -96,7 +96,7 @@ fn hits_are_those_of_brute_force_on_every_processor() {
         assert_eq!(known(bvh.nearest(ray, t_max)), known(expected), "{i} {ray:?}");
         assert_eq!(plain.nearest(ray, t_max), bvh.nearest(ray, t_max), "{i} {ray:?}");
         if let Some(hit) = bvh.nearest(ray, t_max) {
-            assert_eq!(Some(bvh.facet(hit.place)), mesh.facet(hit.triangle));
+            assert_eq!(Some(bvh.surface(hit.place, hit.u, hit.v)), mesh.surface(hit.triangle, hit.u, hit.v));
         }
         assert_eq!(bvh.occluded(ray, t_max), expected.is_some());
         assert_eq!(plain.occluded(ray, t_max), expected.is_some());

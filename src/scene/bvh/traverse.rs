@@ -14,6 +14,7 @@ use glam::Vec3;
 /// A ray on its way through the tree, one box or pack of triangles at a time.
 ///
 /// Most of a step's time goes into waiting for what it reads, so several rays take turns: see [`super::trace_each`].
+#[derive(Default)]
 pub struct Search<const ANY: bool> {
     slabs: Slabs,
     shear: Shear,
@@ -24,31 +25,20 @@ pub struct Search<const ANY: bool> {
 }
 
 impl<const ANY: bool> Search<ANY> {
-    /// A search that has not begun: [`Search::begin`] is to be called first.
-    pub const fn new() -> Self {
-        Self {
-            slabs: Slabs { inverse: [0.0; 3], near: [0.0; 3], far: [0.0; 3], first: [0; 3], last: [0; 3] },
-            shear: Shear { order: [0; 3], origin: [0.0; 3], direction: [0.0; 3], x: 0.0, y: 0.0, z: 0.0 },
-            best: MeshHit { t: 0.0, triangle: 0, place: 0, u: 0.0, v: 0.0 },
-            found: false,
-            stack: Stack { waiting: [0; DEPTH], count: 0 },
-            current: 0,
-        }
-    }
-
-    /// Begins a search for the nearest hit with 0 < t < `t_max`; with `ANY` for the first one that is found. Returns
+    /// Begins a search for the nearest hit with 0 < t < `t_max`, which is above 0; with `ANY` for the first one that is found. Returns
     /// whether there is anything to search.
     #[inline(always)]
     pub fn begin(&mut self, tree: &Tree, ray: &Ray, t_max: f32) -> bool {
         // Within these limits no operation on boxes gives NaN.
         let sound = ray.origin.abs().cmple(Vec3::splat(Mesh::FARTHEST)).all() && ray.direction.is_finite();
-        if tree.nodes.is_empty() || !(sound && t_max > 0.0) {
+        if tree.nodes.is_empty() || !sound {
             return false;
         }
         self.slabs = Slabs::new(ray, tree.extent);
         self.shear = Shear::new(ray);
         self.best = MeshHit { t: t_max, ..MeshHit::default() };
-        (self.found, self.stack.count, self.current) = (false, 0, 0);
+        self.stack.waiting.clear();
+        (self.found, self.current) = (false, 0);
         true
     }
 
@@ -89,21 +79,17 @@ impl<const ANY: bool> Search<ANY> {
     }
 }
 
-/// Seven boxes on each of the 63 levels that there can be, and a power of two: 32 by cost, below them at least one
-/// halving each of fewer than 2^31 triangles.
-const DEPTH: usize = 512;
-
 /// Boxes still to be looked into: the bits of the distance to each, which sort as the distances do, and its number.
+#[derive(Default)]
 struct Stack {
-    waiting: [u64; DEPTH],
-    count: usize,
+    waiting: Vec<u64>,
 }
 
 impl Stack {
     /// Returns the nearest of the given boxes and keeps the others; the nearer ones, unless it is `ANY`, on top.
     #[inline(always)]
     fn push_all<const ANY: bool>(&mut self, distance: &[f32; WIDTH], mut boxes: u32, child: &[u32; WIDTH]) -> u32 {
-        let base = self.count;
+        let base = self.waiting.len();
         let mut nearest = u64::MAX;
         loop {
             let i = boxes.trailing_zeros() as usize % WIDTH;
@@ -112,13 +98,12 @@ impl Stack {
             let far = nearest.max(entry);
             nearest = nearest.min(entry);
             if far != u64::MAX {
-                let mut at = self.count;
-                while !ANY && at > base && self.waiting[(at - 1) % DEPTH] < far {
-                    self.waiting[at % DEPTH] = self.waiting[(at - 1) % DEPTH];
+                self.waiting.push(far);
+                let mut at = self.waiting.len() - 1;
+                while !ANY && at > base && self.waiting[at - 1] < self.waiting[at] {
+                    self.waiting.swap(at - 1, at);
                     at -= 1;
                 }
-                self.waiting[at % DEPTH] = far;
-                self.count += 1;
             }
             if boxes == 0 {
                 return nearest as u32;
@@ -129,14 +114,12 @@ impl Stack {
     /// The next box that is not beyond `limit`.
     #[inline(always)]
     fn pop(&mut self, limit: f32) -> Option<u32> {
-        while self.count > 0 {
-            self.count -= 1;
-            let entry = self.waiting[self.count % DEPTH];
+        loop {
+            let entry = self.waiting.pop()?;
             if f32::from_bits((entry >> 32) as u32) <= limit {
                 return Some(entry as u32);
             }
         }
-        None
     }
 }
 
@@ -149,6 +132,7 @@ fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
 
 /// What the test against boxes needs of a ray. Every box is taken larger by more than the rounding errors of this test
 /// and of the one against triangles.
+#[derive(Default)]
 struct Slabs {
     /// One over the direction, per axis.
     inverse: [f32; 3],
@@ -204,6 +188,7 @@ impl Slabs {
 /// triangles, and a triangle without area, or seen edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight
 /// ray/triangle intersection", *Journal of Computer Graphics Techniques* 2(1), 2013 (the edge functions; the paper takes
 /// those that are 0 again in double precision).
+#[derive(Default)]
 struct Shear {
     /// The axes, the last one that along which the direction is longest.
     order: [usize; 3],
