@@ -180,13 +180,13 @@ fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
 
 /// Component `i` of three lanes.
 #[inline(always)]
-pub fn at(lanes: &[Lane; 3], i: usize) -> Vec3 {
+pub fn at<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
     Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
 }
 
 /// Sets component `i` of three lanes.
 #[inline(always)]
-pub fn set(lanes: &mut [Lane; 3], i: usize, value: Vec3) {
+pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
     lanes[0][i] = value.x;
     lanes[1][i] = value.y;
     lanes[2][i] = value.z;

@@ -1,11 +1,23 @@
 //! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
 
-use crate::optics::elementary::{exp_f64, ln_f64};
+use crate::optics::elementary::{exp_series, ln_f64};
 use crate::optics::error_function::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.
 pub(super) const LEAST: f64 = 1e-30;
+
+/// exp to 6·10⁻⁹, which is enough here.
+#[inline(always)]
+fn exp(x: f64) -> f64 {
+    exp_series::<8>(x)
+}
+
+/// ln to 10⁻¹².
+#[inline(always)]
+fn ln(x: f64) -> f64 {
+    ln_f64::<8>(x)
+}
 
 /// erf⁻¹(2u − 1): a normally distributed slope of variance ½, to 2·10⁻⁸ of its value.
 ///
@@ -15,7 +27,7 @@ pub(super) const LEAST: f64 = 1e-30;
 #[inline(always)]
 pub(super) fn normal(u: f64) -> f64 {
     let (below, above) = (u.max(LEAST), (1.0 - u).max(LEAST));
-    let w = -ln_f64(4.0 * below * above);
+    let w = -ln(4.0 * below * above);
     let x = below - above;
     let centre = polynomial(&CENTRE, w / 3.0 - 1.0);
     let root = w.max(6.0).sqrt();
@@ -40,7 +52,7 @@ pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     // The steepest slope that is seen at all; infinite for a view along the normal.
     let limit = cos / slope;
     // Kept from underflow, which is slow.
-    let e = exp_f64(-(limit * limit).min(600.0));
+    let e = exp(-(limit * limit).min(600.0));
     let hidden = e * erfcx(limit);
     let total = cos * (2.0 - hidden) + half * e;
     let first = guess(e, limit, hidden, u).max(-STEEPEST).min(limit).min(STEEPEST);
@@ -71,7 +83,7 @@ impl Target {
     #[inline(always)]
     fn step(self, Bracket { low, s, high }: Bracket) -> Bracket {
         // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
-        let gauss = exp_f64(-s * s);
+        let gauss = exp(-s * s);
         let tail = erfcx(s.abs()) * gauss;
         let residual = self.cos * (if s < 0.0 { tail } else { 2.0 - tail }) + self.half * gauss - self.value;
         let (low, high) = (if residual < 0.0 { s } else { low }, if residual < 0.0 { high } else { s });
@@ -94,7 +106,7 @@ fn guess(e: f64, limit: f64, hidden: f64, u: f64) -> f64 {
     // Where the limit may be infinite, the exponential is as good as 0.
     let bent = 0.5 * (root_pi * e * (limit.min(STEEPEST) * (2.0 - hidden) + e / root_pi)).sqrt();
     let bent = bent.min(visible);
-    let below = u * (visible - bent + bent * erfcx((-ln_f64(u)).max(0.0).sqrt()));
+    let below = u * (visible - bent + bent * erfcx((-ln(u)).max(0.0).sqrt()));
     normal(below)
 }
 

@@ -164,7 +164,7 @@ impl MeshBvh {
 }
 
 /// How many rays are on their way at a time. While one waits for memory the others go on.
-const TURNS: usize = 4;
+const TURNS: usize = 8;
 
 #[inline(always)]
 fn trace_each<L: Lanes, const ANY: bool, T>(
