@@ -89,7 +89,7 @@ impl<T: Real> Target<T> {
         let next = if next < low { lit(0.5) * (s + low) } else { next };
         let next = if next > self.high { lit(0.5) * (s + self.high) } else { next };
         // At the very ends the step is not a number.
-        if next == next { next } else { s }
+        if next.is_nan() { s } else { next }
     }
 }
 
@@ -188,7 +188,16 @@ mod tests {
         }
         assert!(worst < 2.5e-8, "{worst:e}");
         assert_eq!(normal(0.5), 0.0);
-        assert!(normal(0.0) < -8.0 && normal(0.0).is_finite() && normal(1.0).is_finite());
+        assert!(normal(0.0) < -8.0 && normal(0.0f64).is_finite() && normal(1.0f64).is_finite());
+    }
+
+    #[test]
+    fn the_normal_slope_in_single_is_that_in_double() {
+        for i in 0..1 << 20 {
+            let u = (16 * i + 1) as f32 / (1 << 24) as f32;
+            let exact = normal(f64::from(u));
+            assert!((f64::from(normal(u)) - exact).abs() <= 1e-6 * exact.abs(), "{u}: {} {exact}", normal(u));
+        }
     }
 
     /// The share of what is seen that lies below slope `s`.
