@@ -16,6 +16,9 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     /// exp(x) for x from [`Real::LEAST_EXPONENT`] to 88; see [`elementary`].
     fn exponential(self) -> Self;
 
+    /// ln x for normal x > 0; see [`elementary`].
+    fn logarithm(self) -> Self;
+
     /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`error_function`].
     fn erfcx(self) -> Self;
 }
@@ -36,6 +39,11 @@ impl Real for f32 {
     #[inline(always)]
     fn exponential(self) -> Self {
         elementary::exp_f32(self)
+    }
+
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        elementary::ln_f32(self)
     }
 
     #[inline(always)]
@@ -60,6 +68,11 @@ impl Real for f64 {
     #[inline(always)]
     fn exponential(self) -> Self {
         elementary::exp_f64(self)
+    }
+
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        elementary::ln_f64(self)
     }
 
     #[inline(always)]

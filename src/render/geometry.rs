@@ -106,7 +106,7 @@ impl<'a> Geometry<'a> {
                 if let Some(hit) = hit {
                     hits.t[i] = hit.t;
                     hits.object[i] = meshes.object[meshes.tree.mesh_of(hit.triangle) as usize];
-                    hits.triangle[i] = hit.triangle;
+                    hits.place[i] = hit.place;
                     (hits.u[i], hits.v[i]) = (hit.u, hit.v);
                 }
             }
@@ -160,13 +160,13 @@ impl<'a> Geometry<'a> {
                 let normal = (origin - s.centre + hits.t[i] * direction).normalize();
                 Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
             }
-            Shape::Mesh(mesh) => {
-                let local = self.meshes.as_ref().map_or(0, |meshes| meshes.tree.local(hits.triangle[i]));
-                match mesh.surface(local, hits.u[i], hits.v[i]) {
-                    Some(s) => Surface { position: s.point, normal: s.normal, shading: s.shading, offset },
-                    // Triangles without area are never hit.
-                    None => Surface { position, normal: -direction, shading: -direction, offset },
-                }
+            Shape::Mesh(_) => {
+                // Without a tree no mesh is ever hit.
+                let Some(Meshes { tree, .. }) = &self.meshes else {
+                    return Surface { position, normal: -direction, shading: -direction, offset };
+                };
+                let s = tree.surface(hits.place[i], hits.u[i], hits.v[i]);
+                Surface { position: s.point, normal: s.normal, shading: s.shading, offset }
             }
         }
     }
@@ -180,13 +180,13 @@ fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
 
 /// Component `i` of three lanes.
 #[inline(always)]
-pub fn at(lanes: &[Lane; 3], i: usize) -> Vec3 {
+pub fn at<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
     Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
 }
 
 /// Sets component `i` of three lanes.
 #[inline(always)]
-pub fn set(lanes: &mut [Lane; 3], i: usize, value: Vec3) {
+pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
     lanes[0][i] = value.x;
     lanes[1][i] = value.y;
     lanes[2][i] = value.z;

@@ -11,6 +11,40 @@ pub const LANES: usize = 256;
 pub type Lane = [f32; LANES];
 pub type Lane3 = [Lane; 3];
 
+/// Lanes that a loop with much to remember takes at a time, in local arrays: the compiler then knows that nothing
+/// overlaps, which it needs to know to vectorize, and few paths cost little. The last block may be filled in part; what
+/// comes out behind the last path means nothing.
+pub const BLOCK: usize = 32;
+
+pub type Block = [f32; BLOCK];
+pub type Block3 = [Block; 3];
+
+pub const ZERO_BLOCK3: Block3 = [[0.0; BLOCK]; 3];
+
+/// How many blocks `count` lanes fill.
+#[inline(always)]
+pub fn blocks(count: usize) -> usize {
+    count.min(LANES).div_ceil(BLOCK)
+}
+
+/// A block of some lanes.
+#[inline(always)]
+pub fn block<const N: usize>(lanes: &[Lane; N], number: usize) -> [Block; N] {
+    let mut out = [[0.0; BLOCK]; N];
+    for axis in 0..N {
+        out[axis] = lanes[axis].as_chunks().0[number];
+    }
+    out
+}
+
+/// Puts a block back.
+#[inline(always)]
+pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[Block; N]) {
+    for axis in 0..N {
+        lanes[axis].as_chunks_mut().0[number] = block[axis];
+    }
+}
+
 /// No object: the ray left the scene.
 pub const NOTHING: u32 = u32::MAX;
 
@@ -26,8 +60,8 @@ pub struct Hits {
     pub t: Lane,
     /// Number of the object in [`super::geometry::Geometry`], or [`NOTHING`].
     pub object: [u32; LANES],
-    /// For meshes: the triangle and the place on it.
-    pub triangle: [u32; LANES],
+    /// For meshes: where the tree keeps the triangle, and the place on it.
+    pub place: [u32; LANES],
     pub u: Lane,
     pub v: Lane,
 }
@@ -83,7 +117,7 @@ impl Default for Rays {
 
 impl Default for Hits {
     fn default() -> Self {
-        Self { t: [0.0; LANES], object: [NOTHING; LANES], triangle: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
+        Self { t: [0.0; LANES], object: [NOTHING; LANES], place: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
     }
 }
 

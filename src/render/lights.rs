@@ -3,7 +3,7 @@
 use super::Settings;
 use super::cut_lights;
 use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, ZERO3};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::error::Result;
@@ -13,6 +13,7 @@ use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
+use std::array::from_mut;
 
 /// A direction towards a light.
 #[derive(Debug, Clone, Copy)]
@@ -78,17 +79,21 @@ impl<L: SampleLight> Wide for SampleMany<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { light, positions, count, u, out } = self;
-        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
-        let (positions, u) = (*positions, *u);
-        let mut samples = LightSamples::default();
-        for i in 0..count.min(LANES) {
-            let sample = light.sample(at(&positions, i), [u[0][i], u[1][i]]);
-            set(&mut samples.wi, i, sample.wi);
-            set(&mut samples.weight, i, sample.weight);
-            samples.distance[i] = sample.distance;
-            samples.pdf[i] = sample.pdf;
+        for number in 0..blocks(count) {
+            let (positions, u) = (block(positions, number), block(u, number));
+            let (mut wi, mut weight) = (ZERO_BLOCK3, ZERO_BLOCK3);
+            let (mut distance, mut pdf) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for i in 0..BLOCK {
+                let sample = light.sample(at(&positions, i), [u[0][i], u[1][i]]);
+                set(&mut wi, i, sample.wi);
+                set(&mut weight, i, sample.weight);
+                (distance[i], pdf[i]) = (sample.distance, sample.pdf);
+            }
+            put(&mut out.wi, number, &wi);
+            put(&mut out.weight, number, &weight);
+            put(from_mut(&mut out.distance), number, &[distance]);
+            put(from_mut(&mut out.pdf), number, &[pdf]);
         }
-        *out = samples;
     }
 }
 

@@ -1,13 +1,14 @@
 //! Rough metal, many hits at once: the directions that the material draws, and what it scatters from given ones.
 
 use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, ZERO3};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
 use super::wide::{Wide, wide};
 use crate::bsdf::{Bsdf, BsdfSample, Conductor, Normals, Scatter};
 use crate::raster::Rgb;
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 use pulp::Arch;
+use std::array::from_mut;
 
 /// For each hit a direction in its own frame, the BSDF times the cosine over the density (or alone), and the density.
 pub struct Scattered {
@@ -67,16 +68,20 @@ struct Draw<'a, D> {
 impl<D: SampleNormals<f32>> Wide for Draw<'_, D> {
     #[inline(always)]
     fn run(self) {
-        // Local copies: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
-        let (conductor, wo, u) = (*self.conductor, *self.wo, *self.u);
-        let mut out = Scattered::default();
-        for i in 0..self.count.min(LANES) {
-            let sample = conductor.draw_visible(at(&wo, i), [u[0][i], u[1][i]]);
-            set(&mut out.wi, i, sample.wi);
-            set(&mut out.weight, i, sample.weight);
-            out.pdf[i] = sample.pdf;
+        let conductor = *self.conductor;
+        for number in 0..blocks(self.count) {
+            let (wo, u) = (block(self.wo, number), block(self.u, number));
+            let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
+            for i in 0..BLOCK {
+                let sample = conductor.draw_visible(at(&wo, i), [u[0][i], u[1][i]]);
+                set(&mut wi, i, sample.wi);
+                set(&mut weight, i, sample.weight);
+                pdf[i] = sample.pdf;
+            }
+            put(&mut self.out.wi, number, &wi);
+            put(&mut self.out.weight, number, &weight);
+            put(from_mut(&mut self.out.pdf), number, &[pdf]);
         }
-        *self.out = out;
     }
 }
 
@@ -90,13 +95,17 @@ struct Eval<'a, D> {
 impl<D: SampleNormals<f32>> Wide for Eval<'_, D> {
     #[inline(always)]
     fn run(self) {
-        let (conductor, wo, wi) = (*self.conductor, *self.wo, self.out.wi);
-        let (mut weight, mut pdf) = (ZERO3, [0.0; LANES]);
-        for i in 0..self.count.min(LANES) {
-            let (f, density) = conductor.eval_visible(at(&wo, i), at(&wi, i));
-            set(&mut weight, i, f);
-            pdf[i] = density;
+        let conductor = *self.conductor;
+        for number in 0..blocks(self.count) {
+            let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
+            let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
+            for i in 0..BLOCK {
+                let (f, density) = conductor.eval_visible(at(&wo, i), at(&wi, i));
+                set(&mut weight, i, f);
+                pdf[i] = density;
+            }
+            put(&mut self.out.weight, number, &weight);
+            put(from_mut(&mut self.out.pdf), number, &[pdf]);
         }
-        (self.out.weight, self.out.pdf) = (weight, pdf);
     }
 }

@@ -5,7 +5,7 @@ pub mod batch;
 pub mod circular;
 pub(crate) mod hash;
 pub mod normals;
-mod prefetch;
+pub(crate) mod prefetch;
 pub mod rectangle;
 pub mod stream;
 pub mod table;

@@ -23,6 +23,19 @@ pub struct Surface {
     pub shading: Vec3,
 }
 
+impl Surface {
+    /// The point of a triangle with the barycentric weights 1 − u − v, u, v.
+    #[inline]
+    pub(super) fn on(corners: [Vec3; 3], normal: Vec3, corner_normals: [Vec3; 3], [u, v]: [f32; 2]) -> Self {
+        // In f64, so that only the result is rounded.
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let point = (a + f64::from(u) * (b - a) + f64::from(v) * (c - a)).as_vec3();
+        let [na, nb, nc] = corner_normals;
+        let shading = na * (1.0 - u - v) + nb * u + nc * v;
+        Self { point, normal, shading: shading.try_normalize().unwrap_or(normal) }
+    }
+}
+
 impl Mesh {
     /// Largest coordinate, of either sign: sums of products of two coordinates stay finite by far.
     pub const FARTHEST: f32 = 1e15;
@@ -75,20 +88,20 @@ impl Mesh {
         Some((corners, (b - a).cross(c - a).try_normalize()?.as_vec3()))
     }
 
+    /// The normals for shading at the corners of a triangle whose own normal is given.
+    #[inline]
+    pub(super) fn corner_normals(&self, triangle: u32, normal: Vec3) -> [Vec3; 3] {
+        let vertices = self.triangles.get(triangle as usize).copied().unwrap_or_default();
+        vertices.map(|i| self.normals.get(i as usize).copied().unwrap_or(normal))
+    }
+
     /// The point of `triangle` with the barycentric weights 1 − u − v, u, v; `None` where there is no
     /// [`facet`](Self::facet).
     #[inline]
     #[must_use]
     pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Option<Surface> {
         let (corners, normal) = self.facet(triangle)?;
-        let weights = [1.0 - u - v, u, v];
-        // In f64, so that only the result is rounded.
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
-        let point = (a + f64::from(u) * (b - a) + f64::from(v) * (c - a)).as_vec3();
-        let vertices =
-            self.triangles[triangle as usize].map(|i| self.normals.get(i as usize).copied().unwrap_or(normal));
-        let shading = vertices.iter().zip(weights).map(|(n, w)| n * w).sum::<Vec3>();
-        Some(Surface { point, normal, shading: shading.try_normalize().unwrap_or(normal) })
+        Some(Surface::on(corners, normal, self.corner_normals(triangle, normal), [u, v]))
     }
 
     /// How far, per axis, the point of any [`Surface`] may be off its triangle, with room for the rounding of the ray

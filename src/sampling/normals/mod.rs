@@ -48,7 +48,7 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
         let sin = (x * x + y * y).sqrt();
         let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
         let along = alpha * slope::visible(z, alpha * sin, u[0].wide());
-        let across = alpha * slope::normal(u[1].wide());
+        let across = alpha * slope::normal(u[1]).wide();
         let (sx, sy) = (along * cos_phi - across * sin_phi, along * sin_phi + across * cos_phi);
         let inverse = 1.0 / (sx * sx + sy * sy + 1.0).sqrt();
         [T::lit(-sx * inverse), T::lit(-sy * inverse), T::lit(inverse)]

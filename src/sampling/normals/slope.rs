@@ -1,27 +1,29 @@
 //! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
 
-use crate::optics::elementary::{exp_f64, ln_f64};
+use crate::optics::Real;
 use crate::optics::error_function::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.
 pub(super) const LEAST: f64 = 1e-30;
 
-/// erf⁻¹(2u − 1): a normally distributed slope of variance ½, to 2·10⁻⁸ of its value.
+/// erf⁻¹(2u − 1): a normally distributed slope of variance ½, in f64 to 2·10⁻⁸ of its value.
 ///
 /// With w = −ln(4u(1−u)), erf⁻¹(x)/x is a smooth function of w: a polynomial in w at the centre, √w times one in 1/√w in
 /// the tails. Both are Chebyshev fits of this project; the choice of w is that of Giles, "Approximating the erfinv
 /// function", GPU Computing Gems 2, 2012.
 #[inline(always)]
-pub(super) fn normal(u: f64) -> f64 {
-    let (below, above) = (u.max(LEAST), (1.0 - u).max(LEAST));
-    let w = -ln_f64(4.0 * below * above);
+pub(super) fn normal<T: Real>(u: T) -> T {
+    let lit = T::lit;
+    let (below, above) = (u.max(lit(LEAST)), (T::one() - u).max(lit(LEAST)));
+    let w = -(lit(4.0) * below * above).logarithm();
     let x = below - above;
-    let centre = polynomial(&CENTRE, w / 3.0 - 1.0);
-    let root = w.max(6.0).sqrt();
+    let centre = polynomial(&CENTRE.map(lit), w * lit(1.0 / 3.0) - T::one());
+    let root = w.max(lit(6.0)).sqrt();
     const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
-    let tails = root * polynomial(&TAILS, (2.0 / root - ENDS[0] - ENDS[1]) / (ENDS[1] - ENDS[0]));
-    x * if w < 6.0 { centre } else { tails }
+    let place = (lit(2.0) / root - lit(ENDS[0] + ENDS[1])) * lit(1.0 / (ENDS[1] - ENDS[0]));
+    let tails = root * polynomial(&TAILS.map(lit), place);
+    x * if w < lit(6.0) { centre } else { tails }
 }
 
 /// Beyond ±9 there is less than [`LEAST`] of a normal distribution.
@@ -31,8 +33,8 @@ const STEEPEST: f64 = 9.0;
 /// direction (slope, cos), of any length, both ≥ 0 and not both 0. Its share of what is seen is `u` to 10⁻⁷, in the far tail
 /// to 10⁻⁵ of `u`.
 ///
-/// Solves K(s) = u K(cos/slope) for K(s) = cos (1 + erf s) + slope exp(−s²)/√π by Halley's steps in a shrinking bracket.
-/// Their number is fixed and nothing branches, so that a loop over views vectorizes.
+/// Solves K(s) = u K(cos/slope) for K(s) = cos (1 + erf s) + slope exp(−s²)/√π by Halley's steps. Their number is fixed
+/// and nothing branches, so that a loop over views vectorizes; the last one alone is in f64.
 #[inline(always)]
 pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     let u = u.max(LEAST);
@@ -40,62 +42,66 @@ pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     // The steepest slope that is seen at all; infinite for a view along the normal.
     let limit = cos / slope;
     // Kept from underflow, which is slow.
-    let e = exp_f64(-(limit * limit).min(600.0));
+    let e = (-(limit * limit).min(600.0)).exponential();
     let hidden = e * erfcx(limit);
     let total = cos * (2.0 - hidden) + half * e;
-    let first = guess(e, limit, hidden, u).max(-STEEPEST).min(limit).min(STEEPEST);
-    let target = Target { cos, slope, half, value: u * total };
-    // Three steps. Where two are not enough for the last digits the guess is poor, in the far tails.
-    let bracket = Bracket { low: -STEEPEST, s: first, high: limit.min(STEEPEST) };
-    target.step(target.step(target.step(bracket))).s
+    let high = limit.min(STEEPEST);
+    let target = Target { cos, slope, half, value: u * total, high };
+    let single = Target {
+        cos: cos as f32,
+        slope: slope as f32,
+        half: half as f32,
+        value: target.value as f32,
+        high: high as f32,
+    };
+    let first = guess(e as f32, high as f32, hidden as f32, u as f32).max(-STEEPEST as f32).min(single.high);
+    // Where one of the two is not enough the guess is poor, in the far tails.
+    target.step(f64::from(single.step(single.step(first))).min(high))
 }
 
-/// What is sought: K(s) = `value`.
+/// What is sought: K(s) = `value`, for s up to `high`.
 #[derive(Clone, Copy)]
-struct Target {
-    cos: f64,
-    slope: f64,
-    half: f64,
-    value: f64,
+struct Target<T> {
+    cos: T,
+    slope: T,
+    half: T,
+    value: T,
+    high: T,
 }
 
-/// An estimate between two bounds of the solution.
-#[derive(Clone, Copy)]
-struct Bracket {
-    low: f64,
-    s: f64,
-    high: f64,
-}
-
-impl Target {
+impl<T: Real> Target<T> {
+    /// A better estimate than `s`.
     #[inline(always)]
-    fn step(self, Bracket { low, s, high }: Bracket) -> Bracket {
+    fn step(self, s: T) -> T {
+        let lit = T::lit;
         // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
-        let gauss = exp_f64(-s * s);
+        let gauss = (-s * s).exponential();
         let tail = erfcx(s.abs()) * gauss;
-        let residual = self.cos * (if s < 0.0 { tail } else { 2.0 - tail }) + self.half * gauss - self.value;
-        let (low, high) = (if residual < 0.0 { s } else { low }, if residual < 0.0 { high } else { s });
+        let below = if s < T::zero() { tail } else { lit(2.0) - tail };
+        let residual = self.cos * below + self.half * gauss - self.value;
         // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) seen, K''/K' = −2s − slope/seen.
         let seen = self.cos - s * self.slope;
-        let step = residual * seen / (FRAC_2_SQRT_PI * gauss * seen * seen + residual * (s * seen + 0.5 * self.slope));
+        let bend = s * seen + lit(0.5) * self.slope;
+        let step = residual * seen / (lit(FRAC_2_SQRT_PI) * gauss * seen * seen + residual * bend);
         let next = s - step;
-        // Also where the step is not a number, at the very ends.
-        let s = if (next >= low) & (next <= high) { next } else { 0.5 * (low + high) };
-        Bracket { low, s, high }
+        // Half the way to an end that it would pass: at the ends nothing leads back.
+        let low = lit(-STEEPEST);
+        let next = if next < low { lit(0.5) * (s + low) } else { next };
+        let next = if next > self.high { lit(0.5) * (s + self.high) } else { next };
+        // At the very ends the step is not a number.
+        if next.is_nan() { s } else { next }
     }
 }
 
 /// A slope near the one sought: that of a normal distribution cut off at `limit` and bent so that it is right at both
 /// ends of the views, along the normal and grazing, and in how it ends at `limit`.
 #[inline(always)]
-fn guess(e: f64, limit: f64, hidden: f64, u: f64) -> f64 {
+fn guess(e: f32, limit: f32, hidden: f32, u: f32) -> f32 {
     let visible = 1.0 - 0.5 * hidden;
-    let root_pi = 2.0 / FRAC_2_SQRT_PI;
-    // Where the limit may be infinite, the exponential is as good as 0.
-    let bent = 0.5 * (root_pi * e * (limit.min(STEEPEST) * (2.0 - hidden) + e / root_pi)).sqrt();
+    let root_pi = std::f32::consts::PI.sqrt();
+    let bent = 0.5 * (root_pi * e * (limit * (2.0 - hidden) + e / root_pi)).sqrt();
     let bent = bent.min(visible);
-    let below = u * (visible - bent + bent * erfcx((-ln_f64(u)).max(0.0).sqrt()));
-    normal(below)
+    normal(u * (visible - bent + bent * erfcx((-u.logarithm()).max(0.0).sqrt())))
 }
 
 /// Ascending coefficients of erf⁻¹(x)/x in w/3 − 1, for 0 ≤ w ≤ 6.
@@ -130,11 +136,11 @@ const TAILS: [f64; 12] = [
     2.527_388_408_28e-5,
 ];
 
-/// exp(x²) erfc(x) for x ≥ 0, to 10⁻⁸: enough here, and with one division less than [`crate::optics::Real::erfcx`].
+/// exp(x²) erfc(x) for x ≥ 0, to 10⁻⁸: enough here, and with one division less than [`Real::erfcx`].
 #[inline(always)]
-fn erfcx(x: f64) -> f64 {
-    let y = 1.0 / (x + 3.0);
-    polynomial(&SCALED_TAIL, 1.0 - 6.0 * y) * y
+fn erfcx<T: Real>(x: T) -> T {
+    let y = T::one() / (x + T::lit(3.0));
+    polynomial(&SCALED_TAIL.map(T::lit), T::one() - T::lit(6.0) * y) * y
 }
 
 /// Ascending coefficients of (x + 3) exp(x²) erfc(x) in (x − 3)/(x + 3).
@@ -182,7 +188,16 @@ mod tests {
         }
         assert!(worst < 2.5e-8, "{worst:e}");
         assert_eq!(normal(0.5), 0.0);
-        assert!(normal(0.0) < -8.0 && normal(0.0).is_finite() && normal(1.0).is_finite());
+        assert!(normal(0.0) < -8.0 && normal(0.0f64).is_finite() && normal(1.0f64).is_finite());
+    }
+
+    #[test]
+    fn the_normal_slope_in_single_is_that_in_double() {
+        for i in 0..1 << 20 {
+            let u = (16 * i + 1) as f32 / (1 << 24) as f32;
+            let exact = normal(f64::from(u));
+            assert!((f64::from(normal(u)) - exact).abs() <= 1e-6 * exact.abs(), "{u}: {} {exact}", normal(u));
+        }
     }
 
     /// The share of what is seen that lies below slope `s`.

@@ -8,20 +8,22 @@ mod traverse;
 mod tree;
 
 use super::camera::Ray;
-use super::mesh::Mesh;
+use super::mesh::{Mesh, Surface};
 use build::{Bounds, Item};
 use glam::Vec3;
 use lanes::{Lanes, Portable};
-use traverse::{Stack, trace};
-use tree::Tree;
+use traverse::Search;
+use tree::{Facet, Tree};
 
 /// Where a ray hits a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeshHit {
     /// Distance along the ray.
     pub t: f32,
     /// Number of the triangle, counted on through all meshes.
     pub triangle: u32,
+    /// Where the tree keeps it, for [`MeshBvh::surface`].
+    pub place: u32,
     /// Barycentric weights of the triangle's second and third corner.
     pub u: f32,
     pub v: f32,
@@ -39,9 +41,9 @@ pub struct Rays<'a> {
 
 impl Rays<'_> {
     #[inline(always)]
-    fn get(&self, i: usize) -> (Ray, f32) {
+    fn get(&self, i: usize) -> Ray {
         let at = |v: &[&[f32]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
-        (Ray { origin: at(&self.origin), direction: at(&self.direction) }, self.t_max[i])
+        Ray { origin: at(&self.origin), direction: at(&self.direction) }
     }
 }
 
@@ -87,7 +89,9 @@ impl MeshBvh {
         drop(items);
         let tree = Tree::new(root, |triangle| {
             let (mesh, local) = locate(&first, triangle);
-            meshes[mesh as usize].facet(local).unwrap_or_default()
+            let mesh = meshes[mesh as usize];
+            let (corners, normal) = mesh.facet(local).unwrap_or_default();
+            Facet { corners, normal, corner_normals: mesh.corner_normals(local, normal) }
         });
         Self {
             tree,
@@ -137,6 +141,16 @@ impl MeshBvh {
         locate(&self.first, triangle).1
     }
 
+    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: what [`Mesh::surface`] tells, sooner.
+    ///
+    /// # Panics
+    /// For a place that no hit had.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
+        self.tree.surface(place, [u, v])
+    }
+
     fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<MeshHit>) -> T) {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = self.avx2 {
@@ -149,6 +163,9 @@ impl MeshBvh {
     }
 }
 
+/// How many rays are on their way at a time. While one waits for memory the others go on.
+const TURNS: usize = 8;
+
 #[inline(always)]
 fn trace_each<L: Lanes, const ANY: bool, T>(
     l: L,
@@ -157,10 +174,39 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
     out: &mut [T],
     keep: impl Fn(Option<MeshHit>) -> T,
 ) {
-    let mut stack = Stack::with_capacity(64);
-    for (i, out) in out.iter_mut().enumerate() {
-        let (ray, t_max) = rays.get(i);
-        *out = keep(trace::<L, ANY>(l, tree, &ray, t_max, &mut stack));
+    let mut searches: [Search<ANY>; TURNS] = Default::default();
+    // Which ray each search is for; none at first, and none in the end.
+    let mut ray = [usize::MAX; TURNS];
+    let mut next = 0;
+    loop {
+        let mut over = true;
+        for k in 0..TURNS {
+            let search = &mut searches[k];
+            if ray[k] < out.len() {
+                over = false;
+                if search.step(l, tree) {
+                    continue;
+                }
+                let hit = search.result();
+                if !ANY && let Some(hit) = &hit {
+                    tree.prefetch_surface(hit.place);
+                }
+                out[ray[k]] = keep(hit);
+                ray[k] = usize::MAX;
+            }
+            while next < out.len() && ray[k] == usize::MAX {
+                // Most rays may have nothing to search.
+                if rays.t_max[next] > 0.0 && search.begin(tree, &rays.get(next), rays.t_max[next]) {
+                    (ray[k], over) = (next, false);
+                } else {
+                    out[next] = keep(None);
+                }
+                next += 1;
+            }
+        }
+        if over {
+            return;
+        }
     }
 }
 

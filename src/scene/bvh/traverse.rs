@@ -11,65 +11,115 @@ use crate::scene::camera::Ray;
 use crate::scene::mesh::Mesh;
 use glam::Vec3;
 
-/// Boxes still to be looked into: the distance to each and its number.
-pub type Stack = Vec<(f32, u32)>;
+/// A ray on its way through the tree, one box or pack of triangles at a time.
+///
+/// Most of a step's time goes into waiting for what it reads, so several rays take turns: see [`super::trace_each`].
+#[derive(Default)]
+pub struct Search<const ANY: bool> {
+    slabs: Slabs,
+    shear: Shear,
+    best: MeshHit,
+    found: bool,
+    stack: Stack,
+    current: u32,
+}
 
-/// The nearest hit with 0 < t < `t_max`; with `ANY` the first one that is found.
-#[inline(always)]
-pub fn trace<L: Lanes, const ANY: bool>(
-    l: L,
-    tree: &Tree,
-    ray: &Ray,
-    t_max: f32,
-    stack: &mut Stack,
-) -> Option<MeshHit> {
-    // Within these limits no operation on boxes gives NaN.
-    let sound = ray.origin.abs().cmple(Vec3::splat(Mesh::FARTHEST)).all() && ray.direction.is_finite();
-    if tree.nodes.is_empty() || !(sound && t_max > 0.0) {
-        return None;
+impl<const ANY: bool> Search<ANY> {
+    /// Begins a search for the nearest hit with 0 < t < `t_max`, which is above 0; with `ANY` for the first one that is found. Returns
+    /// whether there is anything to search.
+    #[inline(always)]
+    pub fn begin(&mut self, tree: &Tree, ray: &Ray, t_max: f32) -> bool {
+        // Within these limits no operation on boxes gives NaN.
+        let sound = ray.origin.abs().cmple(Vec3::splat(Mesh::FARTHEST)).all() && ray.direction.is_finite();
+        if tree.nodes.is_empty() || !sound {
+            return false;
+        }
+        self.slabs = Slabs::new(ray, tree.extent);
+        self.shear = Shear::new(ray);
+        self.best = MeshHit { t: t_max, ..MeshHit::default() };
+        self.stack.waiting.clear();
+        (self.found, self.current) = (false, 0);
+        true
     }
-    let slabs = Slabs::new(l, ray, tree.extent);
-    let shear = Shear::new(l, ray);
-    let mut best = MeshHit { t: t_max, triangle: 0, u: 0.0, v: 0.0 };
-    let mut found = false;
-    stack.clear();
-    let mut current = 0;
-    loop {
-        if current & LEAF == 0 {
-            let node = &tree.nodes[current as usize];
-            let (distance, mut boxes) = slabs.meet(l, node, best.t);
-            if boxes.is_power_of_two() {
-                current = node.child[boxes.trailing_zeros() as usize % WIDTH];
-                continue;
-            }
-            let base = stack.len();
-            while boxes != 0 {
-                let i = boxes.trailing_zeros() as usize % WIDTH;
-                boxes &= boxes - 1;
-                stack.push((distance[i], node.child[i]));
-                if !ANY {
-                    // The nearest on top.
-                    let mut at = stack.len() - 1;
-                    while at > base && stack[at - 1].0 < stack[at].0 {
-                        stack.swap(at - 1, at);
-                        at -= 1;
-                    }
-                }
+
+    /// Looks into the next box or pack and asks for the one after it to be brought near; `false` when the search is over.
+    #[inline(always)]
+    pub fn step<L: Lanes>(&mut self, l: L, tree: &Tree) -> bool {
+        let mut next = None;
+        if self.current & LEAF == 0 {
+            let node = &tree.nodes[self.current as usize];
+            let (distance, boxes) = self.slabs.meet(l, node, self.best.t);
+            if boxes != 0 {
+                next = Some(self.stack.push_all::<ANY>(&distance, boxes, &node.child));
             }
         } else {
-            let pack = &tree.packs[(current & !LEAF) as usize];
-            found |= shear.hit(l, pack, &mut best);
-            if ANY && found {
-                return Some(best);
+            let number = self.current & !LEAF;
+            self.found |= self.shear.hit(l, &tree.packs[number as usize], number, &mut self.best);
+            if ANY && self.found {
+                return false;
             }
         }
-        current = loop {
-            match stack.pop() {
-                Some((distance, next)) if distance <= best.t => break next,
-                Some(_) => {}
-                None => return found.then_some(best),
+        match next.or_else(
+            #[inline(always)]
+            || self.stack.pop(self.best.t),
+        ) {
+            Some(next) => {
+                self.current = next;
+                tree.prefetch(next);
+                true
             }
-        };
+            None => false,
+        }
+    }
+
+    /// What was found.
+    #[inline(always)]
+    pub fn result(&self) -> Option<MeshHit> {
+        self.found.then_some(self.best)
+    }
+}
+
+/// Boxes still to be looked into: the bits of the distance to each, which sort as the distances do, and its number.
+#[derive(Default)]
+struct Stack {
+    waiting: Vec<u64>,
+}
+
+impl Stack {
+    /// Returns the nearest of the given boxes and keeps the others; the nearer ones, unless it is `ANY`, on top.
+    #[inline(always)]
+    fn push_all<const ANY: bool>(&mut self, distance: &[f32; WIDTH], mut boxes: u32, child: &[u32; WIDTH]) -> u32 {
+        let base = self.waiting.len();
+        let mut nearest = u64::MAX;
+        loop {
+            let i = boxes.trailing_zeros() as usize % WIDTH;
+            boxes &= boxes.wrapping_sub(1);
+            let entry = u64::from(distance[i].to_bits()) << 32 | u64::from(child[i]);
+            let far = nearest.max(entry);
+            nearest = nearest.min(entry);
+            if far != u64::MAX {
+                self.waiting.push(far);
+                let mut at = self.waiting.len() - 1;
+                while !ANY && at > base && self.waiting[at - 1] < self.waiting[at] {
+                    self.waiting.swap(at - 1, at);
+                    at -= 1;
+                }
+            }
+            if boxes == 0 {
+                return nearest as u32;
+            }
+        }
+    }
+
+    /// The next box that is not beyond `limit`.
+    #[inline(always)]
+    fn pop(&mut self, limit: f32) -> Option<u32> {
+        loop {
+            let entry = self.waiting.pop()?;
+            if f32::from_bits((entry >> 32) as u32) <= limit {
+                return Some(entry as u32);
+            }
+        }
     }
 }
 
@@ -82,14 +132,16 @@ fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
 
 /// What the test against boxes needs of a ray. Every box is taken larger by more than the rounding errors of this test
 /// and of the one against triangles.
-struct Slabs<L: Lanes> {
+#[derive(Default)]
+struct Slabs {
     /// One over the direction, per axis.
-    inverse: [L::F; 3],
+    inverse: [f32; 3],
     /// Origin over direction, the origin moved so that the near and the far faces move outwards.
-    near: [L::F; 3],
-    far: [L::F; 3],
-    /// Which of a node's faces are met first.
+    near: [f32; 3],
+    far: [f32; 3],
+    /// Which of a node's faces are met first, and which last.
     first: [usize; 3],
+    last: [usize; 3],
 }
 
 /// Components of a direction below this are taken as this: they move a ray by less than the margin of the boxes.
@@ -98,30 +150,30 @@ const FLATTEST: f32 = 1e-18;
 /// Relative margin of the boxes: the tests make up to ten roundings of 2⁻²⁴ each.
 const MARGIN: f32 = 8.0 * f32::EPSILON;
 
-impl<L: Lanes> Slabs<L> {
+impl Slabs {
     #[inline(always)]
-    fn new(l: L, ray: &Ray, extent: f32) -> Self {
+    fn new(ray: &Ray, extent: f32) -> Self {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let margin = MARGIN * (origin.iter().fold(0.0, |m: f32, x| m.max(x.abs())) + extent);
         let inverse = axes(|i| 1.0 / direction[i].abs().max(FLATTEST).copysign(direction[i]));
-        let moved =
-            |sign: f32| axes(|i| l.splat((origin[i] + (sign * margin).copysign(sign * inverse[i])) * inverse[i]));
+        let moved = |sign: f32| axes(|i| (origin[i] + (sign * margin).copysign(sign * inverse[i])) * inverse[i]);
         Self {
-            inverse: axes(|i| l.splat(inverse[i])),
+            inverse,
             near: moved(1.0),
             far: moved(-1.0),
             first: axes(|i| if inverse[i] < 0.0 { i + 3 } else { i }),
+            last: axes(|i| if inverse[i] < 0.0 { i } else { i + 3 }),
         }
     }
 
     /// The boxes met before `limit`, as bits, and the distance to each.
     #[inline(always)]
-    fn meet(&self, l: L, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
-        let face = |i: usize, origin: [L::F; 3], axis: usize| {
-            l.mul_sub(l.load(&node.faces[i]), self.inverse[axis], origin[axis])
+    fn meet<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
+        let face = |i: usize, origin: [f32; 3], axis: usize| {
+            l.mul_sub(l.load(&node.faces[i]), l.splat(self.inverse[axis]), l.splat(origin[axis]))
         };
         let enter = |axis: usize| face(self.first[axis], self.near, axis);
-        let leave = |axis: usize| face((self.first[axis] + 3) % 6, self.far, axis);
+        let leave = |axis: usize| face(self.last[axis], self.far, axis);
         let from = l.max(l.max(enter(0), enter(1)), l.max(enter(2), l.splat(0.0)));
         let to = l.min(l.min(leave(0), leave(1)), l.min(leave(2), l.splat(limit)));
         (l.store(from), l.le(from, to))
@@ -136,19 +188,20 @@ impl<L: Lanes> Slabs<L> {
 /// triangles, and a triangle without area, or seen edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight
 /// ray/triangle intersection", *Journal of Computer Graphics Techniques* 2(1), 2013 (the edge functions; the paper takes
 /// those that are 0 again in double precision).
-struct Shear<L: Lanes> {
+#[derive(Default)]
+struct Shear {
     /// The axes, the last one that along which the direction is longest.
     order: [usize; 3],
-    origin: [L::F; 3],
-    direction: [L::F; 3],
-    x: L::F,
-    y: L::F,
-    z: L::F,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    x: f32,
+    y: f32,
+    z: f32,
 }
 
-impl<L: Lanes> Shear<L> {
+impl Shear {
     #[inline(always)]
-    fn new(l: L, ray: &Ray) -> Self {
+    fn new(ray: &Ray) -> Self {
         let (origin, d) = (ray.origin.to_array(), ray.direction.to_array());
         let size = axes(|i| d[i].abs());
         let z = if size[0] > size[1] && size[0] > size[2] {
@@ -162,19 +215,22 @@ impl<L: Lanes> Shear<L> {
         let inverse = 1.0 / d[z];
         Self {
             order,
-            origin: axes(|k| l.splat(origin[order[k]])),
-            direction: axes(|k| l.splat(d[order[k]])),
-            x: l.splat(d[order[0]] * inverse),
-            y: l.splat(d[order[1]] * inverse),
-            z: l.splat(inverse),
+            origin: axes(|k| origin[order[k]]),
+            direction: axes(|k| d[order[k]]),
+            x: d[order[0]] * inverse,
+            y: d[order[1]] * inverse,
+            z: inverse,
         }
     }
 
-    /// Replaces `best` by a hit in front of it, if there is one.
+    /// Replaces `best` by a hit in front of it, if there is one in this pack of that number.
     #[inline(always)]
-    fn hit(&self, l: L, pack: &Pack, best: &mut MeshHit) -> bool {
-        let relative = |i: usize| axes(|k| l.sub(l.load(&pack.corner[i][self.order[k]]), self.origin[k]));
-        let sheared = |[x, y, z]: [L::F; 3]| [l.sub(x, l.mul(self.x, z)), l.sub(y, l.mul(self.y, z)), z];
+    fn hit<L: Lanes>(&self, l: L, pack: &Pack, number: u32, best: &mut MeshHit) -> bool {
+        let origin = axes(|k| l.splat(self.origin[k]));
+        let direction = axes(|k| l.splat(self.direction[k]));
+        let (x_per_z, y_per_z) = (l.splat(self.x), l.splat(self.y));
+        let relative = |i: usize| axes(|k| l.sub(l.load(&pack.corner[i][self.order[k]]), origin[k]));
+        let sheared = |[x, y, z]: [L::F; 3]| [l.sub(x, l.mul(x_per_z, z)), l.sub(y, l.mul(y_per_z, z)), z];
         let origin_to_a = relative(0);
         let [a, b, c] = [sheared(origin_to_a), sheared(relative(1)), sheared(relative(2))];
         let edge = |p: [L::F; 3], q: [L::F; 3]| l.sub(l.mul(p[0], q[1]), l.mul(p[1], q[0]));
@@ -188,11 +244,11 @@ impl<L: Lanes> Shear<L> {
         // Infinite when the triangle is seen edge on; its t is then NaN.
         let scale = l.div(l.splat(1.0), l.add(l.add(u, v), w));
         let (w, u, v) = (l.mul(w, scale), l.mul(u, scale), l.mul(v, scale));
-        let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), self.z);
+        let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), l.splat(self.z));
         // The weights of a sliver are not accurate, so its t may come out above 0 for a ray that starts just in front of
         // it. The side on which the ray starts is certain.
         let normal = axes(|k| l.load(&pack.normal[self.order[k]]));
-        let ahead = l.mul(dot(normal, origin_to_a), dot(normal, self.direction));
+        let ahead = l.mul(dot(normal, origin_to_a), dot(normal, direction));
         let mut hits = inside & !l.le(ahead, zero) & !l.le(t, zero) & l.le(t, l.splat(best.t));
         if hits == 0 {
             return false;
@@ -204,7 +260,7 @@ impl<L: Lanes> Shear<L> {
             hits &= hits - 1;
             let triangle = pack.triangle[i];
             if t[i] < best.t || (t[i] == best.t && triangle < best.triangle) {
-                *best = MeshHit { t: t[i], triangle, u: u[i], v: v[i] };
+                *best = MeshHit { t: t[i], triangle, place: number * WIDTH as u32 + i as u32, u: u[i], v: v[i] };
                 found = true;
             }
         }
