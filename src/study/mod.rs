@@ -11,3 +11,4 @@ pub mod roughness;
 pub mod sampling_strategies;
 pub mod seen;
 pub mod sphere;
+pub mod stability;
