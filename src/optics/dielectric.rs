@@ -76,15 +76,17 @@ pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
 /// g² = η² − s² = q + c², negative under total internal reflection.
 ///
 /// For q = η² − 1 < 0 it cancels near the critical angle. It is factored as (c − c_c)(c + c_c), c_c = √−q being the
-/// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there.
+/// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there; and in f64, so that
+/// f32 loses nothing but what its input has lost.
 pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
-    let one = T::one();
-    let q = (eta - one) * (eta + one);
-    if q >= T::zero() {
-        return q + c * c;
+    let (c, eta) = (c.wide(), eta.wide());
+    let q = (eta - 1.0) * (eta + 1.0);
+    if q >= 0.0 {
+        return T::lit(q + c * c);
     }
-    let (a, b) = if eta > T::FRAC_1_SQRT_2() { (c, (-q).sqrt()) } else { (eta, ((one - c) * (one + c)).sqrt()) };
-    (a - b) * (a + b)
+    let near_one = eta > std::f64::consts::FRAC_1_SQRT_2;
+    let (a, b) = if near_one { (c, (-q).sqrt()) } else { (eta, ((1.0 - c) * (1.0 + c)).sqrt()) };
+    T::lit((a - b) * (a + b))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What the figures of one run share: the map, the scenes, the settings, and results that several of them show.
 
 use super::originals::Originals;
+use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
@@ -12,6 +13,7 @@ use crate::study::depth::{Depths, depths};
 use crate::study::roughness::{self, Shot as Statue};
 use crate::study::sampling_strategies::{Comparison, compare};
 use crate::study::sphere::{Exact, Shot, shoot};
+use crate::study::stability::{self, Effort, Stability};
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -88,6 +90,7 @@ pub struct Context {
     depths: Memory<(), Depths>,
     statues: Memory<(&'static str, u32), Statue>,
     comparison: Memory<(), Comparison>,
+    stabilities: Memory<&'static str, Stability>,
 }
 
 impl Context {
@@ -106,6 +109,7 @@ impl Context {
             depths: Memory::new(),
             statues: Memory::new(),
             comparison: Memory::new(),
+            stabilities: Memory::new(),
         }
     }
 
@@ -192,6 +196,15 @@ impl Context {
         self.comparison.get((), || {
             let (scene, request) = self.copper()?;
             compare(&scene, &request, &self.settings())
+        })
+    }
+
+    /// What a figure of the stability study shows.
+    pub fn stability(&self, figure: &'static str) -> Result<Arc<Stability>> {
+        self.stabilities.get(figure, || {
+            let effort = if self.quick { Effort::QUICK } else { Effort::FULL };
+            let names = FIGURES.iter().find(|(id, ..)| *id == figure).map_or(&[][..], |(.., names)| names);
+            stability::run(names, &effort, self.seed, &mut |_| {})
         })
     }
 }
