@@ -202,7 +202,7 @@ impl Context {
     /// What a figure of the stability study shows.
     pub fn stability(&self, figure: &'static str) -> Result<Arc<Stability>> {
         self.stabilities.get(figure, || {
-            let effort = if self.quick { Effort::QUICK } else { Effort::FULL };
+            let effort = if self.quick { Effort::QUICK } else { Effort::FIGURES };
             let names = FIGURES.iter().find(|(id, ..)| *id == figure).map_or(&[][..], |(.., names)| names);
             stability::run(names, &effort, self.seed, &mut |_| {})
         })

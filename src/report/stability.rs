@@ -2,13 +2,15 @@
 //! explains.
 
 use crate::error::Result;
-use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Shading, Text, theme};
 use crate::study::stability::{Case, Precision, Scale, Section, Sweep};
 
 /// One colour scale for all maps: from below f32's rounding to altogether wrong.
 const SCALE: (f64, f64) = (1e-8, 1.0);
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+/// Height of the line above a row that says what it shows.
+const HEADING: f64 = 20.0;
 
 /// A row of maps for every grid of the sweeps, each of the relative errors in f32.
 pub fn maps(sweeps: &[Sweep]) -> Result<Drawing> {
@@ -36,13 +38,18 @@ fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
     let forms = sweep.family.forms.iter().enumerate();
     let mut panels = forms
         .map(|(form, f)| {
-            let title = if form == 0 { format!("{}: {}", sweep.family.name, f.name) } else { f.name.to_owned() };
-            panel(sweep, number, title, "", &|case| case.off[form].map_or(f64::NAN, |off| off.relative))
+            panel(sweep, number, f.name.into(), """, &|case| case.off[form].map_or(f64::NAN, |off| off.relative))
         })
         .collect::<Result<Vec<_>>>()?;
+    let heading = format!("{} ({})", sweep.family.about, section.title);
     let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
-    panels.push(panel(sweep, number, section.title.into(), "relative error in f32", &rounding)?);
-    Ok(Plot::new(panels).frame_size(190.0, 150.0).draw())
+    panels.push(panel(sweep, number, "rounding of the input".into(), "relative error in f32", &rounding)?);
+    let maps = Plot::new(panels).frame_size(190.0, 150.0).draw();
+    let mut row = Drawing::new(maps.width(), HEADING + maps.height(), maps.scale());
+    let text = Text::new([14.0, HEADING], theme::TITLE_SIZE, heading).held(Anchor::Start, Level::Baseline);
+    row.text(text.coloured(theme::INK).bold());
+    row.append(maps, 0.0, HEADING);
+    Ok(row)
 }
 
 fn panel(sweep: &Sweep, number: usize, title: String, label: &str, value: &dyn Fn(&Case) -> f64) -> Result<Panel> {

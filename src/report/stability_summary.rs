@@ -6,7 +6,7 @@ use crate::study::stability::{Precision, REPORT, Row, STABLE};
 /// Powers of ten of the scale; what is better or worse stands at its ends.
 const SCALE: (i32, i32) = (-17, 1);
 const DECADE: f64 = 26.0;
-const LINE: f64 = 19.0;
+const LINE: f64 = 21.0;
 /// Left and top of the frame.
 const FRAME: [f64; 2] = [128.0, 62.0];
 
@@ -35,12 +35,12 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
         for row in rows.iter().filter(|row| row.family == *family) {
             let place = (row.max_relative.log10() - f64::from(SCALE.0)) * DECADE;
             let x = left + if place.is_nan() { width } else { place.clamp(0.0, width) };
-            dot(&mut page, [x, y], colour(row.form), row.precision);
+            dot(&mut page, [x, y + aside(row.form)], colour(row.form), row.precision);
         }
     }
     page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));
     let below = [left + width / 2.0, top + height + 39.0];
-    let label = text(below[0], below[1], theme::LABEL_SIZE, "largest relative error (left edge: none)".into());
+    let label = text(below[0], below[1], theme::LABEL_SIZE, "largest relative error (at the edges: none, or more)".into());
     page.text(label.held(Anchor::Middle, Level::Baseline));
     legend(&mut page, left);
     page
@@ -54,10 +54,19 @@ fn colour(form: &str) -> Colour {
     }
 }
 
+/// Forms of a family stand a little below each other, so that none hides another.
+fn aside(form: &str) -> f64 {
+    match form {
+        REPORT => 5.0,
+        _ if form.starts_with(STABLE) => -5.0,
+        _ => 0.0,
+    }
+}
+
 fn dot(page: &mut Drawing, at: [f64; 2], colour: Colour, precision: Precision) {
     match precision {
-        Precision::Single => page.circle(at, 4.0, Paint::from(colour)),
-        Precision::Double => page.circle(at, 4.0, Paint::from(Stroke::solid(colour, 1.5))),
+        Precision::Single => page.circle(at, 3.4, Paint::from(colour)),
+        Precision::Double => page.circle(at, 3.4, Paint::from(Stroke::solid(colour, 1.5))),
     }
 }
 

@@ -28,6 +28,9 @@ impl Effort {
     pub const FULL: Self =
         Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], draws: 10_000_000, bounces: 10_000 };
 
+    /// For figures: finer than a page shows, and a quarter of the map.
+    pub const FIGURES: Self = Self { side: 25, map: [4096, 2048], ..Self::FULL };
+
     /// For a quick look: coarse grids, small sums.
     pub const QUICK: Self =
         Self { side: 9, film_samples: 1_000_000, map: [1024, 512], draws: 100_000, bounces: 10_000 };

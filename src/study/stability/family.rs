@@ -6,6 +6,9 @@ use super::precise::Precise;
 /// What a formula gives: a number (the others are 0), a vector, or nothing, such as a ray that misses.
 pub type Answer<T> = Option<[T; 3]>;
 
+/// A formula of several inputs.
+pub type Formula<T> = fn(&[T]) -> Answer<T>;
+
 /// The answer of a formula for a number.
 pub fn scalar<T: super::number::Number>(value: T) -> Answer<T> {
     Some([value, T::of(0.0), T::of(0.0)])
@@ -32,9 +35,9 @@ pub struct Family {
 /// One way of computing a family's quantity.
 pub struct Form {
     pub name: &'static str,
-    pub single: fn(&[f32]) -> Answer<f32>,
+    pub single: Formula<f32>,
     /// `None` for code that exists in f32 alone.
-    pub double: Option<fn(&[f64]) -> Answer<f64>>,
+    pub double: Option<Formula<f64>>,
 }
 
 /// The form that renders.

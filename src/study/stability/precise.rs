@@ -152,6 +152,9 @@ impl Number for Precise {
         if !self.exists {
             return self;
         }
+        if self.negative {
+            return Self::of(2.0) - (-self).erfc();
+        }
         let gauss = (-self.square()).exp() / Self::pi().sqrt();
         if self > Self::of(6.0) {
             let tail = (1..=80).rev().fold(self, |below, n| self + Self::of(0.5 * f64::from(n)) / below);
