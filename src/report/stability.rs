@@ -38,7 +38,7 @@ fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
     let forms = sweep.family.forms.iter().enumerate();
     let mut panels = forms
         .map(|(form, f)| {
-            panel(sweep, number, f.name.into(), """, &|case| case.off[form].map_or(f64::NAN, |off| off.relative))
+            panel(sweep, number, f.name.into(), "", &|case| case.off[form].map_or(f64::NAN, |off| off.relative))
         })
         .collect::<Result<Vec<_>>>()?;
     let heading = format!("{} ({})", sweep.family.about, section.title);

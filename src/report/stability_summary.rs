@@ -40,7 +40,8 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
     }
     page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));
     let below = [left + width / 2.0, top + height + 39.0];
-    let label = text(below[0], below[1], theme::LABEL_SIZE, "largest relative error (at the edges: none, or more)".into());
+    let label =
+        text(below[0], below[1], theme::LABEL_SIZE, "largest relative error (at the edges: none, or more)".into());
     page.text(label.held(Anchor::Middle, Level::Baseline));
     legend(&mut page, left);
     page
