@@ -12,7 +12,8 @@ pub struct Case {
     pub precision: Precision,
     /// Rounded to that precision.
     pub inputs: Vec<f64>,
-    /// Relative change of the exact answer per relative change of the inputs; infinite where rounding decides whether there is an answer.
+    /// Relative change of the exact answer per relative change of the inputs; infinite where rounding decides whether
+    /// there is an answer.
     pub condition: f64,
     /// In the order of the family's forms; `None` for one that does not run in that precision.
     pub off: Vec<Option<Off>>,
