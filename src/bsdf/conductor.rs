@@ -36,7 +36,7 @@ pub struct Conductor<D> {
 
 /// The facet that reflects `wi` to `wo`.
 #[derive(Clone, Copy)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     pub wm: [f32; 3],
     /// Cosine of either direction with its normal.
     pub cos: f32,

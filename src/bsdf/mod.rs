@@ -11,6 +11,7 @@ mod metal;
 mod mirror;
 pub mod report_model;
 
+pub(crate) use conductor::Facet;
 pub use conductor::{Conductor, Normals};
 pub use diffuse::Diffuse;
 pub use glass::{DielectricFresnel, Glass, Refraction};

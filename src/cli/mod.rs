@@ -11,6 +11,7 @@ mod render;
 mod reproduce;
 mod scene_file;
 mod scenes;
+mod stability;
 
 use crate::error::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -38,6 +39,7 @@ Examples:
   etalon render sphere-env -s 64        the lit sphere
   etalon render cornell-spheres         a mirror and a glass ball in a room
   etalon converge cornell-spheres       error against run time
+  etalon stability fresnel              errors against 256-bit arithmetic
   etalon scenes                         what else can be rendered";
 
 /// The seed when none is given.
@@ -80,6 +82,8 @@ enum Command {
     Converge(converge::Converge),
     /// Merge parts of a render
     Merge(merge::Merge),
+    /// Compare the code that renders with exact answers over stiff and extreme inputs
+    Stability(stability::Stability),
     /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
 }
@@ -136,6 +140,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Compare(args) => args.run(&cli.global, console),
         Command::Converge(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
+        Command::Stability(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

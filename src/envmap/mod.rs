@@ -8,7 +8,7 @@ pub mod irradiance;
 pub mod latlong;
 pub mod report_model;
 pub mod sampler;
-mod sat;
+pub(crate) mod sat;
 pub mod strata;
 pub mod synthetic;
 

@@ -36,8 +36,10 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
         // Only for c = 0 and n = 1 exactly: no interface.
         return ConductorReflectance { parallel: T::zero(), perpendicular: T::zero() };
     }
+    // Where c − z keeps its digits it is the better, and never gives more than 1.
+    let difference2 = (c - a) * (c - a) + b * b;
     let r = re.hypot(im) / sum2;
-    let perpendicular = r * r;
+    let perpendicular = if difference2 * T::lit(4.0) >= sum2 { difference2 / sum2 } else { r * r };
     // r∥/r⊥ = (c z − s²)/(c z + s²) in modulus.
     let (x, y) = (c * a, c * b);
     let below = (x + sin2) * (x + sin2) + y * y;

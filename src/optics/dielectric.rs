@@ -2,7 +2,7 @@
 //!
 //! With c = cos θᵢ, q = (η−1)(η+1) and g = η cos θₜ = √(q + c²):
 //!
-//! * r⊥ = −q / (c+g)²
+//! * r⊥ = −q / (c+g)² = (c−g) / (c+g), whichever keeps more digits
 //! * r∥ / r⊥ = (c g − s²) / (c g + s²) in modulus, s² = 1 − c²
 //! * F = r⊥² (1 + (r∥/r⊥)²) / 2
 //!
@@ -55,11 +55,14 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
         return Reflectance { parallel: one, perpendicular: one, cos_t: None };
     };
     let sin2 = (one - c) * (one + c);
-    let sum = c + g;
-    let r_perpendicular = -q / (sum * sum);
+    let (sum, difference) = (c + g, c - g);
+    // −q/(c+g)² is (c−g)/(c+g) without the difference. It multiplies the rounding of g by four, so that where the
+    // difference keeps its digits, towards grazing and critical angles, that is better, and never above 1.
+    let kept = difference.abs() + difference.abs() >= sum;
+    let (above, below) = if kept { (difference, sum) } else { (-q, sum * sum) };
+    let r_perpendicular = above / below;
     let ratio = (c * g - sin2) / (c * g + sin2);
-    // At grazing incidence g² may round below |q|.
-    let perpendicular = (r_perpendicular * r_perpendicular).min(one);
+    let perpendicular = r_perpendicular * r_perpendicular;
     Reflectance { parallel: perpendicular * ratio * ratio, perpendicular, cos_t: Some(g / eta) }
 }
 
@@ -73,15 +76,17 @@ pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
 /// g² = η² − s² = q + c², negative under total internal reflection.
 ///
 /// For q = η² − 1 < 0 it cancels near the critical angle. It is factored as (c − c_c)(c + c_c), c_c = √−q being the
-/// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there.
+/// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there; and in f64, so that
+/// f32 loses nothing but what its input has lost.
 pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
-    let one = T::one();
-    let q = (eta - one) * (eta + one);
-    if q >= T::zero() {
-        return q + c * c;
+    let (c, eta) = (c.wide(), eta.wide());
+    let q = (eta - 1.0) * (eta + 1.0);
+    if q >= 0.0 {
+        return T::lit(q + c * c);
     }
-    let (a, b) = if eta > T::FRAC_1_SQRT_2() { (c, (-q).sqrt()) } else { (eta, ((one - c) * (one + c)).sqrt()) };
-    (a - b) * (a + b)
+    let near_one = eta > std::f64::consts::FRAC_1_SQRT_2;
+    let (a, b) = if near_one { (c, (-q).sqrt()) } else { (eta, ((1.0 - c) * (1.0 + c)).sqrt()) };
+    T::lit((a - b) * (a + b))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What the figures of one run share: the map, the scenes, the settings, and results that several of them show.
 
 use super::originals::Originals;
+use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
@@ -13,6 +14,7 @@ use crate::study::depth::{Depths, depths};
 use crate::study::roughness::{self, Shot as Statue};
 use crate::study::sampling_strategies::{Comparison, compare};
 use crate::study::sphere::{Exact, Shot, shoot};
+use crate::study::stability::{self, Effort, Stability};
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -90,6 +92,7 @@ pub struct Context {
     statues: Memory<(&'static str, u32), Statue>,
     comparison: Memory<(), Comparison>,
     pub(super) convergences: Memory<&'static str, Convergence>,
+    stabilities: Memory<&'static str, Stability>,
 }
 
 impl Context {
@@ -109,6 +112,7 @@ impl Context {
             statues: Memory::new(),
             comparison: Memory::new(),
             convergences: Memory::new(),
+            stabilities: Memory::new(),
         }
     }
 
@@ -201,6 +205,15 @@ impl Context {
         self.comparison.get((), || {
             let (scene, request) = self.copper()?;
             compare(&scene, &request, &self.settings())
+        })
+    }
+
+    /// What a figure of the stability study shows.
+    pub fn stability(&self, figure: &'static str) -> Result<Arc<Stability>> {
+        self.stabilities.get(figure, || {
+            let effort = if self.quick { Effort::QUICK } else { Effort::FIGURES };
+            let names = FIGURES.iter().find(|(id, ..)| *id == figure).map_or(&[][..], |(.., names)| names);
+            stability::run(names, &effort, self.seed, &mut |_| {})
         })
     }
 }

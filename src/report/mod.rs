@@ -18,6 +18,9 @@ pub mod proposal;
 mod registry;
 mod second_report;
 pub mod sphere;
+pub mod stability;
+mod stability_entries;
+pub mod stability_summary;
 pub mod statue;
 
 pub use check::Check;

@@ -12,4 +12,5 @@ pub mod roughness;
 pub mod sampling_strategies;
 pub mod seen;
 pub mod sphere;
+pub mod stability;
 pub mod validation;

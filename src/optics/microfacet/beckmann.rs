@@ -30,8 +30,13 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
     fn d(&self, wm: [T; 3]) -> T {
         let z = wm[2];
         let az = self.alpha * z;
-        let exponent = -T::lit(0.5) * sin2(wm) / (az * az);
-        let e = exponent.max(T::LEAST_EXPONENT).exponential();
+        // A last place of the exponent is up to 100 of D: it is computed in f64, and what of it does not fit is one of
+        // the factors.
+        let wide_az = self.alpha.wide() * z.wide();
+        let wide = -0.5 * sin2(wm.map(T::wide)) / (wide_az * wide_az);
+        let exponent = T::lit(wide);
+        let rest = T::one() + T::lit(wide - exponent.wide());
+        let e = exponent.max(T::LEAST_EXPONENT).exponential() * rest;
         let root = e * T::FRAC_2_SQRT_PI() * T::lit(0.5) / (az * z);
         // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
         if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root } else { T::zero() }

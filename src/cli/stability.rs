@@ -1,0 +1,149 @@
+//! `etalon stability`: errors of the code that renders, over stiff and extreme inputs.
+
+use super::console::{Console, files_written};
+use super::{Global, Verdict};
+use crate::error::Result;
+use crate::report::{output, stability as maps, stability_summary as summary};
+use crate::study::stability::{self, EXPERIMENTS, Effort, FAMILIES, Promise, Replay, Row};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook forms
+#[derive(Args)]
+#[command(
+    after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
+                  input; beside it stands the condition number: the relative change of the answer per relative change \
+                  of the input. Exit code 1 if a promise is broken. Writes stability.{csv,svg,png,pdf}, and maps of \
+                  the errors of the families that are named.\n\nExamples:\n  etalon stability\n  etalon stability \
+                  fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
+)]
+pub struct Stability {
+    /// Families to run (default: all; see --list)
+    #[arg(value_name = "FAMILY")]
+    families: Vec<String>,
+    /// Run one input in every form and precision
+    #[arg(long, value_name = "CASE", conflicts_with = "families")]
+    replay: Option<String>,
+    /// List the families and stop
+    #[arg(long, conflicts_with = "replay")]
+    list: bool,
+}
+
+#[derive(Serialize)]
+struct Output<'a> {
+    rows: &'a [Row],
+    promises: &'a [Promise],
+    effort: Effort,
+    files: &'a [PathBuf],
+}
+
+#[derive(Serialize)]
+struct Listed {
+    family: &'static str,
+    about: &'static str,
+    inputs: &'static [&'static str],
+}
+
+impl Stability {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.list {
+            list(console);
+            return Ok(Verdict::Good);
+        }
+        if let Some(case) = &self.replay {
+            let replay = stability::replay(case)?;
+            console.result(&replay, || replayed(&replay));
+            return Ok(Verdict::Good);
+        }
+        let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
+        let bar = console.progress(count as u64, "stability");
+        let effort = Effort::FULL;
+        let result = stability::run(&self.families, &effort, global.seed, &mut |name| {
+            bar.set_message(name);
+            bar.inc(1);
+        })?;
+        bar.finish_and_clear();
+        let target = output::Target::new(global.out.as_deref());
+        let stem = target.stem("stability", "");
+        let mut files = output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?)?;
+        if !self.families.is_empty() && !result.sweeps.is_empty() {
+            files.extend(maps::maps(&result.sweeps)?.write(&target.stem("stability", "-maps"))?);
+        }
+        let output = Output { rows: &result.rows, promises: &result.promises, effort, files: &files };
+        console.result(&output, || human(&output));
+        let kept = result.promises.iter().all(|promise| promise.kept);
+        Ok(if kept { Verdict::Good } else { Verdict::Rejected })
+    }
+}
+
+fn list(console: &Console) {
+    #[derive(Serialize)]
+    struct List {
+        families: Vec<Listed>,
+    }
+    let formulas = FAMILIES.iter().map(|f| Listed { family: f.name, about: f.about, inputs: f.inputs });
+    let experiments = EXPERIMENTS.iter().map(|e| Listed { family: e.name, about: e.about, inputs: &[] });
+    let list = List { families: formulas.chain(experiments).collect() };
+    console.result(&list, || {
+        let line = |l: &Listed| match l.inputs {
+            [] => format!("{:<16} {}\n", l.family, l.about),
+            inputs => format!("{:<16} {} ({})\n", l.family, l.about, inputs.join(", ")),
+        };
+        list.families.iter().map(line).collect()
+    });
+}
+
+fn replayed(replay: &Replay) -> String {
+    let inputs = replay.inputs.iter().map(|(name, x)| format!("{name} = {x:?}"));
+    let mut text = format!("{}: {}\n", replay.family, inputs.collect::<Vec<_>>().join(", "));
+    let numbers = |values: &[f64]| match values {
+        [] => "nothing".to_owned(),
+        values => values.iter().map(|x| format!("{x:.17e}")).collect::<Vec<_>>().join(" "),
+    };
+    for line in &replay.lines {
+        text += &format!(
+            "{:<9} {}  {}\n  reference    {}\n  {:.3e} ULP, relative {:.3e}, condition number {:.3e}{}{}\n",
+            line.form,
+            line.precision.name(),
+            numbers(&line.value),
+            numbers(&line.reference),
+            line.ulp,
+            line.relative,
+            line.condition,
+            if line.flaw.is_empty() { "" } else { "; " },
+            line.flaw
+        );
+    }
+    text
+}
+
+fn human(output: &Output<'_>) -> String {
+    let mut text = format!(
+        "{:<15} {:<13} {:<4} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>9}  worst input\n",
+        "family", "form", "", "cases", "relative", "ULP", "condition", "nonfin.", "negative", "out range"
+    );
+    for r in output.rows {
+        text += &format!(
+            "{:<15} {:<13} {:<4} {:>9} {:>9.2e} {:>9.2e} {:>9.2e} {:>8} {:>8} {:>9}  {}\n",
+            r.family,
+            r.form,
+            r.precision.name(),
+            r.cases,
+            r.max_relative,
+            r.max_ulp,
+            r.condition_at_worst,
+            r.non_finite,
+            r.negative,
+            r.out_of_range,
+            r.worst
+        );
+    }
+    text.push('\n');
+    for p in output.promises {
+        let verdict = if p.kept { "kept  " } else { "BROKEN" };
+        text += &format!("{verdict} {}: {:.3e}, at most {:.0e}", p.name, p.got, p.limit);
+        text += &if p.kept || p.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", p.worst) };
+    }
+    text + &files_written(output.files)
+}

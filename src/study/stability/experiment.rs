@@ -1,0 +1,97 @@
+//! What has no formula to compare with but an exact answer: sums, tables, cuts, paths.
+
+use super::family::Precision;
+use super::row::Row;
+use crate::error::Result;
+
+/// An experiment whose right answer is known by integers, by construction, or in closed form.
+pub struct Experiment {
+    pub name: &'static str,
+    pub about: &'static str,
+    pub run: fn(&Effort, u64) -> Result<Vec<Row>>,
+}
+
+/// How much work to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Effort {
+    /// Places along each side of the grids.
+    pub side: usize,
+    /// Samples of one pixel of the film.
+    pub film_samples: u32,
+    /// Columns and rows of the map whose tables are tried.
+    pub map: [usize; 2],
+    pub draws: u32,
+    pub bounces: u32,
+}
+
+impl Effort {
+    pub const FULL: Self =
+        Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], draws: 10_000_000, bounces: 10_000 };
+
+    /// For figures: finer than a page shows, and a quarter of the map.
+    pub const FIGURES: Self = Self { side: 25, map: [4096, 2048], ..Self::FULL };
+
+    /// For a quick look: coarse grids, small sums.
+    pub const QUICK: Self =
+        Self { side: 9, film_samples: 1_000_000, map: [1024, 512], draws: 100_000, bounces: 10_000 };
+}
+
+/// Errors of one form of an experiment on their way into a [`Row`].
+pub struct Tally(Row);
+
+impl Tally {
+    #[must_use]
+    pub fn new(family: &'static str, form: &'static str, precision: Precision) -> Self {
+        Self(Row { family, form, precision, ..Row::default() })
+    }
+
+    /// Compares one result with the exact one. `condition` is the sum of what was added over the result, by modulus: a
+    /// rounding of the parts alone moves the result by that many units of its last place.
+    pub fn compare(&mut self, value: f64, exact: f64, condition: f64, what: impl FnOnce() -> String) {
+        let row = &mut self.0;
+        let first = row.cases == 0;
+        row.cases += 1;
+        row.non_finite += u64::from(!value.is_finite());
+        row.negative += u64::from(value < 0.0);
+        let off = if value == exact { 0.0 } else { (value - exact).abs() };
+        let relative = if off == 0.0 { 0.0 } else { off / exact.abs() };
+        let ulp = off / row.precision.unit(exact);
+        row.max_ulp = row.max_ulp.max(ulp);
+        row.max_ulp_per_condition = row.max_ulp_per_condition.max(ulp / condition.max(1.0));
+        if first || relative > row.max_relative || relative.is_nan() {
+            (row.max_relative, row.condition_at_worst, row.worst) = (relative, condition, what());
+        }
+    }
+
+    /// Counts results that are impossible in themselves.
+    pub fn impossible(&mut self, count: u64) {
+        self.0.out_of_range += count;
+    }
+
+    /// Counts cases that are only possible or impossible.
+    pub fn cases(&mut self, count: u64) {
+        self.0.cases += count;
+    }
+
+    /// Takes in what another thread found of the same form.
+    #[must_use]
+    pub fn merge(mut self, other: Self) -> Self {
+        let (mine, theirs) = (&mut self.0, other.0);
+        if mine.cases == 0 || theirs.max_relative > mine.max_relative {
+            mine.max_relative = theirs.max_relative;
+            (mine.condition_at_worst, mine.worst) = (theirs.condition_at_worst, theirs.worst);
+        }
+        mine.max_ulp = mine.max_ulp.max(theirs.max_ulp);
+        mine.max_ulp_per_condition = mine.max_ulp_per_condition.max(theirs.max_ulp_per_condition);
+        mine.cases += theirs.cases;
+        mine.non_finite += theirs.non_finite;
+        mine.negative += theirs.negative;
+        mine.out_of_range += theirs.out_of_range;
+        self
+    }
+
+    #[must_use]
+    pub fn row(self) -> Row {
+        self.0
+    }
+}

@@ -1,0 +1,194 @@
+//! What a family of formulas is: its inputs, the grids that they are swept over, the reference and the forms.
+
+use super::number::Machine;
+use super::precise::Precise;
+
+/// What a formula gives: a number (the others are 0), a vector, or nothing, such as a ray that misses.
+pub type Answer<T> = Option<[T; 3]>;
+
+/// A formula of several inputs.
+pub type Formula<T> = fn(&[T]) -> Answer<T>;
+
+/// The answer of a formula for a number.
+pub fn scalar<T: super::number::Number>(value: T) -> Answer<T> {
+    Some([value, T::of(0.0), T::of(0.0)])
+}
+
+/// Formulas for one quantity, swept over grids of their inputs.
+pub struct Family {
+    pub name: &'static str,
+    pub about: &'static str,
+    /// Names of the inputs, as replays give them.
+    pub inputs: &'static [&'static str],
+    pub sections: &'static [Section],
+    /// Inputs that no grid of factors reaches: zeros, poles and the like.
+    pub edges: &'static [&'static [f64]],
+    /// The defining formula, at the very input that the forms get.
+    pub reference: fn(&[Precise]) -> Answer<Precise>,
+    /// The first is the one that renders.
+    pub forms: &'static [Form],
+    pub range: Range,
+    /// What the sides of the grids are divided by, where the reference takes long.
+    pub coarser: usize,
+}
+
+/// One way of computing a family's quantity.
+pub struct Form {
+    pub name: &'static str,
+    pub single: Formula<f32>,
+    /// `None` for code that exists in f32 alone.
+    pub double: Option<Formula<f64>>,
+}
+
+/// The form that renders.
+pub const STABLE: &str = "stable";
+/// The formula as books print it.
+pub const TEXTBOOK: &str = "textbook";
+/// The formula of one of the two reports, where that is another one.
+pub const REPORT: &str = "report";
+
+impl Form {
+    pub const fn new(name: &'static str, single: fn(&[f32]) -> Answer<f32>, double: fn(&[f64]) -> Answer<f64>) -> Self {
+        Self { name, single, double: Some(double) }
+    }
+
+    /// A form that exists in f32 alone.
+    pub const fn single(name: &'static str, single: fn(&[f32]) -> Answer<f32>) -> Self {
+        Self { name, single, double: None }
+    }
+}
+
+/// The values that a quantity can have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// From 0 to this.
+    UpTo(f64),
+    /// Unit vectors: lengths are off by at most 4 units of the last place.
+    Unit,
+}
+
+impl Range {
+    /// How many numbers an answer is.
+    #[must_use]
+    pub fn components(self) -> usize {
+        if self == Self::Unit { 3 } else { 1 }
+    }
+}
+
+/// A grid of inputs.
+pub struct Section {
+    pub title: &'static str,
+    pub x: Scale,
+    pub y: Scale,
+    /// The inputs at a place of the grid.
+    pub at: fn(f64, f64) -> Vec<f64>,
+}
+
+/// One side of a grid: equal factors between two ends.
+pub struct Scale {
+    pub label: &'static str,
+    pub from: f64,
+    pub to: f64,
+}
+
+impl Scale {
+    pub const fn new(label: &'static str, from: f64, to: f64) -> Self {
+        Self { label, from, to }
+    }
+
+    /// Place number `i` of `n`, both ends included.
+    pub fn at(&self, i: usize, n: usize) -> f64 {
+        match i {
+            0 => self.from,
+            _ if i + 1 == n => self.to,
+            _ => self.from * (self.to / self.from).powf(i as f64 / (n - 1) as f64),
+        }
+    }
+}
+
+/// The precision that a form runs in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub enum Precision {
+    #[default]
+    #[serde(rename = "f32")]
+    Single,
+    #[serde(rename = "f64")]
+    Double,
+}
+
+impl Precision {
+    pub const ALL: [Self; 2] = [Self::Single, Self::Double];
+
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        if self == Self::Single { "f32" } else { "f64" }
+    }
+
+    /// The nearest number of this precision.
+    #[must_use]
+    pub fn round(self, x: f64) -> f64 {
+        if self == Self::Single { f64::from(x as f32) } else { x }
+    }
+
+    /// The smallest normal number.
+    #[must_use]
+    pub fn least(self) -> f64 {
+        if self == Self::Single { f64::from(f32::MIN_POSITIVE) } else { f64::MIN_POSITIVE }
+    }
+
+    /// The distance from |x| to the next larger number of this precision.
+    #[must_use]
+    pub fn unit(self, x: f64) -> f64 {
+        match self {
+            Self::Single => {
+                let x = (x.abs() as f32).min(f32::MAX.next_down());
+                f64::from(x.next_up()) - f64::from(x)
+            }
+            Self::Double => {
+                let x = x.abs().min(f64::MAX.next_down());
+                x.next_up() - x
+            }
+        }
+    }
+
+    /// The shortest decimal that reads back as `x`.
+    #[must_use]
+    pub fn text(self, x: f64) -> String {
+        if self == Self::Single { format!("{:?}", x as f32) } else { format!("{x:?}") }
+    }
+}
+
+impl Form {
+    /// What the form gives for inputs that are numbers of that precision; `None` where it does not run in it.
+    pub fn evaluate(&self, precision: Precision, inputs: &[f64]) -> Option<Answer<f64>> {
+        match precision {
+            Precision::Single => Some(run(self.single, inputs)),
+            Precision::Double => self.double.map(|form| run(form, inputs)),
+        }
+    }
+}
+
+fn run<T: Machine>(form: fn(&[T]) -> Answer<T>, inputs: &[f64]) -> Answer<f64> {
+    let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::optics::Real>::lit(x)).collect();
+    form(&inputs).map(|answer| answer.map(crate::optics::Real::wide))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_the_last_place() {
+        assert_eq!(Precision::Single.unit(1.0), f64::from(f32::EPSILON));
+        assert_eq!(Precision::Double.unit(-1.5), f64::EPSILON);
+        assert_eq!(Precision::Double.unit(0.0), 5e-324);
+        assert!(Precision::Single.unit(1e300).is_finite());
+    }
+
+    #[test]
+    fn scales_reach_both_ends() {
+        let scale = Scale::new("", 1e-3, 1e3);
+        assert_eq!((scale.at(0, 7), scale.at(6, 7)), (1e-3, 1e3));
+        assert!((scale.at(3, 7) - 1.0).abs() < 1e-15);
+    }
+}

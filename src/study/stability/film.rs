@@ -1,0 +1,55 @@
+//! The film: the mean of very many samples of one pixel, against whole numbers.
+
+use super::experiment::{Effort, Experiment, Tally};
+use super::family::{Precision, STABLE, TEXTBOOK};
+use super::number::Number;
+use super::precise::Precise;
+use super::row::Row;
+use crate::error::Result;
+use crate::raster::Rgb;
+use crate::render::exposure::Exposure;
+
+pub const EXPERIMENT: Experiment =
+    Experiment { name: "film", about: "mean of up to 1e8 samples of one pixel, all alike or far apart", run };
+
+/// The samples of a channel: these two by turns.
+const CHANNELS: [[f32; 2]; 3] = [[0.1, 0.1], [1e6, 1e-6], [1.0, 3e-8]];
+
+fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
+    let pairs = effort.film_samples / 2;
+    // Two films, merged at the end as parts of a render are.
+    let (a, b) = rayon::join(|| exposed(pairs / 2), || exposed(pairs - pairs / 2));
+    let mut film = a?;
+    film.merge(&b?)?;
+    let mean = film.image().get(0, 0).to_array();
+    let mut stable = Tally::new("film", STABLE, Precision::Single);
+    let mut textbook = [Precision::Single, Precision::Double].map(|p| Tally::new("film", TEXTBOOK, p));
+    for (c, values) in CHANNELS.into_iter().enumerate() {
+        let sum = Precise::of(f64::from(values[0])) + Precise::of(f64::from(values[1]));
+        let exact = (sum / Precise::of(2.0)).to_f64();
+        let what = || format!("{} samples of {:e} and {:e} by turns", 2 * pairs, values[0], values[1]);
+        // All samples are positive: nothing cancels.
+        stable.compare(f64::from(mean[c]), exact, 1.0, what);
+        let single: f32 = added(pairs, values, |sum, v| sum + v);
+        textbook[0].compare(f64::from(single / (2 * pairs) as f32), exact, 1.0, what);
+        let double: f64 = added(pairs, values.map(f64::from), |sum, v| sum + v);
+        textbook[1].compare(double / f64::from(2 * pairs), exact, 1.0, what);
+    }
+    Ok(std::iter::once(stable).chain(textbook).map(Tally::row).collect())
+}
+
+fn exposed(pairs: u32) -> Result<Exposure> {
+    let samples = [0, 1].map(|i| Rgb::from_array(CHANNELS.map(|values| values[i])));
+    let mut film = Exposure::new(1, 1, None)?;
+    film.expose(|row| {
+        for _ in 0..pairs {
+            samples.iter().for_each(|&sample| row.add(0, sample, &[]));
+        }
+    });
+    Ok(film)
+}
+
+/// The plain sum of both values by turns.
+fn added<T: Copy + Default>(pairs: u32, values: [T; 2], plus: impl Fn(T, T) -> T) -> T {
+    (0..pairs).fold(T::default(), |sum, _| plus(plus(sum, values[0]), values[1]))
+}

@@ -1,0 +1,70 @@
+//! Dielectric Fresnel reflectance of unpolarized light.
+
+use super::family::{Answer, Family, Form, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::number::{Machine, Number};
+use crate::optics::{dielectric, schlick};
+
+pub const FAMILY: Family = Family {
+    name: "fresnel",
+    about: "dielectric reflectance of unpolarized light",
+    inputs: &["eta", "cos"],
+    sections: &[
+        Section { title: "all indices", x: Scale::new("/{η}", 1e-4, 1e4), y: COSINE, at: |eta, cos| vec![eta, cos] },
+        Section {
+            title: "nearly equal indices",
+            x: Scale::new("/{η} − 1", 1e-7, 1.0),
+            y: COSINE,
+            at: |more, cos| vec![1.0 + more, cos],
+        },
+        Section {
+            title: "near the critical angle",
+            x: Scale::new("/{η}", 1e-3, 0.999),
+            y: Scale::new("cos /{θ} / cos /{θ}_{c} − 1", 1e-7, 1.0),
+            at: |eta, more| vec![eta, (critical_cosine(eta) * (1.0 + more)).min(1.0)],
+        },
+    ],
+    edges: &[&[1.0, 0.0], &[1.0, 1e-12], &[1.0, 1.0], &[1.5, 0.0], &[1.5, 1.0], &[0.5, 0.0], &[0.5, 1.0]],
+    reference: |x| defined(x),
+    forms: &[
+        Form::new(STABLE, stable, stable),
+        Form::new(TEXTBOOK, textbook, textbook),
+        Form::new(REPORT, report, report),
+    ],
+    range: Range::UpTo(1.0),
+    coarser: 1,
+};
+
+/// From grazing to normal incidence.
+pub(super) const COSINE: Scale = Scale::new("cos /{θ}", 1e-12, 1.0);
+
+pub(super) fn critical_cosine(eta: f64) -> f64 {
+    ((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt()
+}
+
+fn stable<T: Machine>(x: &[T]) -> Answer<T> {
+    scalar(dielectric::fresnel(x[1], x[0]).unpolarized())
+}
+
+/// The textbook's, but that grazing light between equal indices is not reflected.
+fn defined<T: Number>(x: &[T]) -> Answer<T> {
+    if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook(x) }
+}
+
+/// (cos θᵢ − η cos θₜ)/(cos θᵢ + η cos θₜ) and (η cos θᵢ − cos θₜ)/(η cos θᵢ + cos θₜ), squared and averaged.
+fn textbook<T: Number>(x: &[T]) -> Answer<T> {
+    let (eta, cos_i) = (x[0], x[1]);
+    let one = T::of(1.0);
+    let sin2_t = (one - cos_i.square()) / eta.square();
+    if sin2_t >= one {
+        return scalar(one);
+    }
+    let cos_t = (one - sin2_t).sqrt();
+    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    scalar((perpendicular.square() + parallel.square()) / T::of(2.0))
+}
+
+/// The first report's Schlick, which takes the incident cosine on both sides.
+fn report<T: Machine>(x: &[T]) -> Answer<T> {
+    scalar(schlick::schlick_incident_cosine(x[1], x[0]))
+}

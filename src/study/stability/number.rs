@@ -1,0 +1,97 @@
+//! What a textbook formula is written in: `f32`, `f64`, and the arbitrary precision that judges both.
+
+use crate::optics::Real;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number that a formula can be written in once and evaluated in any precision.
+pub trait Number:
+    Copy
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// A constant, exact in f64.
+    fn of(value: f64) -> Self;
+
+    fn pi() -> Self;
+
+    fn sqrt(self) -> Self;
+
+    fn exp(self) -> Self;
+
+    /// 1 − erf(x) for x ≥ 0.
+    fn erfc(self) -> Self;
+
+    /// Sine and cosine of `self` · 2π.
+    fn sin_cos_turns(self) -> [Self; 2];
+
+    #[must_use]
+    fn square(self) -> Self {
+        self * self
+    }
+}
+
+macro_rules! machine_number {
+    ($type:ty, $erfc:path, $pi:expr) => {
+        impl Number for $type {
+            fn of(value: f64) -> Self {
+                value as $type
+            }
+
+            fn pi() -> Self {
+                $pi
+            }
+
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+
+            fn exp(self) -> Self {
+                self.exp()
+            }
+
+            fn erfc(self) -> Self {
+                $erfc(self)
+            }
+
+            fn sin_cos_turns(self) -> [Self; 2] {
+                let (sin, cos) = (2.0 * $pi * self).sin_cos();
+                [sin, cos]
+            }
+        }
+    };
+}
+
+machine_number!(f32, libm::erfcf, std::f32::consts::PI);
+machine_number!(f64, libm::erfc, std::f64::consts::PI);
+
+/// Products of the components, summed from the first on.
+pub fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The vector divided by its length.
+pub fn normalized<T: Number>(v: [T; 3]) -> [T; 3] {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
+}
+
+pub fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+pub fn minus<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+/// One of the two precisions that kernels can run in, also a [`Number`].
+pub trait Machine: Real + Number {}
+
+impl Machine for f32 {}
+impl Machine for f64 {}

@@ -1,0 +1,106 @@
+//! Long paths where no light is lost: a closed white room that glows, and a walk over materials that absorb nothing.
+
+use super::experiment::{Effort, Experiment, Tally};
+use super::family::{Precision, STABLE};
+use super::row::Row;
+use crate::bsdf::Scatter;
+use crate::error::{Error, Result};
+use crate::raster::Rgb;
+use crate::render::{Sampling, Settings, Silent, render};
+use crate::sampling::stream::{Independent, Stream};
+use crate::scene::{
+    Camera, Emission, Material, Object, Projection, Rectangle, Request, Role, ScatterModel, Scene, Shape,
+};
+use glam::{DVec3, Vec3};
+
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "paths",
+    about: "energy after 10 000 bounces in a furnace (paths) and over materials (walks)",
+    run,
+};
+
+fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
+    Ok(vec![room(effort, seed)?, walks(effort, seed)])
+}
+
+/// Every bounce finds a wall of radiance 1 and loses nothing: n bounces see n + 1.
+fn room(effort: &Effort, seed: u64) -> Result<Row> {
+    let scene = closed_room()?;
+    let request = Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: effort.bounces };
+    let settings = Settings { sampling: Sampling::Bsdf, seed, ..Settings::default() };
+    let rendered = render(&scene, &request, &settings, &Silent)?;
+    let exact = f64::from(effort.bounces) + 1.0;
+    let mut tally = Tally::new("paths", STABLE, Precision::Single);
+    for (i, pixel) in rendered.image.pixels().iter().enumerate() {
+        tally.compare(f64::from(pixel.x), exact, 1.0, || {
+            format!("{} bounces from pixel ({}, {})", effort.bounces, i % request.width, i / request.width)
+        });
+    }
+    tally.impossible(rendered.dropped.total());
+    Ok(tally.row())
+}
+
+/// A cube of side 2 around the camera, its size no round number.
+fn closed_room() -> Result<Scene> {
+    const HALF: f32 = 1.03;
+    let wall = |normal: Vec3, x: Vec3, y: Vec3| {
+        let rectangle = Rectangle::new(normal * HALF, x * HALF, y * HALF);
+        let shape =
+            Shape::Rectangle(rectangle.ok_or_else(|| Error::parameter("wall", "its sides are not perpendicular"))?);
+        let emission = Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp };
+        Ok(Object { shape, material: Material::Diffuse { albedo: Rgb::ONE }, emission: Some(emission) })
+    };
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let walls = (0..6).map(|i| {
+        let [normal, x, y] = std::array::from_fn(|k| axes[(i + k) % 3]);
+        wall(if i < 3 { normal } else { -normal }, x, y)
+    });
+    let camera = Camera {
+        position: DVec3::new(0.1, 0.2, 0.3),
+        right: DVec3::X,
+        up: DVec3::Y,
+        forward: DVec3::NEG_Z,
+        projection: Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 },
+    };
+    Ok(Scene {
+        name: "closed room".into(),
+        camera,
+        objects: walls.collect::<Result<_>>()?,
+        lights: Vec::new(),
+        environment: None,
+    })
+}
+
+/// Index of the glass on the walk.
+const ETA: f32 = 1.5;
+
+/// The product of the weights of directions drawn from diffuse, mirror and glass surfaces by turns, each white. What
+/// refraction takes on the way in it gives back on the way out.
+fn walks(effort: &Effort, seed: u64) -> Row {
+    let white = Rgb::ONE;
+    let materials = [
+        Material::Diffuse { albedo: white },
+        Material::Mirror { reflectance: white },
+        Material::Glass { reflectance: white, transmittance: white, eta: ETA },
+    ]
+    .map(|material| material.bsdf(ScatterModel::default()));
+    let mut tally = Tally::new("walks", STABLE, Precision::Single);
+    for walk in 0..64 {
+        let (mut wo, mut inside, mut throughput) = (Vec3::new(0.6, 0.0, 0.8), false, 1f32);
+        for bounce in 0..effort.bounces {
+            let numbers = Independent::new(seed, walk, bounce);
+            let [u, v] = numbers.pair(0).map(|u| u as f32);
+            let uc = numbers.pair(1)[0] as f32;
+            let glass = bounce % 3 == 2;
+            // Solid surfaces are met from above, glass from the side that the path is on.
+            wo.z = if glass && inside { -wo.z.abs() } else { wo.z.abs() };
+            let Some(sample) = materials[bounce as usize % 3].sample(wo, uc, [u, v]) else { continue };
+            throughput *= sample.weight.x;
+            inside ^= glass && sample.wi.z * wo.z < 0.0;
+            wo = -sample.wi;
+        }
+        let scale = if inside { f64::from(ETA).powi(2) } else { 1.0 };
+        tally.compare(f64::from(throughput) * scale, 1.0, 1.0, || format!("walk {walk} of {} bounces", effort.bounces));
+    }
+    tally.row()
+}

@@ -1,0 +1,164 @@
+//! One input again: every form in every precision.
+
+use super::error::{Exact, Flaw};
+use super::family::{Family, Precision};
+use super::sweep::case;
+use super::{FAMILIES, names};
+use crate::error::{Error, Result};
+use serde::Serialize;
+
+/// One form at the input.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Line {
+    pub form: &'static str,
+    pub precision: Precision,
+    /// Nothing for an answer such as "the ray misses"; one number, or three of a vector.
+    pub value: Vec<f64>,
+    pub reference: Vec<f64>,
+    pub ulp: f64,
+    pub relative: f64,
+    pub condition: f64,
+    /// `not finite`, `negative`, `out of range`, or nothing.
+    pub flaw: &'static str,
+}
+
+/// A case that was given exactly.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    pub family: &'static str,
+    pub inputs: Vec<(&'static str, f64)>,
+    pub lines: Vec<Line>,
+}
+
+/// Runs a case such as `fresnel:eta=1.5,cos=0x1p-3`: numbers are decimals or hexadecimal floats, and all inputs of the
+/// family must be there, in any order.
+///
+/// # Errors
+/// [`Error::Parameter`] for anything else.
+pub fn replay(text: &str) -> Result<Replay> {
+    let (name, inputs) = text.split_once(':').unwrap_or((text, ""));
+    let Some(family) = FAMILIES.iter().find(|family| family.name == name) else {
+        let known: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
+        let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
+        return Err(Error::parameter("--replay", format!("\"{name}\" is {what}"))
+            .with_hint(format!("formulas: {}", known.join(", "))));
+    };
+    let inputs = parse(family, inputs)?;
+    let mut lines = Vec::new();
+    for precision in Precision::ALL.into_iter().filter(|p| family.runs_in(*p)) {
+        let case = case(family, precision, &inputs);
+        let numbers = |answer: [f64; 3]| answer[..family.range.components()].to_vec();
+        let reference = Exact::at(family, &case.inputs).answer.map(|answer| answer.map(|x| x.to_f64()));
+        for (form, off) in family.forms.iter().zip(&case.off) {
+            let Some(off) = off else { continue };
+            lines.push(Line {
+                form: form.name,
+                precision,
+                value: off.value.map_or(Vec::new(), numbers),
+                reference: reference.map_or(Vec::new(), numbers),
+                ulp: off.ulp,
+                relative: off.relative,
+                condition: case.condition,
+                flaw: match off.flaw {
+                    Some(Flaw::NonFinite) => "not finite",
+                    Some(Flaw::Negative) => "negative",
+                    Some(Flaw::OutOfRange) => "out of range",
+                    None => "",
+                },
+            });
+        }
+    }
+    Ok(Replay { family: family.name, inputs: family.inputs.iter().copied().zip(inputs).collect(), lines })
+}
+
+fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
+    let refuse = |message: String| {
+        let form: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
+        Error::parameter("--replay", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
+    };
+    let mut inputs = vec![None; family.inputs.len()];
+    for part in text.split(',').filter(|part| !part.is_empty()) {
+        let (name, value) = part.split_once('=').ok_or_else(|| refuse(format!("\"{part}\" is not NAME=NUMBER")))?;
+        let Some(place) = family.inputs.iter().position(|input| *input == name.trim()) else {
+            return Err(refuse(format!("{} has no input \"{name}\"", family.name)));
+        };
+        let number = number(value.trim()).filter(|x| x.is_finite() && (*x as f32).is_finite());
+        let number = number.ok_or_else(|| refuse(format!("\"{value}\" is not a number that f32 can hold")))?;
+        if inputs[place].replace(number).is_some() {
+            return Err(refuse(format!("\"{name}\" is given twice")));
+        }
+    }
+    let missing = inputs.iter().position(Option::is_none);
+    match missing {
+        Some(place) => Err(refuse(format!("input \"{}\" is missing", family.inputs[place]))),
+        None => Ok(inputs.into_iter().flatten().collect()),
+    }
+}
+
+/// A decimal, or a hexadecimal float such as `-0x1.8p-3`.
+fn number(text: &str) -> Option<f64> {
+    let (sign, digits) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let Some(hexadecimal) = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) else {
+        return text.parse().ok();
+    };
+    let (mantissa, exponent) = hexadecimal.split_once(['p', 'P']).unwrap_or((hexadecimal, "0"));
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits: String = [whole, fraction].concat();
+    // 13 digits fill a double's fraction; one more stands before the point.
+    if digits.is_empty() || digits.len() > 14 || digits.starts_with(['+', '-']) {
+        return None;
+    }
+    let exponent: i32 = exponent.parse().ok()?;
+    let scale = exponent.checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
+    // In two steps, so that neither factor leaves the range before the product does.
+    let half = scale.clamp(-2200, 2200) / 2;
+    let product =
+        u64::from_str_radix(&digits, 16).ok()? as f64 * 2f64.powi(half) * 2f64.powi(scale.clamp(-2200, 2200) - half);
+    Some(sign * product)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_exactly() {
+        for (text, expected) in [
+            ("0.1", 0.1),
+            ("-1e-12", -1e-12),
+            ("0x1p-3", 0.125),
+            ("-0x1.8p1", -3.0),
+            ("0x1.999999999999ap-4", 0.1),
+            ("0x0.0000000000001p-1022", 5e-324),
+            ("0X10", 16.0),
+        ] {
+            assert_eq!(number(text), Some(expected), "{text}");
+        }
+        for text in ["", "0x", "x", "0x1p", "0x1pp2", "1e", "0x-1", "0x123456789abcdef0", "--1"] {
+            assert_eq!(number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_case_is_run_in_all_forms_and_bad_ones_are_refused() {
+        let replay = super::replay("fresnel:cos=0x1p-1,eta=1.5").unwrap();
+        assert_eq!(replay.inputs, [("eta", 1.5), ("cos", 0.5)]);
+        assert_eq!(replay.lines.len(), 6);
+        assert!(replay.lines[0].relative < 1e-6 && replay.lines[0].value.len() == 1);
+        for text in [
+            "",
+            "glass:eta=1.5",
+            "film:samples=3",
+            "fresnel",
+            "fresnel:eta=1.5",
+            "fresnel:eta=1.5,cos=NaN",
+            "fresnel:eta=1.5,cos=inf",
+            "fresnel:eta=1.5,cos=1e300",
+            "fresnel:eta=1.5,cos=0.5,eta=2",
+            "fresnel:eta=1.5,cos=0.5,k=2",
+            "fresnel:eta",
+        ] {
+            assert!(super::replay(text).unwrap_err().hint().is_some(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Where a ray meets a sphere.
+
+use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::number::{Number, dot};
+use crate::scene::Sphere;
+use glam::Vec3;
+
+pub const FAMILY: Family = Family {
+    name: "sphere",
+    about: "distance to a sphere from the origin",
+    inputs: &["radius", "x", "y", "z", "dx", "dy", "dz"],
+    sections: &[
+        Section {
+            title: "by its size and how far off its edge",
+            x: Scale::new("radius / distance of the centre", 1e-6, 1e6),
+            y: Scale::new("1 − /{b} / /{b}_{max}", 1e-6, 1.0),
+            at: |radius, inside| aimed(radius, 1.0, (1.0 - inside) * radius.min(1.0)),
+        },
+        Section {
+            title: "seen from its surface",
+            x: Scale::new("radius", 1e-6, 1e6),
+            y: Scale::new("height above it / radius", 1e-6, 1.0),
+            at: |radius, height| aimed(radius, radius * (1.0 + height), 0.3 * radius),
+        },
+    ],
+    edges: &[&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0]],
+    reference: quadratic,
+    forms: &[Form::single(STABLE, rendered), Form::new(TEXTBOOK, quadratic, quadratic)],
+    range: Range::UpTo(f64::MAX),
+    coarser: 1,
+};
+
+/// A sphere at that distance, and a direction that passes its centre at the distance `aside`.
+fn aimed(radius: f64, distance: f64, aside: f64) -> Vec<f64> {
+    let (towards, across) = ([0.36, 0.48, 0.8], [0.8, -0.6, 0.0]);
+    let sin = aside / distance;
+    let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
+    let centre = towards.map(|w| w * distance);
+    let direction: [f64; 3] = std::array::from_fn(|c| cos * towards[c] + sin * across[c]);
+    [&[radius][..], &centre, &direction].concat()
+}
+
+fn rendered(x: &[f32]) -> Answer<f32> {
+    let sphere = Sphere { centre: Vec3::new(x[1], x[2], x[3]), radius: x[0] };
+    let t = sphere.distance(Vec3::ZERO, Vec3::new(x[4], x[5], x[6]));
+    if t.is_infinite() { None } else { scalar(t) }
+}
+
+/// The smaller root of a t² + b t + c = 0, or the larger where that lies behind: (−b ± √(b² − 4ac)) / 2a.
+fn quadratic<T: Number>(x: &[T]) -> Answer<T> {
+    let (centre, direction) = ([x[1], x[2], x[3]], [x[4], x[5], x[6]]);
+    let (zero, two) = (T::of(0.0), T::of(2.0));
+    let (a, b) = (dot(direction, direction), -two * dot(direction, centre));
+    let discriminant = b.square() - T::of(4.0) * a * (dot(centre, centre) - x[0].square());
+    if discriminant < zero {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let [near, far] = [-b - root, -b + root].map(|t| t / (two * a));
+    let t = if near >= zero { near } else { far };
+    if t >= zero { scalar(t) } else { None }
+}

@@ -1,0 +1,97 @@
+//! Sampling tables of a map with one texel of 10¹² among 10⁻¹²: which bins can be drawn, and how often.
+
+use super::experiment::{Effort, Experiment, Tally};
+use super::family::{Precision, STABLE, TEXTBOOK};
+use super::row::Row;
+use crate::error::Result;
+use crate::sampling::stream::{Independent, Stream};
+use crate::sampling::table::Table2;
+use rayon::prelude::*;
+
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "tables",
+    about: "probabilities of the bins of a map with one texel of 1e12 among 1e-12; out of range: bins out of reach",
+    run,
+};
+
+const HOT: f64 = 1e12;
+const COLD: f64 = 1e-12;
+
+fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
+    let [width, height] = effort.map;
+    let weight = hot_texel(effort.map);
+    let table = Table2::new(width, height, weight);
+    let total = HOT + COLD * (width * height - 1) as f64;
+    let bins = |tally: Tally, y: usize, probability: &dyn Fn(usize) -> f64, reached: &dyn Fn(usize) -> bool| {
+        (0..width).fold(tally, |mut tally, x| {
+            let exact = weight(x, y) / total;
+            // Differences of sums that reach up to 1.
+            tally.compare(probability(x), exact, 1.0 / exact, || format!("bin ({x}, {y}) of {width}x{height}"));
+            tally.impossible(u64::from(!reached(x)));
+            tally
+        })
+    };
+    let stable = (0..height).into_par_iter().map(|y| {
+        let reached = |x: usize| {
+            table.draw(table.invert((x, y), (0.0, 0.0))).is_some_and(|draw| (draw.x.cell, draw.y.cell) == (x, y))
+        };
+        bins(Tally::new("tables", STABLE, Precision::Double), y, &|x| table.probability(x, y), &reached)
+    });
+    let stable = stable.reduce(|| Tally::new("tables", STABLE, Precision::Double), Tally::merge);
+    // Prefix sums in f32, as many renderers have them.
+    let rows = prefix_sums((0..height).map(|y| row_sum(width, y, weight)));
+    let textbook = (0..height).into_par_iter().map(|y| {
+        let row = prefix_sums((0..width).map(|x| weight(x, y) as f32));
+        let probability = |x: usize| f64::from(row[x + 1] - row[x]) * f64::from(rows[y + 1] - rows[y]);
+        bins(Tally::new("tables", TEXTBOOK, Precision::Single), y, &probability, &|x| probability(x) > 0.0)
+    });
+    let textbook = textbook.reduce(|| Tally::new("tables", TEXTBOOK, Precision::Single), Tally::merge);
+    Ok(vec![stable.row(), drawn(&table, effort, seed), textbook.row()])
+}
+
+/// One hot texel, off all symmetries.
+fn hot_texel([width, height]: [usize; 2]) -> impl Fn(usize, usize) -> f64 + Copy + Send + Sync {
+    let hot = (width / 3, height / 3);
+    move |x, y| if (x, y) == hot { HOT } else { COLD }
+}
+
+fn row_sum(width: usize, y: usize, weight: impl Fn(usize, usize) -> f64) -> f32 {
+    (0..width).fold(0.0, |sum, x| sum + weight(x, y) as f32)
+}
+
+/// Sums of the first n weights over that of all.
+fn prefix_sums(weights: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut sum = 0.0;
+    let mut sums: Vec<f32> = std::iter::once(0.0)
+        .chain(weights.map(|w| {
+            sum += w;
+            sum
+        }))
+        .collect();
+    sums.iter_mut().for_each(|s| *s /= sum);
+    sums
+}
+
+/// Draws whose probability is not that of the bin, to the last bit, or that hit the hot texel too rarely.
+fn drawn(table: &Table2, effort: &Effort, seed: u64) -> Row {
+    let hot = (effort.map[0] / 3, effort.map[1] / 3);
+    let [wrong, cold] = (0..effort.draws)
+        .into_par_iter()
+        .map(|i| match table.draw(Independent::new(seed, 0, i).pair(0)) {
+            Some(draw) => {
+                let cell = (draw.x.cell, draw.y.cell);
+                let carried = draw.probability().to_bits() == table.probability(cell.0, cell.1).to_bits();
+                [u64::from(!carried || draw.probability() <= 0.0), u64::from(cell != hot)]
+            }
+            None => [1, 0],
+        })
+        .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let mut tally = Tally::new("tables", "stable, drawn", Precision::Double);
+    let draws = u64::from(effort.draws);
+    tally.compare((draws - cold) as f64 / draws as f64, 1.0, 1.0, || {
+        format!("{cold} of {draws} draws off the hot texel")
+    });
+    tally.impossible(wrong);
+    tally.cases(draws - 1);
+    tally.row()
+}

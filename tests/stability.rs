@@ -1,0 +1,66 @@
+//! `etalon stability` as a script relies on it.
+
+mod program;
+
+use program::{etalon, json};
+
+#[test]
+fn a_run_writes_its_files_and_its_worst_case_replays() {
+    let dir = tempfile::tempdir().unwrap();
+    let value = json(dir.path(), &["stability", "fresnel", "half-cosine", "-o", "out"]);
+    for file in value["files"].as_array().unwrap() {
+        assert!(dir.path().join(file.as_str().unwrap()).metadata().unwrap().len() > 100, "{file}");
+    }
+    assert_eq!(value["files"].as_array().unwrap().len(), 4 + 3);
+    let promises = value["promises"].as_array().unwrap();
+    assert!(promises.len() == 3 && promises.iter().all(|p| p["kept"] == true), "{promises:?}");
+    let csv = std::fs::read_to_string(dir.path().join("out/stability.csv")).unwrap();
+    let header = "family,form,precision,cases,max_relative,max_ulp,condition_at_worst,max_ulp_per_condition,non_finite,\
+                  negative,out_of_range,worst";
+    assert_eq!(csv.lines().next(), Some(header));
+    let row = &value["rows"][0];
+    assert_eq!((&row["form"], &row["precision"]), (&"stable".into(), &"f32".into()));
+    let replay = json(dir.path(), &["stability", "--replay", row["worst"].as_str().unwrap()]);
+    let line = replay["lines"].as_array().unwrap().iter().find(|l| l["form"] == "stable" && l["precision"] == "f32");
+    assert_eq!(line.unwrap()["relative"], row["max_relative"]);
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let refused = |args: &[&str], hint: &str| {
+        let ran = etalon(dir.path(), args);
+        assert_eq!(ran.code, 2, "{args:?}: {}", ran.stdout);
+        assert!(ran.stderr.contains(hint), "{args:?}: {}", ran.stderr);
+    };
+    refused(&["stability", "glass"], "fresnel, conductor");
+    refused(&["stability", "--replay", "glass:eta=1"], "formulas: fresnel");
+    refused(&["stability", "--replay", "film:n=3"], "an experiment");
+    refused(&["stability", "--replay", "fresnel:eta=1.5"], "\"cos\" is missing");
+    refused(&["stability", "--replay", "fresnel:eta=1.5,cos=NaN"], "not a number");
+    refused(&["stability", "--replay", "fresnel:eta=1.5,cos=0x1p99999999999"], "not a number");
+    let list = etalon(dir.path(), &["stability", "--list"]);
+    assert!(list.code == 0 && list.stdout.contains("beckmann-normal") && list.stdout.contains("tables"));
+}
+
+#[test]
+fn extreme_replays_do_not_panic() {
+    let dir = tempfile::tempdir().unwrap();
+    for case in [
+        "fresnel:eta=0,cos=0",
+        "fresnel:eta=-1,cos=2",
+        "fresnel:eta=1e-38,cos=1e-38",
+        "conductor:eta=0,k=0,cos=0",
+        "beckmann-d:alpha=0,x=0,y=0,z=0",
+        "beckmann-g:alpha=-1,x=3e38,y=0,z=-0.0",
+        "beckmann-normal:alpha=0,wo_x=0,wo_y=0,wo_z=0,u0=0,u1=1",
+        "beckmann-normal:alpha=1,wo_x=1,wo_y=0,wo_z=-1,u0=-1,u1=2",
+        "ggx-normal:alpha=1,wo_x=0,wo_y=0,wo_z=-1,u0=3e38,u1=3e38",
+        "half-vector:wo_x=0,wo_y=0,wo_z=1,wi_x=0,wi_y=0,wi_z=-1",
+        "sphere:radius=0,x=0,y=0,z=0,dx=0,dy=0,dz=0",
+        "triangle:ax=0,ay=0,az=0,bx=0,by=0,bz=0,cx=0,cy=0,cz=0,dx=0,dy=0,dz=0",
+    ] {
+        let ran = etalon(dir.path(), &["stability", "--replay", case]);
+        assert_eq!(ran.code, 0, "{case}: {}", ran.stderr);
+    }
+}
