@@ -3,6 +3,7 @@
 Its density per solid angle is D(wm) cos θ with D = exp(-tan² θ/α²) / (π α² cos⁴ θ).
 """
 import sys
+from itertools import islice
 
 import numpy as np
 
@@ -24,19 +25,19 @@ def pdf(w):
 
 def numbers(count):
     """The next lines of the input, as an array with a row for each."""
-    lines = "".join(sys.stdin.readline() for _ in range(count))
-    return np.array(lines.split(), dtype=float).reshape(count, -1)
+    lines = "".join(islice(sys.stdin, count))
+    return np.frombuffer(bytes.fromhex(lines), ">f8").reshape(count, -1).astype(float)
 
 
 def answer(rows):
-    """Prints rows of numbers with all their digits."""
-    lines = (" ".join(map(repr, row)) for row in rows.tolist())
-    print("\n".join(lines))
+    """Prints the bits of rows of numbers, a line for each row."""
+    print(rows.astype(">f8").tobytes().hex("\n", 8 * rows.shape[1]))
 
 
-while request := sys.stdin.readline().split():
+for line in sys.stdin:
+    request = line.split()
     if request[0] == "etalon":
-        print("etalon 1 name=beckmann-numpy domain=hemisphere dimension=2")
+        print("etalon 1 name=beckmann-numpy domain=hemisphere dimension=2 numbers=bits")
     elif request[0] == "sample":
         w = sample(numbers(int(request[1])))
         answer(np.column_stack([w, pdf(w)]))

@@ -1,9 +1,8 @@
-//! Points as text: one word per coordinate.
+//! Points as words: one per coordinate.
 
-use super::number::number;
+use super::number::{Notation, Words, write_number};
 use glam::DVec3;
 use std::fmt::{Debug, Write};
-use std::str::SplitAsciiWhitespace;
 
 /// A point that can be written as words and read back, to the last bit.
 pub trait Coordinates: Copy + Send + Sync + Debug + 'static {
@@ -11,76 +10,66 @@ pub trait Coordinates: Copy + Send + Sync + Debug + 'static {
     const WORDS: &'static str;
 
     /// Appends the words, with spaces between them.
-    fn write(&self, out: &mut String);
+    fn write(&self, notation: Notation, out: &mut String);
 
     /// Takes the words from a line.
-    fn read(words: &mut SplitAsciiWhitespace<'_>) -> Option<Self>;
+    fn read(words: &mut Words<'_>) -> Option<Self>;
 }
 
-/// Appends as many digits as it takes to read back the same number.
-pub fn write_number(x: f64, out: &mut String) {
-    // Writing to a string cannot fail.
-    let _ = write!(out, "{x:e}");
-}
-
-fn read_numbers<const N: usize>(words: &mut SplitAsciiWhitespace<'_>) -> Option<[f64; N]> {
-    let mut numbers = [0.0; N];
-    for x in &mut numbers {
-        *x = number(words.next()?)?;
+/// Appends numbers with spaces between them.
+pub fn write_numbers(numbers: &[f64], notation: Notation, out: &mut String) {
+    for (i, &x) in numbers.iter().enumerate() {
+        out.push_str(if i == 0 { "" } else { " " });
+        write_number(x, notation, out);
     }
-    Some(numbers)
 }
 
 impl Coordinates for DVec3 {
     const WORDS: &'static str = "x y z";
 
-    fn write(&self, out: &mut String) {
-        write_number(self.x, out);
-        out.push(' ');
-        write_number(self.y, out);
-        out.push(' ');
-        write_number(self.z, out);
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_numbers(&self.to_array(), notation, out);
     }
 
-    fn read(words: &mut SplitAsciiWhitespace<'_>) -> Option<Self> {
-        read_numbers(words).map(Self::from_array)
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        Some(Self::new(words.number()?, words.number()?, words.number()?))
     }
 }
 
 impl Coordinates for [f64; 2] {
     const WORDS: &'static str = "x y";
 
-    fn write(&self, out: &mut String) {
-        write_number(self[0], out);
-        out.push(' ');
-        write_number(self[1], out);
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_numbers(self, notation, out);
     }
 
-    fn read(words: &mut SplitAsciiWhitespace<'_>) -> Option<Self> {
-        read_numbers(words)
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        Some([words.number()?, words.number()?])
     }
 }
 
 impl Coordinates for f64 {
     const WORDS: &'static str = "x";
 
-    fn write(&self, out: &mut String) {
-        write_number(*self, out);
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_number(*self, notation, out);
     }
 
-    fn read(words: &mut SplitAsciiWhitespace<'_>) -> Option<Self> {
-        number(words.next()?)
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        words.number()
     }
 }
 
+/// Whole numbers are decimal in every notation.
 impl Coordinates for usize {
     const WORDS: &'static str = "i";
 
-    fn write(&self, out: &mut String) {
+    fn write(&self, _: Notation, out: &mut String) {
+        // Writing to a string cannot fail.
         let _ = write!(out, "{self}");
     }
 
-    fn read(words: &mut SplitAsciiWhitespace<'_>) -> Option<Self> {
+    fn read(words: &mut Words<'_>) -> Option<Self> {
         words.next()?.parse().ok()
     }
 }
@@ -90,17 +79,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_come_back_to_the_last_bit() {
-        for x in [0.1, 1.0 / 3.0, f64::MIN_POSITIVE, -1e300, 0.0] {
-            let point = DVec3::new(x, -x, 2.0 * x);
-            let mut text = String::new();
-            point.write(&mut text);
-            let mut words = text.split_ascii_whitespace();
-            assert_eq!(DVec3::read(&mut words), Some(point), "{text}");
-            assert!(words.next().is_none());
+    fn points_come_back() {
+        fn returns<P: Coordinates + PartialEq>(point: P) {
+            for notation in [Notation::Text, Notation::Bits] {
+                let mut line = String::new();
+                point.write(notation, &mut line);
+                let mut words = Words::new(&line, notation);
+                assert_eq!(P::read(&mut words), Some(point), "{line}");
+                assert!(words.is_empty());
+            }
         }
-        assert_eq!(<[f64; 2]>::read(&mut "1 nan".split_ascii_whitespace()), None);
-        assert_eq!(<[f64; 2]>::read(&mut "1".split_ascii_whitespace()), None);
-        assert_eq!(usize::read(&mut "-1".split_ascii_whitespace()), None);
+        returns(DVec3::new(0.1, -1e-300, 1.0 / 3.0));
+        returns([0.1, 2.0]);
+        returns(0.1);
+        returns(1_000_000usize);
+        let read = |line| <[f64; 2]>::read(&mut Words::new(line, Notation::Text));
+        assert_eq!((read("1 nan"), read("1"), read("1 x")), (None, None, None));
     }
 }

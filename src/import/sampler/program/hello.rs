@@ -3,7 +3,7 @@
 use super::process::{Process, fault};
 use crate::error::Result;
 use crate::import::place::quote;
-use crate::import::sampler::number::number;
+use crate::import::sampler::number::{Notation, number};
 use crate::import::sampler::space::Space;
 use crate::stats::Mass;
 
@@ -24,6 +24,8 @@ pub struct Hello {
     pub domain: Option<Space>,
     /// Whether it can tell the numbers that a point is drawn from.
     pub invert: bool,
+    /// How numbers are written after the greeting.
+    pub notation: Notation,
     /// One line for each atom: its point and its probability.
     pub atoms: Vec<String>,
 }
@@ -45,6 +47,7 @@ impl Hello {
             mass: Mass::Exactly(1.0),
             domain: None,
             invert: false,
+            notation: Notation::Text,
             atoms: lines.map(str::to_owned).collect(),
         };
         for word in words {
@@ -68,6 +71,13 @@ impl Hello {
                     hello.invert = match value {
                         "yes" => true,
                         "no" => false,
+                        _ => return Err(refused()),
+                    }
+                }
+                "numbers" => {
+                    hello.notation = match value {
+                        "text" => Notation::Text,
+                        "bits" => Notation::Bits,
                         _ => return Err(refused()),
                     }
                 }

@@ -12,14 +12,14 @@
 //! | `quit` | it ends; so it does when its input ends |
 //!
 //! Keys: `name`; `dimension`, the uniform numbers of a sample (2; 0 if it has its own); `mass`, what the density integrates
-//! to (1, or `at-most-1`); `domain`; `invert=yes`. The order of the requests is not fixed: samples depend on what the request
-//! holds, not on what was asked before.
+//! to (1, or `at-most-1`); `domain`; `invert=yes`; `numbers=bits` for [`Notation::Bits`] in both directions after the greeting.
+//! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
 mod hello;
 mod process;
 
-use super::coordinates::{Coordinates, write_number};
-use super::number::number;
+use super::coordinates::{Coordinates, write_numbers};
+use super::number::{Notation, Words};
 use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
@@ -27,7 +27,6 @@ use crate::stats::{Atom, Density, Draw, Drawn, Mass, Sampler};
 use hello::Hello;
 use process::{Process, fault};
 use std::fmt::Write;
-use std::str::SplitAsciiWhitespace;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -74,9 +73,9 @@ impl Client {
     pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
         let Self { process, hello, .. } = self;
         let read = |line: &String| {
-            let mut words = line.split_ascii_whitespace();
-            let atom = Atom { point: P::read(&mut words)?, probability: number(words.next()?)? };
-            (words.next().is_none() && (0.0..=1.0).contains(&atom.probability)).then_some(atom)
+            let mut words = Words::new(line, Notation::Text);
+            let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
+            (words.is_empty() && (0.0..=1.0).contains(&atom.probability)).then_some(atom)
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
@@ -103,15 +102,15 @@ impl<P: Coordinates> Program<P> {
         count: usize,
         request: String,
         expected: &str,
-        read: impl Fn(&mut SplitAsciiWhitespace<'_>) -> Option<T>,
+        read: impl Fn(&mut Words<'_>) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
         let answer = self.process.lock().unwrap_or_else(PoisonError::into_inner).ask(request, count)?;
         let wrong = |message| fault(&self.command, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
-            let mut words = line.split_ascii_whitespace();
-            let value = read(&mut words).filter(|_| words.next().is_none()).ok_or_else(|| {
+            let mut words = Words::new(line, self.hello.notation);
+            let value = read(&mut words).filter(|_| words.is_empty()).ok_or_else(|| {
                 wrong(format!("its line {} of the answer is {}, not {expected} (NaN is no number)", i + 1, quote(line)))
             })?;
             values.push(value);
@@ -120,10 +119,10 @@ impl<P: Coordinates> Program<P> {
     }
 
     /// The request for something at each of `points`.
-    fn at_points(verb: &str, points: &[P]) -> String {
+    fn at_points(&self, verb: &str, points: &[P]) -> String {
         let mut request = format!("{verb} {}\n", points.len());
         for point in points {
-            point.write(&mut request);
+            point.write(self.hello.notation, &mut request);
             request.push('\n');
         }
         request
@@ -131,25 +130,16 @@ impl<P: Coordinates> Program<P> {
 }
 
 /// A line of an answer to `sample`; the outer `None` is an error.
-fn read_draw<P: Coordinates>(words: &mut SplitAsciiWhitespace<'_>) -> Option<Option<Draw<P>>> {
-    match words.clone().next()? {
-        "none" => {
-            words.next();
-            Some(None)
-        }
-        "atom" => {
-            words.next();
-            P::read(words).map(|point| Some(Draw::atom(point)))
-        }
-        _ => {
-            let point = P::read(words)?;
-            let pdf = match words.next() {
-                Some(word) => Some(number(word)?),
-                None => None,
-            };
-            Some(Some(Draw { point, pdf, atom: false }))
-        }
+fn read_draw<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Draw<P>>> {
+    if words.take("none") {
+        return Some(None);
     }
+    if words.take("atom") {
+        return P::read(words).map(|point| Some(Draw::atom(point)));
+    }
+    let point = P::read(words)?;
+    let pdf = if words.is_empty() { None } else { Some(words.number()?) };
+    Some(Some(Draw { point, pdf, atom: false }))
 }
 
 impl<P: Coordinates> Sampler<P> for Program<P> {
@@ -171,10 +161,7 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
             Some(dimension) => {
                 request.push('\n');
                 for sample in u.chunks_exact(dimension) {
-                    for (i, &x) in sample.iter().enumerate() {
-                        request.push_str(if i == 0 { "" } else { " " });
-                        write_number(x, &mut request);
-                    }
+                    write_numbers(sample, self.hello.notation, &mut request);
                     request.push('\n');
                 }
             }
@@ -186,15 +173,14 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
 
     fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
         let Some(dimension) = self.hello.dimension.filter(|_| self.hello.invert) else { return Ok(None) };
-        let read = |words: &mut SplitAsciiWhitespace<'_>| {
-            if words.clone().next()? == "none" {
-                words.next();
+        let read = |words: &mut Words<'_>| {
+            if words.take("none") {
                 return Some(None);
             }
-            (0..dimension).map(|_| number(words.next()?)).collect::<Option<Vec<f64>>>().map(Some)
+            (0..dimension).map(|_| words.number()).collect::<Option<Vec<f64>>>().map(Some)
         };
         let expected = format!("{dimension} numbers or \"none\"");
-        let mut answer = self.ask("invert", 1, Self::at_points("invert", &[point]), &expected, read)?;
+        let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
         Ok(answer.pop().flatten())
     }
 }
@@ -204,8 +190,8 @@ impl<P: Coordinates> Density<P> for Program<P> {
         if points.is_empty() {
             return Ok(());
         }
-        let read = |words: &mut SplitAsciiWhitespace<'_>| number(words.next()?);
-        out.extend(self.ask("pdf", points.len(), Self::at_points("pdf", points), "a density", read)?);
+        let request = self.at_points("pdf", points);
+        out.extend(self.ask("pdf", points.len(), request, "a density", |words| words.number())?);
         Ok(())
     }
 
