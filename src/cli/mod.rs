@@ -37,6 +37,7 @@ Examples:
   etalon envmap sample nave -n 256      importance samples of the built-in map
   etalon render sphere-env -s 64        the lit sphere
   etalon render cornell-spheres         a mirror and a glass ball in a room
+  etalon validate                       every sampler against its density
   etalon scenes                         what else can be rendered";
 
 /// Flags that every subcommand takes.

@@ -5,6 +5,7 @@ mod context;
 pub mod depth;
 mod entries;
 pub mod fresnel;
+pub mod junit;
 pub mod map;
 pub mod metals;
 mod originals;
@@ -14,6 +15,7 @@ mod registry;
 mod second_report;
 pub mod sphere;
 pub mod statue;
+pub mod validation;
 
 pub use check::Check;
 pub use context::{Context, MapSource};

@@ -43,6 +43,12 @@ pub trait Sampler<P>: Sync {
     /// Fails only where sampling itself can: in another process.
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()>;
 
+    /// How many samples are left, of a sampler that only has so many: a file. Such samples are used once, and their numbers
+    /// mean nothing.
+    fn supply(&self) -> Option<u64> {
+        None
+    }
+
     /// The numbers that are mapped to `point`, for samplers that have an inverse; fails where [`draw`](Self::draw) can.
     fn invert(&self, _point: P) -> Result<Option<Vec<f64>>> {
         Ok(None)
