@@ -1,7 +1,9 @@
 //! Samplers that are not part of this program: what `validate` takes to reach them.
 
 use crate::error::{Error, Result};
-use crate::import::sampler::{Client, Coordinates, GridDensity, Row, SampleFile, Space};
+use crate::import::sampler::files::{GridDensity, Row, SampleFile};
+use crate::import::sampler::program::Client;
+use crate::import::sampler::{Coordinates, Space};
 use crate::stats::{Directions, Discrete, Domain, Line, Pole, Square, examine};
 use crate::study::validation::Case;
 use clap::Args;

@@ -1,13 +1,12 @@
-//! Samplers of others, as [`Sampler`](crate::stats::Sampler) and [`Density`](crate::stats::Density): a [`Program`] that is
-//! called over its standard input and output, or a [`SampleFile`] with a [`GridDensity`].
+//! Samplers of others, as [`Sampler`](crate::stats::Sampler) and [`Density`](crate::stats::Density): a [`program`] that is
+//! called over its standard input and output, or [`files`] with its samples and its density.
 
 mod coordinates;
-mod files;
+pub mod files;
 mod number;
-mod program;
+pub mod program;
 mod space;
 
 pub use coordinates::Coordinates;
-pub use files::{GridDensity, Gridded, Row, SampleFile};
-pub use program::{Client, Program};
+pub use number::{Notation, Words};
 pub use space::Space;
