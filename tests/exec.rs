@@ -84,28 +84,27 @@ fn programs_that_misbehave_are_named() {
         ("exit 3", "exit status: 3"),
         ("echo 'no such file' >&2; exit 1", "its last words: \"no such file\""),
         ("kill -9 $$", "signal: 9"),
-        ("echo hello; echo end; cat", "\"hello\" does not begin with"),
-        ("echo etalon 1 dimension=1000; echo end; cat", "dimension"),
-        ("echo etalon 1 mass=nan; echo end; cat", "mass"),
-        ("echo etalon 1 colour=red; echo end; cat", "colour=red"),
-        ("echo etalon 1; echo end; cat", "does not say what its domain is"),
-        ("echo etalon 1 domain=line; echo 0.5 2; echo end; cat", "atom \"0.5 2\""),
+        ("echo hello; echo end; cat > /dev/null", "\"hello\" does not begin with"),
+        ("echo etalon 1 dimension=1000; echo end; cat > /dev/null", "dimension"),
+        ("echo etalon 1 mass=nan; echo end; cat > /dev/null", "mass"),
+        ("echo etalon 1 colour=red; echo end; cat > /dev/null", "colour=red"),
+        ("echo etalon 1; echo end; cat > /dev/null", "does not say what its domain is"),
+        ("echo etalon 1 domain=line; echo 0.5 2; echo end; cat > /dev/null", "atom \"0.5 2\""),
     ];
     for (text, expected) in cases {
         let ran = script(text, &["--timeout", "20"]);
         assert_eq!(ran.code, 2, "{text}: {}", ran.stderr);
-        assert!(ran.stderr.contains(expected) || ran.stderr.contains("hint"), "{text}: {}", ran.stderr);
         assert!(ran.stderr.contains(expected), "{text}: {}", ran.stderr);
     }
     // The first request asks for 4 samples.
     let cases = [
         ("exit 0", "asked \"sample 4 0\", it ended (exit status: 0) after 0 lines"),
-        ("echo 0.1; echo 0.2; echo end; cat", "answered only 2 lines"),
-        ("for i in 1 2 3 4 5; do echo 0.$i; done; echo end; cat", "\"0.5\" where \"end\" belongs"),
-        ("echo 0.1; echo nan; echo 0.2; echo 0.3; echo end; cat", "line 2 of the answer is \"nan\""),
-        ("for i in 1 2 3 4; do echo 0.1 0.2 0.3; done; echo end; cat", "\"0.1 0.2 0.3\""),
-        ("echo segmentation fault; cat", "asked \"sample 4 0\""),
-        ("printf '\\377\\376\\n\\n\\n\\nend\\n'; cat", "not UTF-8"),
+        ("echo 0.1; echo 0.2; echo end; cat > /dev/null", "answered only 2 lines"),
+        ("for i in 1 2 3 4 5; do echo 0.$i; done; echo end; cat > /dev/null", "\"0.5\" where \"end\" belongs"),
+        ("echo 0.1; echo nan; echo 0.2; echo 0.3; echo end; cat > /dev/null", "line 2 of the answer is \"nan\""),
+        ("for i in 1 2 3 4; do echo 0.1 0.2 0.3; done; echo end; cat > /dev/null", "\"0.1 0.2 0.3\""),
+        ("echo segmentation fault; echo end; cat > /dev/null", "line 1 of the answer is \"segmentation fault\""),
+        ("printf '\\377\\376\\n\\n\\n\\nend\\n'; cat > /dev/null", "not UTF-8"),
         ("cat /dev/zero", "longer than 1024 bytes"),
         ("yes", "\"y\" where \"end\" belongs"),
         ("yes 0.5", "where \"end\" belongs"),
@@ -204,8 +203,8 @@ fn files_of_directions_are_tested_against_images() {
     for samples in ["points.csv", "angles.csv"] {
         let value = json(folder.path(), &["validate", "--samples", samples, "--pdf", "density.exr"]);
         let test = &value["tests"][0];
-        // Part of the samples went to the pilot; none is taken twice.
-        assert_eq!((&test["verdict"], &test["samples"]), (&"accept".into(), &(60_000 - (1 << 14)).into()), "{value}");
+        // A quarter of the samples went to the pilot; none is taken twice.
+        assert_eq!((&test["verdict"], &test["samples"]), (&"accept".into(), &45_000.into()), "{value}");
     }
     // Directions of the local frame are not those of the map.
     let text = std::fs::read_to_string(folder.path().join("points.csv")).unwrap();

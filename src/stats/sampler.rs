@@ -43,8 +43,8 @@ pub trait Sampler<P>: Sync {
     /// Fails only where sampling itself can: in another process.
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()>;
 
-    /// How many samples are left, of a sampler that only has so many: a file. Such samples are used once, and their numbers
-    /// mean nothing.
+    /// How many samples are left, of a sampler that only has so many: a file. All of them are then
+    /// used, once, whatever the protocol says, and the uniform numbers mean nothing.
     fn supply(&self) -> Option<u64> {
         None
     }

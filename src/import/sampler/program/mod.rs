@@ -105,13 +105,16 @@ impl<P: Coordinates> Program<P> {
         read: impl Fn(&mut Words<'_>) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
-        let answer = self.process.lock().unwrap_or_else(PoisonError::into_inner).ask(request, count)?;
+        let answer = self.process.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
         let wrong = |message| fault(&self.command, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
             let mut words = Words::new(line, self.hello.notation);
             let value = read(&mut words).filter(|_| words.is_empty()).ok_or_else(|| {
-                wrong(format!("its line {} of the answer is {}, not {expected} (NaN is no number)", i + 1, quote(line)))
+                let asked =
+                    request.lines().nth(i + 1).map_or_else(String::new, |line| format!(" (for {})", quote(line)));
+                let (number, line) = (i + 1, quote(line));
+                wrong(format!("line {number} of the answer is {line}{asked}, not {expected}; NaN is no number"))
             })?;
             values.push(value);
         }
