@@ -34,7 +34,7 @@ impl<'a> Words<'a> {
     }
 
     /// Whether the next word is `word`, which is then taken.
-    pub fn take(&mut self, word: &str) -> bool {
+    pub fn accept(&mut self, word: &str) -> bool {
         let mut after = self.clone();
         let found = after.next() == Some(word);
         if found {
@@ -132,7 +132,7 @@ mod tests {
     fn words_of_bits_need_no_spaces() {
         let mut words = Words::new("3ff0000000000000c000000000000000 none", Notation::Bits);
         assert_eq!((words.number(), words.number()), (Some(1.0), Some(-2.0)));
-        assert!(!words.take("some") && words.take("none") && words.is_empty());
+        assert!(!words.accept("some") && words.accept("none") && words.is_empty());
         for bad in ["1.0", "3ff", "+ff0000000000000", "3ff000000000000é"] {
             assert_eq!(Words::new(bad, Notation::Bits).number(), None, "{bad}");
         }

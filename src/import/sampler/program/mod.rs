@@ -134,10 +134,10 @@ impl<P: Coordinates> Program<P> {
 
 /// A line of an answer to `sample`; the outer `None` is an error.
 fn read_draw<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Draw<P>>> {
-    if words.take("none") {
+    if words.accept("none") {
         return Some(None);
     }
-    if words.take("atom") {
+    if words.accept("atom") {
         return P::read(words).map(|point| Some(Draw::atom(point)));
     }
     let point = P::read(words)?;
@@ -177,7 +177,7 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
     fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
         let Some(dimension) = self.hello.dimension.filter(|_| self.hello.invert) else { return Ok(None) };
         let read = |words: &mut Words<'_>| {
-            if words.take("none") {
+            if words.accept("none") {
                 return Some(None);
             }
             (0..dimension).map(|_| words.number()).collect::<Option<Vec<f64>>>().map(Some)
