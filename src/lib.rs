@@ -7,7 +7,7 @@
 //! | 8 | `main.rs`, [`cli`] | one file per subcommand: parse, call, print |
 //! | 7 | [`report`] | the registry of figures and the checks that they must meet |
 //! | 6 | [`study`] | one file per experiment, each computing a plain result |
-//! | 5 | [`render`], [`import`] | the integrator and its film; scene files |
+//! | 5 | [`render`], [`import`] | the integrator and its film; scene files and samplers of others |
 //! | 4 | [`scene`] | camera, shapes, lights, built-in scenes |
 //! | 3 | [`stats`], [`bsdf`], [`envmap`] | tests and errors; materials; environment maps |
 //! | 2 | [`sampling`], [`figure`] | random streams, warps and tables; drawing |

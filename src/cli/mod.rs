@@ -12,6 +12,7 @@ mod reproduce;
 mod scene_file;
 mod scenes;
 mod stability;
+mod validate;
 
 use crate::error::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -40,6 +41,7 @@ Examples:
   etalon render cornell-spheres         a mirror and a glass ball in a room
   etalon converge cornell-spheres       error against run time
   etalon stability fresnel              errors against 256-bit arithmetic
+  etalon validate                       every sampler against its density
   etalon scenes                         what else can be rendered";
 
 /// The seed when none is given.
@@ -84,6 +86,8 @@ enum Command {
     Merge(merge::Merge),
     /// Compare the code that renders with exact answers over stiff and extreme inputs
     Stability(stability::Stability),
+    /// Test samplers against their densities
+    Validate(validate::Validate),
     /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
 }
@@ -141,6 +145,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Converge(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
         Command::Stability(args) => args.run(&cli.global, console),
+        Command::Validate(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

@@ -1,9 +1,11 @@
-//! Scene and mesh files of other programs: scene readers give a [`Scene`] and what the file asks of a render.
+//! What other programs have: scene and mesh files, read as a [`Scene`] and what the file asks of a render; samplers, to be
+//! tested here.
 
 pub mod collada;
 pub mod mesh;
 pub mod pbrt;
 mod place;
+pub mod sampler;
 mod shape;
 mod transform;
 

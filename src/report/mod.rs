@@ -9,6 +9,7 @@ pub mod depth;
 mod entries;
 mod erratum;
 pub mod fresnel;
+pub mod junit;
 pub mod map;
 pub mod metals;
 mod originals;
@@ -22,6 +23,7 @@ pub mod stability;
 mod stability_entries;
 pub mod stability_summary;
 pub mod statue;
+pub mod validation;
 
 pub use check::Check;
 pub use context::{Context, MapSource};

@@ -71,18 +71,24 @@ fn sums<D: Domain>(
         let inner = all.partition_point(|&line| line <= from)..all.partition_point(|&line| line < to);
         [&[from], &all[inner], &[to]].concat()
     };
+    // Values asked for at a time: enough for a density in another process.
+    const POINTS: usize = 1 << 12;
     let cells: Vec<Cell> = grid.cells().collect();
     let sum = |cell: &Cell| -> Result<(f64, Option<Fault<D::Point>>)> {
         let (xs, ys) = (lines(0, cell.x), lines(1, cell.y));
         let (mut total, mut fault, mut points, mut values) = (0.0, None, Vec::new(), Vec::new());
-        for x in xs.windows(2) {
+        let (rows, columns): (Vec<&[f64]>, Vec<&[f64]>) = (xs.windows(2).collect(), ys.windows(2).collect());
+        for rows in rows.chunks(POINTS.div_ceil(columns.len())) {
             points.clear();
             values.clear();
-            points.extend(ys.windows(2).map(|y| domain.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])])));
+            let middle = |x: &[f64], y: &[f64]| domain.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
+            points.extend(rows.iter().flat_map(|x| columns.iter().map(|y| middle(x, y))));
             density.pdf(&points, &mut values)?;
             fault = fault.or_else(|| first_fault(&points, &values));
-            let row: f64 = ys.windows(2).zip(&values).map(|(y, value)| (y[1] - y[0]) * value).sum();
-            total += (x[1] - x[0]) * row;
+            for (x, values) in rows.iter().zip(values.chunks(columns.len())) {
+                let row: f64 = columns.iter().zip(values).map(|(y, value)| (y[1] - y[0]) * value).sum();
+                total += (x[1] - x[0]) * row;
+            }
         }
         Ok((total * domain.measure(), fault))
     };

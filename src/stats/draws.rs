@@ -78,7 +78,7 @@ impl<D: Domain> Draws<'_, D> {
             let mut tally = empty();
             self.count(&drawn, grid, atoms, &mut tally)?;
             if batch == 0 && tally.fault.is_none() {
-                tally.fault = self.inverse_fault(&u, &drawn);
+                tally.fault = self.inverse_fault(&u, &drawn)?;
             }
             Ok(tally)
         };
@@ -122,13 +122,16 @@ impl<D: Domain> Draws<'_, D> {
     }
 
     /// The first sample whose inverse is not what it was drawn from.
-    fn inverse_fault(&self, u: &[f64], drawn: &[Option<Draw<D::Point>>]) -> Option<String> {
-        u.chunks_exact(self.sampler.dimension().max(1)).zip(drawn).take(INVERTED).find_map(|(u, draw)| {
-            let point = draw.as_ref()?.point;
-            let back = self.sampler.invert(point)?;
+    fn inverse_fault(&self, u: &[f64], drawn: &[Option<Draw<D::Point>>]) -> Result<Option<String>> {
+        for (u, draw) in u.chunks_exact(self.sampler.dimension().max(1)).zip(drawn).take(INVERTED) {
+            let Some(Draw { point, .. }) = draw else { continue };
+            let Some(back) = self.sampler.invert(*point)? else { continue };
             let far = back.len() != u.len() || back.iter().zip(u).any(|(a, b)| a.is_nan() || (a - b).abs() > INVERSE);
-            far.then(|| format!("{point:?} was drawn from {u:?}, but its inverse is {back:?}"))
-        })
+            if far {
+                return Ok(Some(format!("{point:?} was drawn from {u:?}, but its inverse is {back:?}")));
+            }
+        }
+        Ok(None)
     }
 }
 

@@ -8,7 +8,7 @@ use super::draws::{Draws, Tally, corners};
 use super::grid::{Cell, Grid};
 use super::multiple::sidak;
 use super::outcome::{Counts, Outcome, Verdict, decide};
-use super::power::{chi_square_tail, detectable, samples_for};
+use super::power::{POWER, chi_square_tail, detectable, samples_for};
 use super::sampler::Sampler;
 use crate::error::{Error, Result};
 use std::time::Instant;
@@ -128,14 +128,18 @@ pub fn examine<D: Domain>(
     protocol.check()?;
     let start = Instant::now();
     let draws = Draws { domain, sampler, density, seed: protocol.seed };
-    let corner_fault = corners(domain, sampler, density)?;
-    let pilot = draws.places(2 * round, PILOT)?;
+    // Samples that are used up leave none for the corners, and few for a pilot.
+    let supply = sampler.supply();
+    let corner_fault = if supply.is_none() { corners(domain, sampler, density)? } else { None };
+    let pilots = supply.map_or(PILOT, |supply| PILOT.min(supply / 4));
+    let count = |dof| supply.map_or_else(|| protocol.count(dof), |supply| supply - pilots);
+    let pilot = draws.places(2 * round, pilots)?;
     let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
-    let grid = cells(domain, &pilot, shape, protocol.count(shape[0] * shape[1] + atoms.len()));
+    let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
     let Integrals { values, errors, fault } = integrate(domain, density, &grid, &pilot)?;
 
-    let samples = protocol.count(grid.len() + atoms.len());
+    let samples = count(grid.len() + atoms.len());
     let n = samples as f64;
     let tally = draws.tally(2 * round + 1, samples, &grid, &atoms)?;
 
@@ -165,10 +169,17 @@ pub fn examine<D: Domain>(
     let impossible = impossible + if none_expected == 0.0 { none } else { 0 };
     observed.push(none);
 
+    // A claim that leaves nothing to chance (a mirror, a black map): what is left to find are impossible samples.
+    let certain =
+        expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
     let uncertain = values.iter().zip(&errors).any(|(value, error)| error * n > SLACK * (value * n).max(1.0).sqrt());
     let test = chi_square(&observed, &expected);
-    let p = test.filter(|_| !uncertain && density_fault.is_none()).map(|test| both(test.p, impossible, n * ROUNDING));
-    let finds = test.map(|test| detectable(test.dof, protocol.own_level(), samples));
+    let chance = if certain { Some(1.0) } else { test.map(|test| test.p) };
+    let p = chance.filter(|_| !uncertain && density_fault.is_none()).map(|p| both(p, impossible, n * ROUNDING));
+    let finds = match test {
+        _ if certain => Some(strays(n)),
+        _ => test.map(|test| detectable(test.dof, protocol.own_level(), samples)),
+    };
     let doubt = if uncertain {
         Some("the density's integrals are too uncertain for that many samples".to_owned())
     } else {
@@ -222,6 +233,11 @@ fn cells<D: Domain>(domain: &D, pilot: &[[f64; 2]], shape: [usize; 2], samples: 
     let enough = FEWEST * pilot.len() as f64 / samples as f64;
     let filled = seen.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
     if 2 * filled >= equal.len() { equal } else { Grid::adapted(pilot, shape, Cell::WHOLE, domain.outcomes()) }
+}
+
+/// The share of impossible samples that is found with probability [`POWER`] among `n`, one being enough to reject.
+fn strays(n: f64) -> f64 {
+    -(1.0 - POWER).ln() / n
 }
 
 /// The p-value of the counts and of `impossible` samples where rounding explains `allowed` on average.

@@ -74,18 +74,26 @@ impl Outcome {
         self.verdict == Verdict::Accept
     }
 
+    /// The p-value, if it has a continuous distribution: not where a claim leaves nothing to chance.
+    #[must_use]
+    pub fn continuous_p(&self) -> Option<f64> {
+        self.p.filter(|_| self.dof > 0)
+    }
+
     /// What there is to say beyond numbers.
     #[must_use]
     pub fn remark(&self) -> Option<&str> {
         self.fault.as_deref().or(self.doubt.as_deref())
     }
 
-    /// Takes the findings of a repetition into account.
+    /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
     fn combine(&mut self, second: &Self) {
-        self.p = self.p.zip(second.p).map(|(a, b)| fisher(a, b));
+        if let Some(second) = second.p {
+            self.p = self.p.map(|first| fisher(first, second));
+            self.repeated = true;
+        }
         self.samples += second.samples;
         self.seconds += second.seconds;
-        self.repeated = true;
         self.fault = self.fault.take().or_else(|| second.fault.clone());
     }
 }

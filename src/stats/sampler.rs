@@ -43,9 +43,15 @@ pub trait Sampler<P>: Sync {
     /// Fails only where sampling itself can: in another process.
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()>;
 
-    /// The numbers that are mapped to `point`, for samplers that have an inverse.
-    fn invert(&self, _point: P) -> Option<Vec<f64>> {
+    /// How many samples are left, of a sampler that only has so many: a file. All of them are then
+    /// used, once, whatever the protocol says, and the uniform numbers mean nothing.
+    fn supply(&self) -> Option<u64> {
         None
+    }
+
+    /// The numbers that are mapped to `point`, for samplers that have an inverse; fails where [`draw`](Self::draw) can.
+    fn invert(&self, _point: P) -> Result<Option<Vec<f64>>> {
+        Ok(None)
     }
 }
 
@@ -91,7 +97,7 @@ where
         Ok(())
     }
 
-    fn invert(&self, point: P) -> Option<Vec<f64>> {
-        (self.inverse)(point)
+    fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
+        Ok((self.inverse)(point))
     }
 }

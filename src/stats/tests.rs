@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::sampling::warp;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 fn protocol() -> Protocol {
     Protocol::default()
@@ -178,4 +179,48 @@ fn impossible_protocols_are_refused() {
     ] {
         assert!(validate(&Line::UNIT, &even, &density(|_| 1.0), &bad).is_err(), "{bad:?}");
     }
+}
+
+/// Samples that are used up: uniform numbers to the power of `power`, `count` of them, each handed out once.
+struct Stock {
+    next: AtomicU64,
+    count: u64,
+    power: i32,
+}
+
+impl Sampler<f64> for Stock {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn draw(&self, u: &[f64], out: &mut Drawn<f64>) -> Result<()> {
+        for _ in u {
+            let i = self.next.fetch_add(1, Ordering::Relaxed);
+            assert!(i < self.count, "more samples are asked for than there are");
+            let bits = crate::sampling::hash::mix64(i) >> 11;
+            out.push(Some(Draw::new((bits as f64 / (1u64 << 53) as f64).powi(self.power))));
+        }
+        Ok(())
+    }
+
+    fn supply(&self) -> Option<u64> {
+        Some(self.count - self.next.load(Ordering::Relaxed))
+    }
+}
+
+#[test]
+fn samples_that_are_used_up_are_used_once() -> Result<()> {
+    for (count, power, verdict) in [
+        (100_000, 1, Verdict::Accept),
+        (100_000, 2, Verdict::Reject),
+        (300, 1, Verdict::Inconclusive),
+        (3, 1, Verdict::Inconclusive),
+        (0, 1, Verdict::Inconclusive),
+    ] {
+        let stock = Stock { next: AtomicU64::new(0), count, power };
+        let outcome = validate(&Line::UNIT, &stock, &density(|_: f64| 1.0), &protocol())?;
+        assert_eq!((outcome.verdict, outcome.repeated), (verdict, false), "{count} {power}: {outcome}");
+        assert_eq!(stock.supply(), Some(0));
+    }
+    Ok(())
 }

@@ -2,7 +2,9 @@
 
 mod case;
 mod run;
+mod select;
 pub mod suite;
 
 pub use case::Case;
 pub use run::{Tested, Validation, run};
+pub use select::select;

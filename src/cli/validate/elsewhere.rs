@@ -1,0 +1,127 @@
+//! Samplers that are not part of this program: what `validate` takes to reach them.
+
+use crate::error::{Error, Result};
+use crate::import::sampler::files::{GridDensity, Row, SampleFile};
+use crate::import::sampler::program::Client;
+use crate::import::sampler::{Coordinates, Space};
+use crate::stats::{Directions, Discrete, Domain, Line, Pole, Square, examine};
+use crate::study::validation::Case;
+use clap::Args;
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A sampler elsewhere.
+#[derive(Args)]
+#[command(next_help_heading = "Samplers elsewhere")]
+pub struct Elsewhere {
+    /// Test the sampler of another program: it is started by this command and asked over its standard input and output
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
+    exec: Option<String>,
+    /// Where the samples lie: sphere, hemisphere, square, line or discrete:N (default: what the program says)
+    #[arg(long, value_name = "DOMAIN")]
+    domain: Option<String>,
+    /// Time that the program has for every answer
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    timeout: f64,
+    /// The density that the file of --samples claims to follow: a grid in CSV, or a lat-long image of densities per sr
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
+    pdf: Option<PathBuf>,
+}
+
+/// What `--samples` says: how many to draw, or that they are in a file.
+#[derive(Debug, Clone)]
+pub enum HowMany {
+    Count(u64),
+    File(PathBuf),
+}
+
+impl FromStr for HowMany {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> std::result::Result<Self, Infallible> {
+        Ok(text.parse().map_or_else(|_| Self::File(text.into()), Self::Count))
+    }
+}
+
+impl Elsewhere {
+    /// The test of the sampler that was asked for, if any was.
+    pub fn case(&self, samples: Option<&HowMany>) -> Result<Option<Case>> {
+        let space = self.domain.as_deref().map(str::parse).transpose()?;
+        match (&self.exec, samples, &self.pdf) {
+            (Some(_), Some(HowMany::File(file)), _) => {
+                Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("with --exec, samples are drawn, not read"))
+            }
+            (Some(command), ..) => self.program(command, space).map(Some),
+            (None, Some(HowMany::File(file)), Some(pdf)) => files(file, pdf, space).map(Some),
+            (None, Some(HowMany::File(file)), None) => {
+                Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("if it is a file of samples, give their density by --pdf FILE"))
+            }
+            (None, _, Some(_)) => Err(Error::parameter("--pdf", "a density without samples")
+                .with_hint("give a file of samples by --samples FILE.csv")),
+            (None, _, None) if space.is_some() => {
+                Err(Error::parameter("--domain", "there is no sampler elsewhere to test")
+                    .with_hint("it goes with --exec, or with --samples FILE and --pdf"))
+            }
+            (None, _, None) => Ok(None),
+        }
+    }
+
+    fn program(&self, command: &str, space: Option<Space>) -> Result<Case> {
+        let client = Client::start(command, space, self.limit()?)?;
+        match client.space() {
+            Space::Sphere => of_program(Directions::sphere(Pole::Z), client),
+            Space::Hemisphere => of_program(Directions::hemisphere(Pole::Z), client),
+            Space::Square => of_program(Square, client),
+            Space::Line => of_program(Line::UNIT, client),
+            Space::Discrete(outcomes) => of_program(Discrete { outcomes }, client),
+        }
+    }
+
+    fn limit(&self) -> Result<Duration> {
+        const LONGEST: f64 = 86_400.0;
+        if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
+            return Err(Error::parameter("--timeout", format!("{} s is not from 0 to {LONGEST} s", self.timeout)));
+        }
+        Ok(Duration::from_secs_f64(self.timeout))
+    }
+}
+
+/// The test of a program over `domain`.
+fn of_program<D>(domain: D, client: Client) -> Result<Case>
+where
+    D: Domain<Point: Coordinates> + Send + Sync + 'static,
+{
+    let name = client.name().to_owned();
+    let program = client.over::<D::Point>()?;
+    Ok(Case::new(name, move |protocol, round| examine(&domain, &program, &program, protocol, round)))
+}
+
+/// The test of samples in a file.
+fn files(samples: &Path, pdf: &Path, space: Option<Space>) -> Result<Case> {
+    let is_table = pdf.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    match space {
+        None | Some(Space::Sphere) if !is_table => of_files(samples, GridDensity::read_image(pdf)?),
+        Some(_) if !is_table => {
+            Err(Error::parameter("--pdf", "an image is a density over the sphere").with_hint("--domain sphere"))
+        }
+        None => Err(Error::parameter("--domain", "a table does not say what it is a density over")
+            .with_hint("--domain sphere, hemisphere, square, line or discrete:N")),
+        Some(Space::Sphere) => of_files(samples, GridDensity::read_csv(Directions::sphere(Pole::Z), pdf)?),
+        Some(Space::Hemisphere) => of_files(samples, GridDensity::read_csv(Directions::hemisphere(Pole::Z), pdf)?),
+        Some(Space::Square) => of_files(samples, GridDensity::read_csv(Square, pdf)?),
+        Some(Space::Line) => of_files(samples, GridDensity::read_csv(Line::UNIT, pdf)?),
+        Some(Space::Discrete(outcomes)) => of_files(samples, GridDensity::read_csv(Discrete { outcomes }, pdf)?),
+    }
+}
+
+fn of_files<D: Row + Send + Sync + 'static>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
+    let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
+    let (domain, density) = (density.domain(), Arc::new(density));
+    let sampler = SampleFile::open(samples, Arc::clone(&density))?;
+    Ok(Case::new(name, move |protocol, round| examine(&domain, &sampler, &*density, protocol, round)))
+}

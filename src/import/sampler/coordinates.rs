@@ -1,0 +1,99 @@
+//! Points as words: one per coordinate.
+
+use super::number::{Notation, Words, write_number};
+use glam::DVec3;
+use std::fmt::{Debug, Write};
+
+/// A point that can be written as words and read back, to the last bit.
+pub trait Coordinates: Copy + Send + Sync + Debug + 'static {
+    /// What the words are, for messages.
+    const WORDS: &'static str;
+
+    /// Appends the words, with spaces between them.
+    fn write(&self, notation: Notation, out: &mut String);
+
+    /// Takes the words from a line.
+    fn read(words: &mut Words<'_>) -> Option<Self>;
+}
+
+/// Appends numbers with spaces between them.
+pub fn write_numbers(numbers: &[f64], notation: Notation, out: &mut String) {
+    for (i, &x) in numbers.iter().enumerate() {
+        out.push_str(if i == 0 { "" } else { " " });
+        write_number(x, notation, out);
+    }
+}
+
+impl Coordinates for DVec3 {
+    const WORDS: &'static str = "x y z";
+
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_numbers(&self.to_array(), notation, out);
+    }
+
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        Some(Self::new(words.number()?, words.number()?, words.number()?))
+    }
+}
+
+impl Coordinates for [f64; 2] {
+    const WORDS: &'static str = "x y";
+
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_numbers(self, notation, out);
+    }
+
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        Some([words.number()?, words.number()?])
+    }
+}
+
+impl Coordinates for f64 {
+    const WORDS: &'static str = "x";
+
+    fn write(&self, notation: Notation, out: &mut String) {
+        write_number(*self, notation, out);
+    }
+
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        words.number()
+    }
+}
+
+/// Whole numbers are decimal in every notation.
+impl Coordinates for usize {
+    const WORDS: &'static str = "i";
+
+    fn write(&self, _: Notation, out: &mut String) {
+        // Writing to a string cannot fail.
+        let _ = write!(out, "{self}");
+    }
+
+    fn read(words: &mut Words<'_>) -> Option<Self> {
+        words.next()?.parse().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_come_back() {
+        fn returns<P: Coordinates + PartialEq>(point: P) {
+            for notation in [Notation::Text, Notation::Bits] {
+                let mut line = String::new();
+                point.write(notation, &mut line);
+                let mut words = Words::new(&line, notation);
+                assert_eq!(P::read(&mut words), Some(point), "{line}");
+                assert!(words.is_empty());
+            }
+        }
+        returns(DVec3::new(0.1, -1e-300, 1.0 / 3.0));
+        returns([0.1, 2.0]);
+        returns(0.1);
+        returns(1_000_000usize);
+        let read = |line| <[f64; 2]>::read(&mut Words::new(line, Notation::Text));
+        assert_eq!((read("1 nan"), read("1"), read("1 x")), (None, None, None));
+    }
+}

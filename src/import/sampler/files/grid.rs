@@ -1,0 +1,188 @@
+//! A density that is constant on the cells of a grid, from a table or a lat-long image.
+
+use super::lines::Lines;
+use crate::error::{Error, Result};
+use crate::import::place::quote;
+use crate::import::sampler::number::number;
+use crate::raster::{self, ReadOptions};
+use crate::stats::{Density, Directions, Discrete, Domain, Line, Pole, Square};
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Most values of a table.
+const VALUES: usize = 1 << 24;
+
+/// Values on rectangles of a domain's chart; its mass is declared to be 1.
+#[derive(Debug)]
+pub struct GridDensity<D> {
+    domain: D,
+    /// Lines of the chart between the rectangles, for each axis.
+    steps: [Vec<f64>; 2],
+    /// Value of each rectangle, those along the second axis next to each other.
+    values: Vec<f64>,
+}
+
+/// A table of numbers, row by row.
+#[derive(Debug)]
+struct Table {
+    rows: usize,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+/// How the cells of a table lie in the chart of a domain.
+pub trait Gridded: Domain + Copy {
+    /// Whether a row of the table is a step along the chart's second axis.
+    const TRANSPOSED: bool;
+
+    /// Where on the chart's first axis the share `t` of the table's extent is.
+    fn first(&self, t: f64) -> f64 {
+        t
+    }
+}
+
+/// Rows: equal steps of θ from the pole; columns: equal steps of φ from +x towards +y. Values per sr.
+impl Gridded for Directions {
+    const TRANSPOSED: bool = false;
+
+    fn first(&self, t: f64) -> f64 {
+        // 1 − cos θ without the subtraction.
+        if self.half { 2.0 * (0.25 * PI * t).sin().powi(2) } else { (0.5 * PI * t).sin().powi(2) }
+    }
+}
+
+/// Rows: equal steps of y; columns: equal steps of x.
+impl Gridded for Square {
+    const TRANSPOSED: bool = true;
+}
+
+/// A row or a column of equal steps.
+impl Gridded for Line {
+    const TRANSPOSED: bool = false;
+}
+
+/// A row or a column of the probabilities.
+impl Gridded for Discrete {
+    const TRANSPOSED: bool = false;
+}
+
+/// Lines that divide 0 to 1 into `n` equal parts.
+fn divide(n: usize) -> impl Iterator<Item = f64> {
+    (1..n).map(move |i| i as f64 / n as f64)
+}
+
+impl<D: Gridded> GridDensity<D> {
+    /// Reads a table of numbers without a header: rows of equal length, with commas.
+    pub fn read_csv(domain: D, path: &Path) -> Result<Self> {
+        let Table { mut rows, mut columns, values } = Table::read(path)?;
+        if !domain.is_plane() {
+            if rows > 1 && columns > 1 {
+                return Err(Error::input(path, format!("{rows} × {columns} values where a row or a column belongs")));
+            }
+            (rows, columns) = (rows * columns, 1);
+        }
+        if let Some(outcomes) = domain.outcomes().filter(|n| *n != rows) {
+            return Err(Error::input(path, format!("{rows} values for {outcomes} outcomes")));
+        }
+        let (first, second) = if D::TRANSPOSED { (columns, rows) } else { (rows, columns) };
+        let of_place = |i: usize| if D::TRANSPOSED { values[i % second * columns + i / second] } else { values[i] };
+        Ok(Self {
+            steps: [divide(first).map(|t| domain.first(t)).collect(), divide(second).collect()],
+            values: (0..values.len()).map(of_place).collect(),
+            domain,
+        })
+    }
+
+    /// Whether `claimed` is the density at `point` but for rounding of both, in text or to f32.
+    pub(super) fn agrees(&self, point: D::Point, claimed: f64) -> bool {
+        const ROUNDING: f64 = 1e-5;
+        let Some([x, y]) = self.domain.place(point) else { return false };
+        let near = |at: f64| [(at - ROUNDING).max(0.0), at, (at + ROUNDING).min(1f64.next_down())];
+        near(x).iter().any(|&x| {
+            near(y).iter().any(|&y| {
+                let pdf = self.at([x, y]);
+                (claimed - pdf).abs() <= ROUNDING * pdf
+            })
+        })
+    }
+
+    fn at(&self, place: [f64; 2]) -> f64 {
+        let [i, j] = [0, 1].map(|axis| self.steps[axis].partition_point(|&step| step <= place[axis]));
+        self.values[i * (self.steps[1].len() + 1) + j]
+    }
+
+    /// The density at a point, 0 outside of the domain.
+    pub(super) fn value(&self, point: D::Point) -> f64 {
+        self.domain.place(point).map_or(0.0, |place| self.at(place))
+    }
+
+    pub fn domain(&self) -> D {
+        self.domain
+    }
+}
+
+impl GridDensity<Directions> {
+    /// Reads a lat-long image of densities per sr, with the orientation of environment maps: +y is up, and columns go from
+    /// +x towards +z ([`LatLong`](crate::envmap)). The channels must be equal.
+    pub fn read_image(path: &Path) -> Result<Self> {
+        let image = raster::read(path, ReadOptions::default())?;
+        let (width, height) = (image.width(), image.height());
+        if image.pixels().iter().any(|p| p.x != p.y || p.y != p.z) {
+            return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
+        }
+        let domain = Directions::sphere(Pole::Y);
+        // The chart turns the other way, from +z towards +x.
+        let mut turns: Vec<f64> = (0..width).map(|x| (1.25 - x as f64 / width as f64).fract()).collect();
+        turns.sort_by(f64::total_cmp);
+        turns.retain(|&turn| turn > 0.0);
+        let edges = [&[0.0], &turns[..], &[1.0]].concat();
+        let columns: Vec<usize> =
+            edges.windows(2).map(|edge| ((1.25 - 0.5 * (edge[0] + edge[1])).fract() * width as f64) as usize).collect();
+        let row = |y: usize| columns.iter().map(move |&x| (x, y));
+        let values = (0..height).flat_map(row).map(|(x, y)| f64::from(image.get(x.min(width - 1), y).x)).collect();
+        Ok(Self { steps: [divide(height).map(|t| domain.first(t)).collect(), turns], values, domain })
+    }
+}
+
+impl<D: Gridded> Density<D::Point> for GridDensity<D> {
+    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> Result<()> {
+        out.extend(points.iter().map(|&point| self.value(point)));
+        Ok(())
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        Some(self.steps.clone())
+    }
+}
+
+impl Table {
+    fn read(path: &Path) -> Result<Self> {
+        let mut lines = Lines::open(path)?;
+        let (mut rows, mut columns, mut values) = (0, 0, Vec::new());
+        while let Some(line) = lines.next()? {
+            let before = values.len();
+            let wrong = line.split(',').find_map(|word| match number(word.trim()) {
+                Some(value) if !value.is_nan() => {
+                    values.push(value);
+                    None
+                }
+                _ => Some(format!("{} is not a number", quote(word.trim()))),
+            });
+            if let Some(message) = wrong {
+                return Err(lines.error(message));
+            }
+            let length = values.len() - before;
+            if rows > 0 && length != columns {
+                return Err(lines.error(format!("{length} numbers in a row, {columns} in those before")));
+            }
+            if values.len() > VALUES {
+                return Err(Error::limit(path, format!("more than {VALUES} values")));
+            }
+            (rows, columns) = (rows + 1, length);
+        }
+        if values.is_empty() {
+            return Err(Error::input(path, "no numbers"));
+        }
+        Ok(Self { rows, columns, values })
+    }
+}

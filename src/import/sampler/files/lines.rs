@@ -1,0 +1,56 @@
+//! Lines of a text file, one at a time and none too long.
+
+use crate::error::{Error, Place, Result};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// Longest line, in bytes.
+const LONGEST: u64 = 1 << 20;
+
+/// A text file that is being read.
+pub struct Lines {
+    path: PathBuf,
+    file: BufReader<File>,
+    line: Vec<u8>,
+    number: usize,
+}
+
+impl Lines {
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(|e| Error::io(path, e))?;
+        if !file.metadata().map_err(|e| Error::io(path, e))?.is_file() {
+            return Err(Error::unsupported(path, "not a file that can be read twice"));
+        }
+        Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What is wrong with the line read last.
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        Error::input(&self.path, message).at(Place::Text { line: self.number, column: 1 })
+    }
+
+    /// The next line that is not empty; `None` at the end.
+    pub fn next(&mut self) -> Result<Option<&str>> {
+        loop {
+            self.line.clear();
+            let read = (&mut self.file).take(LONGEST).read_until(b'\n', &mut self.line);
+            if read.map_err(|e| Error::io(&self.path, e))? == 0 {
+                return Ok(None);
+            }
+            self.number += 1;
+            if self.line.len() as u64 == LONGEST {
+                return Err(self.error(format!("the line is longer than {LONGEST} bytes")));
+            }
+            if !self.line.trim_ascii().is_empty() {
+                break;
+            }
+        }
+        let text = std::str::from_utf8(&self.line).map_err(|_| self.error("the line is not UTF-8"))?;
+        Ok(Some(text.trim()))
+    }
+}

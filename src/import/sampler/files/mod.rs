@@ -1,0 +1,11 @@
+//! Samples and a density from files, for samplers that cannot be called.
+//!
+//! Samples: CSV with a header, one point a row (see [`Row`]) and perhaps its density in a column `pdf`. Density: a grid of
+//! values, each constant over its part of the domain (see [`GridDensity`]).
+
+mod grid;
+mod lines;
+mod samples;
+
+pub use grid::{GridDensity, Gridded};
+pub use samples::{Row, SampleFile};

@@ -1,0 +1,159 @@
+//! Samples from a file: a sampler that is used up.
+
+use super::grid::{GridDensity, Gridded};
+use super::lines::Lines;
+use crate::error::{Error, Result};
+use crate::import::place::quote;
+use crate::import::sampler::number::number;
+use crate::stats::{Directions, Discrete, Draw, Drawn, Line, Sampler, Square};
+use glam::DVec3;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A domain whose points can be rows of a table.
+pub trait Row: Gridded {
+    /// The headers that say what the columns are.
+    const HEADERS: &'static [&'static [&'static str]];
+
+    /// The point of a row under header number `header`; `None` if no point can have these numbers.
+    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<Self::Point>;
+}
+
+/// Unit vectors, or angles in radians from the pole and as of the chart's density.
+impl Row for Directions {
+    const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y", "z"], &["theta", "phi"]];
+
+    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<DVec3> {
+        if header == 0 {
+            return Some(DVec3::from_slice(numbers));
+        }
+        let (sin, cos) = numbers[0].sin_cos();
+        let (sin_phi, cos_phi) = numbers[1].sin_cos();
+        // φ of a lat-long image goes from +x towards +z.
+        Some(match self.pole {
+            crate::stats::Pole::Z => DVec3::new(sin * cos_phi, sin * sin_phi, cos),
+            crate::stats::Pole::Y => DVec3::new(sin * cos_phi, cos, sin * sin_phi),
+        })
+    }
+}
+
+impl Row for Square {
+    const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y"]];
+
+    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<[f64; 2]> {
+        Some([numbers[0], numbers[1]])
+    }
+}
+
+impl Row for Line {
+    const HEADERS: &'static [&'static [&'static str]] = &[&["x"]];
+
+    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<f64> {
+        Some(numbers[0])
+    }
+}
+
+impl Row for Discrete {
+    const HEADERS: &'static [&'static [&'static str]] = &[&["i"]];
+
+    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<usize> {
+        let whole = numbers[0] >= 0.0 && numbers[0].fract() == 0.0 && numbers[0] < 2f64.powi(53);
+        whole.then_some(numbers[0] as usize)
+    }
+}
+
+/// A file of samples that is read once, from the beginning to the end.
+///
+/// A density in the file is compared with the grid's allowing for rounding of text and f32: what agrees is taken for equal.
+pub struct SampleFile<D> {
+    density: Arc<GridDensity<D>>,
+    reader: Mutex<Reader>,
+}
+
+struct Reader {
+    lines: Lines,
+    /// Where the point's columns are, in the order of its header, and that of `pdf`.
+    columns: Vec<usize>,
+    pdf: Option<usize>,
+    header: usize,
+    left: u64,
+    /// The numbers of a row.
+    row: Vec<f64>,
+}
+
+impl<D: Row> SampleFile<D> {
+    /// Opens the file at `path`, which claims to hold samples of `density`, and counts its rows.
+    pub fn open(path: &Path, density: Arc<GridDensity<D>>) -> Result<Self> {
+        let mut counted = Lines::open(path)?;
+        let mut rows = 0u64;
+        while counted.next()?.is_some() {
+            rows += 1;
+        }
+        let mut lines = Lines::open(path)?;
+        let names: Vec<String> =
+            lines.next()?.unwrap_or_default().split(',').map(|name| name.trim().to_lowercase()).collect();
+        let find = |name: &str| names.iter().position(|other| other == name);
+        let found = D::HEADERS.iter().enumerate().find_map(|(header, wanted)| {
+            Some((header, wanted.iter().map(|name| find(name)).collect::<Option<Vec<usize>>>()?))
+        });
+        let Some((header, columns)) = found else {
+            let wanted: Vec<String> = D::HEADERS.iter().map(|header| header.join(",")).collect();
+            let message = format!("the header {} has no columns {}", quote(&names.join(",")), wanted.join(" or "));
+            return Err(lines.error(message));
+        };
+        let reader = Reader { lines, columns, pdf: find("pdf"), header, left: rows.saturating_sub(1), row: Vec::new() };
+        Ok(Self { density, reader: Mutex::new(reader) })
+    }
+
+    fn reader(&self) -> std::sync::MutexGuard<'_, Reader> {
+        // Nothing that panics happens while it is held.
+        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Reader {
+    /// Reads the next row: the numbers of the point, and the density if there is one.
+    fn next(&mut self) -> Result<Option<f64>> {
+        self.left = self.left.saturating_sub(1);
+        let Some(line) = self.lines.next()? else {
+            return Err(Error::input(self.lines.path(), "the file ends early: it was changed"));
+        };
+        let most = self.columns.iter().chain(&self.pdf).max().map_or(0, |last| last + 1);
+        let numbers: Option<Vec<f64>> =
+            line.split(',').take(most).map(|word| number(word.trim()).filter(|x| !x.is_nan())).collect();
+        let Some(numbers) = numbers.filter(|numbers| numbers.len() == most) else {
+            let message = format!("{} is not a row of numbers as the header says", quote(line));
+            return Err(self.lines.error(message));
+        };
+        self.row.clear();
+        self.row.extend(self.columns.iter().map(|&column| numbers[column]));
+        Ok(self.pdf.map(|column| numbers[column]))
+    }
+}
+
+impl<D: Row + Send> Sampler<D::Point> for SampleFile<D> {
+    /// The numbers only count the samples.
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn draw(&self, u: &[f64], out: &mut Drawn<D::Point>) -> Result<()> {
+        let mut reader = self.reader();
+        for _ in u {
+            let claimed = reader.next()?;
+            let Some(point) = self.density.domain().point_of(reader.header, &reader.row) else {
+                return Err(reader.lines.error("no point of the domain has such numbers"));
+            };
+            let agreed = |claimed: f64| match self.density.agrees(point, claimed) {
+                true => self.density.value(point),
+                false => claimed,
+            };
+            out.push(Some(Draw { point, pdf: claimed.map(agreed), atom: false }));
+        }
+        Ok(())
+    }
+
+    fn supply(&self) -> Option<u64> {
+        Some(self.reader().left)
+    }
+}

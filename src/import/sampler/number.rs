@@ -1,0 +1,140 @@
+//! Numbers as programs write them.
+
+use std::fmt::Write;
+
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Notation {
+    /// Decimal, or hexadecimal as C's `%a` and Python's `float.hex` do. Written with as many digits as it takes.
+    Text,
+    /// The 64 bits of the IEEE 754 number as 16 hexadecimal digits, the sign's first; no spaces needed.
+    Bits,
+}
+
+/// The words of a line.
+#[derive(Debug, Clone)]
+pub struct Words<'a> {
+    rest: &'a str,
+    notation: Notation,
+}
+
+impl<'a> Words<'a> {
+    pub fn new(line: &'a str, notation: Notation) -> Self {
+        Self { rest: line, notation }
+    }
+
+    /// The next word as a number, infinite ones included; `None` for NaN and for what is no number.
+    pub fn number(&mut self) -> Option<f64> {
+        let word = self.next()?;
+        let number = match self.notation {
+            Notation::Text => number(word),
+            Notation::Bits => digits(word).filter(|_| word.len() == 16).map(f64::from_bits),
+        };
+        number.filter(|x| !x.is_nan())
+    }
+
+    /// Whether the next word is `word`, which is then taken.
+    pub fn accept(&mut self, word: &str) -> bool {
+        let mut after = self.clone();
+        let found = after.next() == Some(word);
+        if found {
+            *self = after;
+        }
+        found
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest.trim_ascii_start();
+        let end = rest.bytes().position(|byte| byte.is_ascii_whitespace()).unwrap_or(rest.len());
+        let end = if self.notation == Notation::Bits && rest.is_ascii() { end.min(16) } else { end };
+        let (word, rest) = rest.split_at(end);
+        self.rest = rest;
+        (!word.is_empty()).then_some(word)
+    }
+}
+
+/// Appends a number that reads back to the last bit.
+pub fn write_number(x: f64, notation: Notation, out: &mut String) {
+    // Writing to a string cannot fail.
+    let _ = match notation {
+        Notation::Text => write!(out, "{x:e}"),
+        Notation::Bits => write!(out, "{:016x}", x.to_bits()),
+    };
+}
+
+/// The number that `word` stands for in text, NaN included.
+pub fn number(word: &str) -> Option<f64> {
+    word.parse().ok().or_else(|| hexadecimal(word))
+}
+
+/// At most 16 hexadecimal digits. The check also refuses the sign that `from_str_radix` would take.
+fn digits(word: &str) -> Option<u64> {
+    let fits = word.len() <= 16 && word.bytes().all(|byte| byte.is_ascii_hexdigit());
+    u64::from_str_radix(word, 16).ok().filter(|_| fits)
+}
+
+/// `[-+]0x1.8p-3`, exact for up to 13 digits after the point.
+fn hexadecimal(word: &str) -> Option<f64> {
+    let (sign, rest) = match word.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, word.strip_prefix('+').unwrap_or(word)),
+    };
+    let rest = rest.strip_prefix("0x").or_else(|| rest.strip_prefix("0X"))?;
+    let (mantissa, exponent) = rest.split_once(['p', 'P']).unwrap_or((rest, "0"));
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let mantissa = digits(&[whole, fraction].concat())?;
+    let exponent: i32 = exponent.parse().ok()?;
+    Some(sign * libm::scalbn(mantissa as f64, exponent.checked_sub(4 * fraction.len() as i32)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_and_hexadecimal() {
+        assert_eq!(number("-2.5e-1"), Some(-0.25));
+        assert_eq!(number("inf"), Some(f64::INFINITY));
+        assert_eq!(number("0x1.8p+1"), Some(3.0));
+        assert_eq!(number("-0x1.999999999999ap-4"), Some(-0.1));
+        assert_eq!(number("0x0.0000000000001p-1022"), Some(f64::from_bits(1)));
+        assert_eq!(number("0X10"), Some(16.0));
+        for bad in ["", "1,5", "0x", "0x.p1", "0x+1", "0x1p", "0x1p9999999999", "0x12345678901234567", "x1"] {
+            assert_eq!(number(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_to_the_last_bit() {
+        for notation in [Notation::Text, Notation::Bits] {
+            for x in [0.1, 1.0 / 3.0, f64::MIN_POSITIVE, -1e300, -0.0, f64::INFINITY] {
+                let mut line = String::new();
+                write_number(x, notation, &mut line);
+                let mut words = Words::new(&line, notation);
+                assert_eq!(words.number().unwrap().to_bits(), x.to_bits(), "{line}");
+                assert!(words.is_empty());
+            }
+            let mut line = String::new();
+            write_number(f64::NAN, notation, &mut line);
+            assert_eq!(Words::new(&line, notation).number(), None);
+        }
+    }
+
+    #[test]
+    fn words_of_bits_need_no_spaces() {
+        let mut words = Words::new("3ff0000000000000c000000000000000 none", Notation::Bits);
+        assert_eq!((words.number(), words.number()), (Some(1.0), Some(-2.0)));
+        assert!(!words.accept("some") && words.accept("none") && words.is_empty());
+        for bad in ["1.0", "3ff", "+ff0000000000000", "3ff000000000000é"] {
+            assert_eq!(Words::new(bad, Notation::Bits).number(), None, "{bad}");
+        }
+    }
+}

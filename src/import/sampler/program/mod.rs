@@ -1,0 +1,208 @@
+//! A sampler and its density in another program, called over its standard input and output.
+//!
+//! The program reads requests and answers each with as many lines as it was asked for and a line `end`:
+//!
+//! | request | answer |
+//! |---|---|
+//! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
+//! | `sample N`, then N lines of uniform numbers | N lines `coordinates [density]`, `atom coordinates` or `none` |
+//! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own |
+//! | `pdf N`, then N lines of coordinates | N lines with a density |
+//! | `invert N`, then N lines of coordinates | N lines of uniform numbers, or `none` |
+//! | `quit` | it ends; so it does when its input ends |
+//!
+//! Keys: `name`; `dimension`, the uniform numbers of a sample (2; 0 if it has its own); `mass`, what the density integrates
+//! to (1, or `at-most-1`); `domain`; `invert=yes`; `numbers=bits` for [`Notation::Bits`] in both directions after the greeting.
+//! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
+
+mod hello;
+mod process;
+
+use super::coordinates::{Coordinates, write_numbers};
+use super::number::{Notation, Words};
+use super::space::Space;
+use crate::error::{Error, Result};
+use crate::import::place::quote;
+use crate::stats::{Atom, Density, Draw, Drawn, Mass, Sampler};
+use hello::Hello;
+use process::{Process, fault};
+use std::fmt::Write;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// A program that has introduced itself, its points not yet of any type.
+pub struct Client {
+    process: Process,
+    hello: Hello,
+    space: Space,
+}
+
+impl Client {
+    /// Starts `command`, which has at most `limit` for every answer. Its domain is `space`, or else the one that it names.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
+    /// started, [`Error::Input`] for an answer that is late or makes no sense.
+    pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Self> {
+        let mut process = Process::start(command, limit)?;
+        let hello = Hello::of(&mut process)?;
+        let space = match (space, hello.domain) {
+            (Some(asked), Some(own)) if asked != own => {
+                return Err(fault(command, format!("its domain is {own}")).with_hint(format!("--domain {own}")));
+            }
+            (Some(space), _) | (None, Some(space)) => space,
+            (None, None) => {
+                return Err(Error::parameter("--domain", "the program does not say what its domain is")
+                    .with_hint("--domain sphere, hemisphere, square, line or discrete:N"));
+            }
+        };
+        Ok(Self { process, hello, space })
+    }
+
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.hello.name
+    }
+
+    #[must_use]
+    pub fn space(&self) -> Space {
+        self.space
+    }
+
+    /// The program as a sampler and density of points of [`space`](Self::space).
+    pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
+        let Self { process, hello, .. } = self;
+        let read = |line: &String| {
+            let mut words = Words::new(line, Notation::Text);
+            let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
+            (words.is_empty() && (0.0..=1.0).contains(&atom.probability)).then_some(atom)
+        };
+        let of_line = |line: &String| {
+            let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
+            read(line).ok_or_else(|| fault(process.command(), wrong()))
+        };
+        let atoms = hello.atoms.iter().map(of_line).collect::<Result<_>>()?;
+        Ok(Program { command: process.command().to_owned(), process: Mutex::new(process), hello, atoms })
+    }
+}
+
+/// A running program: the sampler and the density of points `P`. One request is in flight at a time.
+pub struct Program<P> {
+    command: String,
+    process: Mutex<Process>,
+    hello: Hello,
+    atoms: Vec<Atom<P>>,
+}
+
+impl<P: Coordinates> Program<P> {
+    /// Asks `verb` for `count` lines and reads each by `read`, which also has to use up the words.
+    fn ask<T>(
+        &self,
+        verb: &str,
+        count: usize,
+        request: String,
+        expected: &str,
+        read: impl Fn(&mut Words<'_>) -> Option<T>,
+    ) -> Result<Vec<T>> {
+        // A panic elsewhere leaves nothing half done that matters here.
+        let answer = self.process.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
+        let wrong = |message| fault(&self.command, format!("asked \"{verb} {count}\", {message}"));
+        let mut values = Vec::with_capacity(count);
+        for (i, line) in answer.lines().enumerate() {
+            let mut words = Words::new(line, self.hello.notation);
+            let value = read(&mut words).filter(|_| words.is_empty()).ok_or_else(|| {
+                let asked =
+                    request.lines().nth(i + 1).map_or_else(String::new, |line| format!(" (for {})", quote(line)));
+                let (number, line) = (i + 1, quote(line));
+                wrong(format!("line {number} of the answer is {line}{asked}, not {expected}; NaN is no number"))
+            })?;
+            values.push(value);
+        }
+        if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
+    }
+
+    /// The request for something at each of `points`.
+    fn at_points(&self, verb: &str, points: &[P]) -> String {
+        let mut request = format!("{verb} {}\n", points.len());
+        for point in points {
+            point.write(self.hello.notation, &mut request);
+            request.push('\n');
+        }
+        request
+    }
+}
+
+/// A line of an answer to `sample`; the outer `None` is an error.
+fn read_draw<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Draw<P>>> {
+    if words.accept("none") {
+        return Some(None);
+    }
+    if words.accept("atom") {
+        return P::read(words).map(|point| Some(Draw::atom(point)));
+    }
+    let point = P::read(words)?;
+    let pdf = if words.is_empty() { None } else { Some(words.number()?) };
+    Some(Some(Draw { point, pdf, atom: false }))
+}
+
+impl<P: Coordinates> Sampler<P> for Program<P> {
+    /// For a program with random numbers of its own: 1. The first of a batch is the batch's seed.
+    fn dimension(&self) -> usize {
+        self.hello.dimension.unwrap_or(1)
+    }
+
+    fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()> {
+        let count = u.len() / self.dimension();
+        let Some(first) = u.first() else { return Ok(()) };
+        let mut request = format!("sample {count}");
+        match self.hello.dimension {
+            None => {
+                let seed = (first * (1u64 << 53) as f64) as u64;
+                // Writing to a string cannot fail.
+                let _ = writeln!(request, " {seed}");
+            }
+            Some(dimension) => {
+                request.push('\n');
+                for sample in u.chunks_exact(dimension) {
+                    write_numbers(sample, self.hello.notation, &mut request);
+                    request.push('\n');
+                }
+            }
+        }
+        let expected = format!("\"{0}\", \"{0} DENSITY\", \"atom {0}\" or \"none\"", P::WORDS);
+        out.extend(self.ask("sample", count, request, &expected, read_draw)?);
+        Ok(())
+    }
+
+    fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
+        let Some(dimension) = self.hello.dimension.filter(|_| self.hello.invert) else { return Ok(None) };
+        let read = |words: &mut Words<'_>| {
+            if words.accept("none") {
+                return Some(None);
+            }
+            (0..dimension).map(|_| words.number()).collect::<Option<Vec<f64>>>().map(Some)
+        };
+        let expected = format!("{dimension} numbers or \"none\"");
+        let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
+        Ok(answer.pop().flatten())
+    }
+}
+
+impl<P: Coordinates> Density<P> for Program<P> {
+    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()> {
+        if points.is_empty() {
+            return Ok(());
+        }
+        let request = self.at_points("pdf", points);
+        out.extend(self.ask("pdf", points.len(), request, "a density", |words| words.number())?);
+        Ok(())
+    }
+
+    fn mass(&self) -> Mass {
+        self.hello.mass
+    }
+
+    fn atoms(&self) -> Vec<Atom<P>> {
+        self.atoms.clone()
+    }
+}

@@ -1,0 +1,210 @@
+//! Another process, asked for lines: one request in flight, every answer within a time limit.
+//!
+//! Three threads keep the three pipes going, so that a program may read, write and complain in any order without either side
+//! waiting for ever; none of them holds more than one request, a few blocks of an answer, or the end of the complaints.
+
+use crate::error::{Error, Result};
+use crate::import::place::quote;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What ends an answer.
+const END: &str = "end";
+/// Longest line of an answer, in bytes.
+const LINE: usize = 1024;
+/// How much of the end of standard error is kept for messages, in bytes.
+const COMPLAINTS: usize = 1024;
+/// How long a program that was asked to quit may take.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// A running program. It is ended, with what it started, when this is dropped.
+pub struct Process {
+    command: String,
+    child: Child,
+    limit: Duration,
+    requests: Sender<String>,
+    answers: Receiver<Vec<u8>>,
+    complaints: Receiver<Vec<u8>>,
+    /// Why it can no longer be asked.
+    broken: Option<String>,
+}
+
+/// Says what is wrong with a command, naming it.
+pub fn fault(command: &str, message: impl Into<String>) -> Error {
+    Error::input(Path::new(command), message)
+}
+
+impl Process {
+    /// Starts `command`, split into words as a shell would (quotes and backslashes; nothing is substituted).
+    pub fn start(command: &str, limit: Duration) -> Result<Self> {
+        let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
+            Error::parameter("--exec", format!("{command:?} is no command"))
+                .with_hint("give a program and its arguments, with quotes in pairs")
+        })?;
+        let mut start = Command::new(&words[0]);
+        start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // A group of its own, so that what a script starts can be ended with it.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut start, 0);
+        let mut child = start.spawn().map_err(|e| Error::io(Path::new(&words[0]), e))?;
+        let (requests, to_write) = channel::<String>();
+        let (read, answers) = sync_channel(2);
+        let (complain, complaints) = channel();
+        if let Some(mut stdin) = child.stdin.take() {
+            thread::spawn(move || {
+                // A program that does not listen is found out by what it does not answer.
+                while let Ok(request) = to_write.recv() {
+                    if stdin.write_all(request.as_bytes()).and_then(|()| stdin.flush()).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        if let Some(stdout) = child.stdout.take() {
+            thread::spawn(move || forward(stdout, &read));
+        }
+        if let Some(stderr) = child.stderr.take() {
+            // Nobody may be there to hear it.
+            thread::spawn(move || complain.send(last_words(stderr)));
+        }
+        Ok(Self { command: command.to_owned(), child, limit, requests, answers, complaints, broken: None })
+    }
+
+    pub fn command(&self) -> &str {
+        &self.command
+    }
+
+    /// Sends `request`, whose first line says what is asked, and returns the lines of the answer: `most` at most.
+    pub fn ask(&mut self, request: String, most: usize) -> Result<String> {
+        if let Some(why) = &self.broken {
+            return Err(fault(&self.command, why.clone()));
+        }
+        let asked = request.lines().next().unwrap_or_default().to_owned();
+        self.exchange(request, most).map_err(|what| {
+            let why = format!("asked {asked:?}, {what}{}", self.end());
+            self.broken = Some(why.clone());
+            fault(&self.command, why)
+        })
+    }
+
+    fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
+        let deadline = Instant::now() + self.limit;
+        // If the thread is gone, so is the program, and there will be no answer.
+        let _ = self.requests.send(request);
+        let (mut answer, mut scanned, mut start, mut lines) = (Vec::new(), 0, 0, 0);
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.answers.recv_timeout(left) {
+                Ok(block) => answer.extend_from_slice(&block),
+                Err(RecvTimeoutError::Timeout) => {
+                    let limit = self.limit.as_secs_f64();
+                    return Err(format!(
+                        "it had answered {lines} lines of at most {most} and \"{END}\" after {limit} s"
+                    ));
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    let ended = match self.child.try_wait() {
+                        Ok(Some(status)) => format!("it ended ({status})"),
+                        _ => "it closed its standard output".to_owned(),
+                    };
+                    return Err(format!("{ended} after {lines} lines of an answer"));
+                }
+            }
+            while let Some(length) = answer[scanned..].iter().position(|&byte| byte == b'\n') {
+                let line = answer[start..scanned + length].trim_ascii();
+                if line == END.as_bytes() {
+                    let rest = &answer[scanned + length + 1..];
+                    if !rest.is_empty() {
+                        return Err(format!("it went on after \"{END}\" with {}", shown(rest)));
+                    }
+                    answer.truncate(start);
+                    return String::from_utf8(answer)
+                        .map_err(|_| "it answered with bytes that are not UTF-8".to_owned());
+                }
+                if lines == most {
+                    return Err(format!("it answered {} where \"{END}\" belongs, after {most} lines", shown(line)));
+                }
+                lines += 1;
+                scanned += length + 1;
+                start = scanned;
+                if line.len() > LINE {
+                    return Err(format!("line {lines} of the answer is longer than {LINE} bytes: {}", shown(line)));
+                }
+            }
+            scanned = answer.len();
+            if scanned - start > LINE {
+                let line = shown(&answer[start..]);
+                return Err(format!("line {} of the answer is longer than {LINE} bytes: {line}", lines + 1));
+            }
+        }
+    }
+
+    /// Ends the program and says how it complained.
+    fn end(&mut self) -> String {
+        self.kill();
+        // Something that left its group may hold the pipe open.
+        let complaints = self.complaints.recv_timeout(Duration::from_millis(500)).unwrap_or_default();
+        let text = String::from_utf8_lossy(&complaints);
+        let last = text.lines().rev().find(|line| !line.trim().is_empty());
+        last.map_or_else(String::new, |line| format!("; its last words: {}", quote(line.trim())))
+    }
+
+    /// Ends the program, and what it started and left in its group, at once.
+    fn kill(&mut self) {
+        // All of these fail only if there is nothing left to end.
+        #[cfg(unix)]
+        if let Ok(id) = i32::try_from(self.child.id()) {
+            let _ = nix::sys::signal::killpg(nix::unistd::Pid::from_raw(id), nix::sys::signal::Signal::SIGKILL);
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        if self.broken.is_some() {
+            return;
+        }
+        // The thread that writes drops the pipe once the sender is gone.
+        let _ = std::mem::replace(&mut self.requests, channel().0).send("quit\n".to_owned());
+        let deadline = Instant::now() + GRACE;
+        while matches!(self.child.try_wait(), Ok(None)) {
+            if Instant::now() > deadline {
+                return self.kill();
+            }
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+/// Passes blocks on until the pipe ends or nobody wants them.
+fn forward(mut from: impl Read, to: &SyncSender<Vec<u8>>) {
+    let mut block = vec![0; 1 << 16];
+    while let Ok(length @ 1..) = from.read(&mut block) {
+        if to.send(block[..length].to_vec()).is_err() {
+            break;
+        }
+    }
+}
+
+/// Reads to the end and keeps the last bytes.
+fn last_words(mut from: impl Read) -> Vec<u8> {
+    let (mut block, mut kept) = (vec![0; 1 << 12], Vec::new());
+    while let Ok(length @ 1..) = from.read(&mut block) {
+        kept.extend_from_slice(&block[..length]);
+        let excess = kept.len().saturating_sub(COMPLAINTS);
+        kept.drain(..excess);
+    }
+    kept
+}
+
+/// The beginning of what a program wrote.
+fn shown(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
+    quote(text.lines().next().unwrap_or_default())
+}

@@ -1,0 +1,71 @@
+//! Domains by name.
+
+use crate::error::Error;
+use std::fmt;
+use std::str::FromStr;
+
+/// A domain that a sampler from elsewhere can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Space {
+    /// All directions.
+    Sphere,
+    /// Directions with z ≥ 0.
+    Hemisphere,
+    /// Pairs of numbers from 0 to 1.
+    Square,
+    /// Numbers from 0 to 1.
+    Line,
+    /// The whole numbers from 0 to one less than this.
+    Discrete(usize),
+}
+
+/// Most points of a finite set.
+const OUTCOMES: usize = 1 << 20;
+
+impl FromStr for Space {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let fault = |message: String| {
+            Error::parameter("--domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
+        };
+        Ok(match text {
+            "sphere" => Self::Sphere,
+            "hemisphere" => Self::Hemisphere,
+            "square" => Self::Square,
+            "line" => Self::Line,
+            _ => {
+                let count = text.strip_prefix("discrete:").ok_or_else(|| fault(format!("unknown domain {text:?}")))?;
+                let count = count.parse().ok().filter(|n| (1..=OUTCOMES).contains(n));
+                Self::Discrete(count.ok_or_else(|| fault(format!("{text:?} needs a number from 1 to {OUTCOMES}")))?)
+            }
+        })
+    }
+}
+
+impl fmt::Display for Space {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sphere => f.write_str("sphere"),
+            Self::Hemisphere => f.write_str("hemisphere"),
+            Self::Square => f.write_str("square"),
+            Self::Line => f.write_str("line"),
+            Self::Discrete(count) => write!(f, "discrete:{count}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_and_written() {
+        for name in ["sphere", "hemisphere", "square", "line", "discrete:6"] {
+            assert_eq!(name.parse::<Space>().unwrap().to_string(), name);
+        }
+        for bad in ["", "disc", "discrete", "discrete:", "discrete:0", "discrete:-1", "discrete:99999999999999999999"] {
+            assert!(bad.parse::<Space>().is_err(), "{bad}");
+        }
+    }
+}
