@@ -63,7 +63,7 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if there.is_dir() {
-        return Err(Error::input(path, "this is a directory, not a file"));
+        return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into()));
     }
     if !there.is_file() && !is_shell_pipe(path, &there) {
         return Err(Error::input(path, "this is a pipe or a device, not a file")
