@@ -1,4 +1,5 @@
-//! Files are written whole or not at all: to a temporary file in the same folder, then renamed.
+//! Files are written whole or not at all: to a temporary file in the same folder, then renamed. A process that is
+//! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and anybody may remove.
 
 use crate::error::{Error, Result};
 use std::io::{BufWriter, Write};
@@ -23,14 +24,19 @@ pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>
 /// # Errors
 /// As [`write_atomic`]; makes missing parent folders, too.
 pub fn check_writable(path: &Path) -> Result<()> {
-    if path.is_dir() {
-        return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into()));
-    }
     temporary(path).map(drop)
 }
 
-/// A temporary file beside `path`.
+/// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
 fn temporary(path: &Path) -> Result<NamedTempFile> {
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
+        Ok(there) if !there.is_file() => {
+            return Err(Error::parameter("-o", format!("{} is there and is not a file", path.display()))
+                .with_hint("name a file that is new or may be replaced"));
+        }
+        _ => {}
+    }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -51,9 +57,18 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomic(path, |w| w.write_all(bytes).map_err(|e| Error::io(path, e)))
 }
 
-/// Reads a whole file, refusing one that is larger than `limit` bytes (or a device that never ends).
+/// Reads a whole file, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
+/// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
+    let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if there.is_dir() {
+        return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !there.is_file() && !is_shell_pipe(path, &there) {
+        return Err(Error::input(path, "this is a pipe or a device, not a file")
+            .with_hint("what a pipe brings can be read from /dev/stdin"));
+    }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
@@ -62,6 +77,19 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(Error::limit(path, format!("larger than {size}")));
     }
     Ok(bytes)
+}
+
+/// A pipe that a shell has opened, or what else stands for one.
+#[cfg(unix)]
+fn is_shell_pipe(path: &Path, there: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = there.file_type();
+    kind.is_fifo() && (path.starts_with("/dev") || path.starts_with("/proc"))
+}
+
+#[cfg(not(unix))]
+fn is_shell_pipe(_: &Path, _: &std::fs::Metadata) -> bool {
+    false
 }
 
 #[cfg(test)]

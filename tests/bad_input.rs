@@ -16,6 +16,7 @@ fn prepared() -> tempfile::TempDir {
         std::fs::write(at(&format!("head-{name}")), &bytes[..12]).unwrap();
     }
     json(dir.path(), &["envmap", "make", "sun", "-o", "large.pfm"]);
+    std::fs::write(at("nan.pfm"), b"Pf\n1 1\n-1\n\xff\xff\xff\xff").unwrap();
     std::fs::create_dir(at("folder")).unwrap();
     std::fs::create_dir(at("folder.pbrt")).unwrap();
     for (name, text) in [
@@ -103,6 +104,8 @@ fn numbers_out_of_range() {
         ("render furnace -s 99999999999", &["-s"]),
         ("render furnace -m -1", &["-1"]),
         ("render furnace -s 4294967295 -l 4294967295", &["-s: ", "hint: "]),
+        ("render furnace -s 1 -l 4294967295", &["-l: 4294967295 ", "hint: at most 65536"]),
+        ("render furnace -m 4294967295", &["-m: 4294967295 ", "hint: at most 65536"]),
         ("render furnace --alpha 10.1", &["--alpha: 10.1 "]),
         ("render furnace --alpha -1", &["--alpha: -1 "]),
         ("render furnace --alpha NaN", &["--alpha: NaN "]),
@@ -173,6 +176,7 @@ fn files_that_are_not_what_they_seem() {
         ("render unknown.pbrt", &["unknown.pbrt:3:1: ", "Teapot"]),
         ("compare map.pfm large.pfm", &["64x32", "1024x512"]),
         ("compare folder map.pfm", &["folder: ", "directory"]),
+        ("compare nan.pfm nan.pfm", &["nan.pfm: ", "nothing to compare", "hint: "]),
         // A file stands where a folder should be made.
         ("fresnel -o text.exr/new", &["text.exr"]),
         ("envmap make black -o map.png/new.exr", &["map.png"]),

@@ -103,23 +103,23 @@ fn shards_are_merged_to_the_same_bits() {
     assert!(other.code == 2 && other.stderr.contains("-s: 8"), "{}", other.stderr);
 }
 
-/// Interrupts a render of `args` while it renders: later and later, until it is neither killed nor at its end.
+/// Interrupts a render of `args` by a signal while it renders: later and later, until it is neither killed nor at its end.
 #[cfg(unix)]
-fn interrupt(folder: &Path, args: &[&str]) -> program::Ran {
+fn interrupt(folder: &Path, (name, number): (&str, i32), args: &[&str]) -> program::Ran {
     use std::os::unix::process::ExitStatusExt;
     for delay in [50, 100, 200, 400, 800, 1600] {
         let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("etalon"));
         let pipe = std::process::Stdio::piped;
         let child = command.args(args).current_dir(folder).stdout(pipe()).stderr(pipe()).spawn().unwrap();
         std::thread::sleep(std::time::Duration::from_millis(delay));
-        let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        let kill = std::process::Command::new("kill").args([name, &child.id().to_string()]).status();
         assert!(kill.is_ok());
         let output = child.wait_with_output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         let (stdout, stderr) = (text(output.stdout), text(output.stderr));
         match output.status.code() {
             Some(code) => return program::Ran { code, stdout, stderr },
-            None => assert_eq!(output.status.signal(), Some(2), "not killed by the interrupt: {stderr}"),
+            None => assert_eq!(output.status.signal(), Some(number), "not killed by the interrupt: {stderr}"),
         }
     }
     panic!("killed before the render began");
@@ -134,8 +134,10 @@ fn an_interrupted_render_goes_on_to_the_same_bits() {
     let args = |more: &str| -> Vec<&'static str> { format!("{ARGS} {more}").leak().split(' ').collect() };
     json(dir.path(), &args("-o whole.exr"));
 
-    for (state, more) in [("a.exr", "-o a.pfm"), ("state.exr", "-o b.exr --resume state.exr")] {
-        let ran = interrupt(dir.path(), &args(&format!("{more} --json")));
+    for (state, more, signal) in
+        [("a.exr", "-o a.pfm", ("-INT", 2)), ("state.exr", "-o b.exr --resume state.exr", ("-TERM", 15))]
+    {
+        let ran = interrupt(dir.path(), signal, &args(&format!("{more} --json")));
         assert_eq!(ran.code, 3, "{}", ran.stderr);
         assert!(ran.stderr.contains(&format!("--resume {state}")), "{}", ran.stderr);
         let value: Value = serde_json::from_str(&ran.stdout).unwrap();

@@ -3,7 +3,7 @@
 use super::console::{Console, files_written};
 use super::map_file::short_name;
 use super::{Global, Verdict};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::report::output::Target;
@@ -34,6 +34,10 @@ impl Compare {
         let read = |path| raster::read(path, ReadOptions { allow_ldr: true });
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let numbers = raster::compare(&a, &b)?;
+        if numbers.pixels == 0 {
+            let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
+            return Err(Error::input(&self.a, message).with_hint("`etalon envmap info` counts values by kind"));
+        }
         let name = format!("{}-vs-{}", short_name(&self.a.to_string_lossy()), short_name(&self.b.to_string_lossy()));
         let files = difference(&a, &b)?.write(&Target::new(global.out.as_deref()).stem(&name, ""))?;
         if numbers.non_finite > 0 {

@@ -135,8 +135,11 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
     })
 }
 
+/// Most light samples at a hit, and most scatterings.
+const MOST: u32 = 1 << 16;
+
 fn check(request: &Request) -> Result<()> {
-    let Request { width, height, spp, light_samples, .. } = *request;
+    let Request { width, height, spp, light_samples, max_depth } = *request;
     if width == 0 || height == 0 {
         return Err(
             Error::parameter("-r", format!("cannot render {width}x{height} pixels")).with_hint("at least 1x1 pixels")
@@ -151,6 +154,12 @@ fn check(request: &Request) -> Result<()> {
             format!("{spp} samples with {light_samples} light samples each are too many"),
         )
         .with_hint("the random sequences repeat after 2^32 draws per pixel"));
+    }
+    for (flag, value) in [("-l", light_samples), ("-m", max_depth)] {
+        if value > MOST {
+            return Err(Error::parameter(flag, format!("{value} is more than anybody waits for"))
+                .with_hint(format!("at most {MOST}")));
+        }
     }
     Ok(())
 }

@@ -77,6 +77,8 @@ fn impossible_requests_are_refused() {
         Request { spp: 0, ..request },
         Request { light_samples: 0, ..request },
         Request { spp: u32::MAX, light_samples: 2, ..request },
+        Request { light_samples: (1 << 16) + 1, ..request },
+        Request { max_depth: (1 << 16) + 1, ..request },
     ] {
         assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
     }

@@ -5,8 +5,9 @@
 
 use super::seen::{Kind, Seen};
 use crate::error::Result;
-use crate::raster::{Image, Rgb};
-use crate::render::{Dropped, Settings, Silent, render};
+use crate::raster::{Image, Metadata, Rgb};
+use crate::render::exposure::{Classes, Exposure, Part};
+use crate::render::{Dropped, Job, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
 use serde::Serialize;
@@ -16,6 +17,8 @@ pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
 /// Scatterings up to which classes are kept apart.
 const APART: u32 = 5;
+/// Rows that are exposed together: enough for many threads.
+const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -81,10 +84,7 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and takes the picture apart.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let rendered = render(scene, &request, &Settings { paths: Some(APART), ..*settings }, &Silent)?;
-    let (layers, dropped) = (rendered.part.exposure.path_layers(), rendered.dropped);
-    // The film with its classes is many times larger than what is left of it.
-    drop(rendered);
+    let (layers, dropped) = layers(scene, &request, &Settings { paths: Some(APART), ..*settings })?;
     let seen = Seen::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; seen.pixels.len()]))
         .chain(Kind::ALL.map(|kind| (kind.name(), seen.mask(kind))))
@@ -142,6 +142,27 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         }
     }
     Ok(Depths { pictures, differences, rows, classes, request, dropped })
+}
+
+/// The light of every path class. A film with classes is many times larger than what is left of it, so that it is
+/// exposed some rows at a time.
+fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<(String, Image)>, Dropped)> {
+    let Request { width, height, spp, .. } = *request;
+    let job = Job::new(scene, request, settings)?;
+    let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
+    for top in (0..height).step_by(ROWS) {
+        let film = Exposure::strip(width, top..height.min(top + ROWS), settings.paths.map(Classes::up_to))?;
+        let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
+        job.run(&mut part, 0..spp, &Silent);
+        dropped = dropped.merge(part.exposure.dropped());
+        let strips = part.exposure.path_layers();
+        if top == 0 {
+            layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
+        }
+        layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
+    }
+    let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
+    Ok((images.collect(), dropped))
 }
 
 /// The depth from which on a class is in the picture: the number of its scatterings.

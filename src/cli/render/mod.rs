@@ -188,6 +188,10 @@ impl Render {
         }
         if interrupted && let Some(file) = summary.files.first() {
             console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
+            let black = part.exposure.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
+            if black > 0 {
+                console.warn(&format!("{black} pixels have no sample yet: they are black"));
+            }
         }
         console.result(&summary, || summary.text());
         Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good })

@@ -5,12 +5,15 @@ use super::{Classes, Dropped, Pixel, Row};
 use crate::error::{Error, Result};
 use crate::raster::{Image, Rgb};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// All samples of a rectangle of pixels.
+/// All samples of a rectangle of pixels: a picture, or some rows of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exposure {
     width: usize,
     height: usize,
+    /// The number of the first row.
+    top: usize,
     pub(super) pixels: Vec<Pixel>,
     pub(super) dropped: Dropped,
     pub(super) paths: Option<Paths>,
@@ -33,6 +36,16 @@ impl Exposure {
     /// # Errors
     /// [`Error::Parameter`] for no pixel, for more than 2^26, and for more than 2^28 pixels times classes.
     pub fn new(width: usize, height: usize, classes: Option<Classes>) -> Result<Self> {
+        Self::strip(width, 0..height, classes)
+    }
+
+    /// [`Exposure::new`] for some rows of a picture, which take the memory of so many. They are for those who are done
+    /// with these rows before they go on to the next: a file does not say which rows it holds.
+    ///
+    /// # Errors
+    /// Those of [`Exposure::new`].
+    pub fn strip(width: usize, rows: Range<usize>, classes: Option<Classes>) -> Result<Self> {
+        let (top, height) = (rows.start, rows.len());
         let count = width.saturating_mul(height);
         let sums = count.saturating_mul(classes.map_or(0, Classes::count));
         if count == 0 || count > MAX_PIXELS || sums > MAX_SUMS {
@@ -46,7 +59,7 @@ impl Exposure {
             None => None,
         };
         let pixels = zeros(count).map_err(out_of_memory)?;
-        Ok(Self { width, height, pixels, dropped: Dropped::default(), paths })
+        Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths })
     }
 
     #[must_use]
@@ -86,7 +99,7 @@ impl Exposure {
         for (y, pixels) in self.pixels.chunks_exact_mut(self.width).enumerate() {
             let (paths, rest) = std::mem::take(&mut sums).split_at_mut(self.width * classes);
             sums = rest;
-            rows.push(Row::new(y, pixels, paths));
+            rows.push(Row::new(self.top + y, pixels, paths));
         }
         let dropped = rows.into_par_iter().map(|mut row| {
             fill(&mut row);
@@ -116,7 +129,8 @@ impl Exposure {
     /// # Errors
     /// [`Error::Parameter`] when the sizes or the path classes differ.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
-        if (self.width, self.height) != (other.width, other.height) || self.classes() != other.classes() {
+        let shape = |film: &Self| (film.width, film.height, film.top, film.classes());
+        if shape(self) != shape(other) {
             return Err(Error::parameter("films", "their sizes or their path classes differ"));
         }
         self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.merge(theirs));
@@ -161,6 +175,11 @@ mod tests {
     /// A film with the samples for which `here` says so.
     fn film(here: impl Fn(usize, usize, u32) -> bool + Sync) -> Exposure {
         let mut film = Exposure::new(SIZE.0, SIZE.1, Some(Classes::up_to(1))).unwrap();
+        expose(&mut film, here);
+        film
+    }
+
+    fn expose(film: &mut Exposure, here: impl Fn(usize, usize, u32) -> bool + Sync) {
         film.expose(|row| {
             for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
                 if here(x, row.y(), s) {
@@ -169,7 +188,6 @@ mod tests {
                 }
             }
         });
-        film
     }
 
     #[test]
@@ -205,6 +223,23 @@ mod tests {
             pool.install(|| film(|_, _, _| true))
         };
         assert!(on(1) == on(3));
+    }
+
+    #[test]
+    fn strips_are_the_rows_of_the_whole() {
+        let whole = film(|_, _, _| true);
+        let mut dropped = Dropped::default();
+        for rows in [0..2, 2..3, 3..5] {
+            let mut strip = Exposure::strip(SIZE.0, rows.clone(), whole.classes()).unwrap();
+            expose(&mut strip, |_, _, _| true);
+            assert_eq!(strip.pixels(), &whole.pixels()[SIZE.0 * rows.start..SIZE.0 * rows.end]);
+            for ((name, part), (_, all)) in strip.path_layers().iter().zip(&whole.path_layers()) {
+                rows.clone().for_each(|y| assert_eq!(part.row(y - rows.start), all.row(y), "{name}"));
+            }
+            dropped = dropped.merge(strip.dropped());
+        }
+        assert_eq!(dropped, whole.dropped());
+        assert!(Exposure::strip(2, 0..1, None).unwrap().merge(&Exposure::strip(2, 1..2, None).unwrap()).is_err());
     }
 
     #[test]

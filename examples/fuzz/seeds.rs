@@ -1,0 +1,156 @@
+//! Small sound files of every format: what the mutations start from.
+
+use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::render::exposure::{Classes, Exposure, Part};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, SmallVec,
+    Vec2, WritableImage,
+};
+use image::ExtendedColorType;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Light over a wide range.
+fn picture() -> Image {
+    Image::from_fn(12, 6, |x, y| Rgb::new(x as f32 * 0.1, (y * y) as f32, (x as f32 - 6.0).exp()))
+}
+
+/// What the library writes into a file of this name.
+fn written(name: &str, fill: impl Fn(&Path) -> etalon::Result<()>) -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder for the seeds");
+    let path = folder.path().join(name);
+    fill(&path).expect("a seed is written");
+    std::fs::read(&path).expect("a seed is read")
+}
+
+/// Pixels as the library writes them, and in all encodings that other programs use.
+pub fn exr() -> Vec<Vec<u8>> {
+    use Compression::{B44, DWAA, PIZ, PXR24, RLE, Uncompressed, ZIP1};
+    let own = written("a.exr", |path| write(path, &picture(), &Metadata::default().with("note", "a seed")));
+    let foreign = [Uncompressed, RLE, ZIP1, PIZ, PXR24, B44, DWAA(None)].into_iter().flat_map(|compression| {
+        [Blocks::ScanLines, Blocks::Tiles(Vec2(5, 4))].map(|blocks| foreign_exr(compression, blocks))
+    });
+    std::iter::once(own).chain(foreign).collect()
+}
+
+fn foreign_exr(compression: Compression, blocks: Blocks) -> Vec<u8> {
+    let image = picture();
+    let samples = |i: usize| image.pixels().iter().map(move |pixel| pixel[i]);
+    let channels = AnyChannels::sort(SmallVec::from_vec(vec![
+        AnyChannel::new("R", FlatSamples::F32(samples(0).collect())),
+        AnyChannel::new("G", FlatSamples::F16(samples(1).map(half::f16::from_f32).collect())),
+        AnyChannel::new("B", FlatSamples::F32(samples(2).collect())),
+        AnyChannel::new("id.Y", FlatSamples::U32(samples(0).map(|v| v as u32).collect())),
+    ]));
+    let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+    let size = Vec2(image.width(), image.height());
+    let layer = Layer::new(size, LayerAttributes::named("main"), encoding, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    exr::prelude::Image::from_layer(layer).write().to_buffered(&mut bytes).expect("an OpenEXR seed");
+    bytes.into_inner()
+}
+
+pub fn hdr() -> Vec<Vec<u8>> {
+    let own = written("a.hdr", |path| write(path, &picture(), &Metadata::default()));
+    let old = b"#?RGBE\nEXPOSURE=2\nCOLORCORR=1 2 1\nFORMAT=32-bit_rle_rgbe\n\n+X 3 -Y 3\n\
+                \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x05";
+    vec![own, old.to_vec()]
+}
+
+pub fn pfm() -> Vec<Vec<u8>> {
+    let colour = written("a.pfm", |path| write(path, &picture(), &Metadata::default()));
+    vec![colour, b"Pf\n2 2\n1.5\n\x3f\x80\0\0\x40\0\0\0\x7f\xc0\0\0\xff\x80\0\0".to_vec()]
+}
+
+pub fn pnm() -> Vec<Vec<u8>> {
+    let own = written("a.ppm", |path| write(path, &picture(), &Metadata::default()));
+    let others: [&[u8]; 5] = [
+        b"P1\n# a comment\n4 2\n0 1 0 1\n1 0 1 0\n",
+        b"P2\n3 2\n15\n0 1 2\n13 14 15\n",
+        b"P3 2 1 65535 1 2 3 65533 65534 65535\n",
+        b"P4\n9 2\n\x55\x80\xaa\0",
+        b"P5 2 2 255 \x01\x80\xfe\xff",
+    ];
+    std::iter::once(own).chain(others.map(<[u8]>::to_vec)).collect()
+}
+
+pub fn png() -> Vec<Vec<u8>> {
+    let own = written("a.png", |path| write(path, &picture(), &Metadata::default()));
+    let (grey, deep): (Vec<u8>, Vec<u8>) = ((0..64).collect(), (0..128).collect());
+    let encoded = [(&grey, ExtendedColorType::L8), (&grey, ExtendedColorType::Rgba8), (&deep, ExtendedColorType::L16)];
+    let others = encoded.map(|(bytes, kind)| {
+        let mut out = Vec::new();
+        let pixels = bytes.len() as u32 * 8 / u32::from(kind.bits_per_pixel());
+        image::ImageEncoder::write_image(image::codecs::png::PngEncoder::new(&mut out), bytes, pixels / 4, 4, kind)
+            .expect("a PNG seed");
+        out
+    });
+    std::iter::once(own).chain(others).collect()
+}
+
+pub fn jpeg() -> Vec<Vec<u8>> {
+    let bytes: Vec<u8> = (0..16 * 9 * 3).map(|i| (i * 7 % 256) as u8).collect();
+    [(ExtendedColorType::Rgb8, 16), (ExtendedColorType::L8, 48)]
+        .map(|(kind, width)| {
+            let mut out = Vec::new();
+            image::codecs::jpeg::JpegEncoder::new(&mut out).encode(&bytes, width, 9, kind).expect("a JPEG seed");
+            out
+        })
+        .to_vec()
+}
+
+/// Parts of a render, with and without path classes, one of them interrupted.
+pub fn part() -> Vec<Vec<u8>> {
+    [(None, 0..3), (Some(Classes::up_to(1)), 2..8)]
+        .map(|(classes, samples)| {
+            let film = Exposure::new(5, 4, classes).expect("a small film");
+            let mut part = Part::new(film, 8, "fingerprint", Metadata::default().with("seconds", 0.5));
+            while let Some(task) = part.next(samples.clone()) {
+                part.exposure.expose(|row| {
+                    for x in 0..5 {
+                        task.left(row.samples(x)).for_each(|s| row.add(x, Rgb::splat(s as f32 - 1.0), &[Rgb::ONE; 4]));
+                    }
+                });
+            }
+            written("a.exr", |path| part.save(path))
+        })
+        .to_vec()
+}
+
+pub fn ply() -> Vec<Vec<u8>> {
+    let text = include_str!("seeds/mesh.ply");
+    vec![text.into(), binary_ply("little", |x| x.to_le_bytes()), binary_ply("big", |x| x.to_be_bytes())]
+}
+
+/// A square, as a fan of two triangles.
+fn binary_ply(endian: &str, bytes: fn(u32) -> [u8; 4]) -> Vec<u8> {
+    let mut file = format!(
+        "ply\nformat binary_{endian}_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    for corner in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0_f32]] {
+        file.extend(corner.into_iter().flat_map(|x| bytes(x.to_bits())));
+    }
+    file.push(4);
+    file.extend((0..4).flat_map(bytes));
+    file
+}
+
+pub fn obj() -> Vec<Vec<u8>> {
+    vec![include_bytes!("seeds/mesh.obj").to_vec()]
+}
+
+pub fn pbrt() -> Vec<Vec<u8>> {
+    let files: [&[u8]; 3] =
+        [include_bytes!("seeds/v2.pbrt"), include_bytes!("seeds/v4.pbrt"), include_bytes!("seeds/more.pbrt")];
+    files.map(<[u8]>::to_vec).to_vec()
+}
+
+pub fn collada() -> Vec<Vec<u8>> {
+    vec![include_bytes!("seeds/scene.dae").to_vec()]
+}
+
+pub fn settings() -> Vec<Vec<u8>> {
+    vec![include_bytes!("seeds/camera.txt").to_vec()]
+}
