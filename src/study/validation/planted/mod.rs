@@ -9,6 +9,7 @@ mod lamps;
 mod maps;
 mod normals;
 mod reflection;
+mod renders;
 mod tables;
 
 pub use findings::{By, Finding, Findings, run};
@@ -56,6 +57,7 @@ pub fn all() -> Vec<Planted> {
         normals::faults(),
         reflection::faults(),
         glass::faults(),
+        renders::faults(),
     ]
     .into_iter()
     .flatten()
