@@ -8,6 +8,7 @@ use crate::optics::metals::{METALS, Metal};
 use crate::raster::Rgb;
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
+use crate::stats::{Protocol, Samples};
 use crate::study::depth::{Depths, depths};
 use crate::study::roughness::{self, Shot as Statue};
 use crate::study::sampling_strategies::{Comparison, compare};
@@ -125,6 +126,13 @@ impl Context {
     #[must_use]
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
+    }
+
+    /// How claims are tested: errors of 2 % are found, or of 5 % in a hurry.
+    #[must_use]
+    pub fn protocol(&self) -> Protocol {
+        let samples = Samples::Detect(if self.quick { 0.05 } else { 0.02 });
+        Protocol { seed: self.seed, samples, ..Protocol::default() }
     }
 
     /// Whether the scenes are the report's own files.

@@ -1,5 +1,6 @@
 //! The registry of figures and the views of results: a table, a drawing, checks.
 
+mod audit;
 mod check;
 mod context;
 pub mod depth;

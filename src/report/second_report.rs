@@ -5,12 +5,13 @@ use super::context::{Context, GOLD, IRON};
 use super::depth as depth_view;
 use super::entries::entry;
 use super::registry::{Entry, Made, Picture};
-use super::{metals as metals_view, output, statue as statue_view};
+use super::{audit as audit_view, metals as metals_view, output, statue as statue_view};
 use crate::error::Result;
 use crate::optics::metals::Metal;
 use crate::raster::{Image, ToneMap};
 use crate::render::{Silent, render};
 use crate::scene::{Material, Request, builtin};
+use crate::study::audit;
 use crate::study::depth::{self, ALL, DEPTHS, Depths};
 use crate::study::metals;
 use crate::study::roughness::{self, Shot};
@@ -76,6 +77,15 @@ pub(super) fn all() -> Vec<Entry> {
         "second report: eta and k of metals",
         |_| metals_table(),
     ));
+    list.push(entry("audit", "Where the reports err, and what tells", "both reports: their own formulas", |c| {
+        let errata = audit::audit(&c.protocol())?;
+        Ok(Made {
+            drawing: audit_view::drawing(&errata),
+            table: output::table(&audit_view::rows(&errata))?,
+            picture: None,
+            checks: audit_view::checks(&errata),
+        })
+    }));
     list
 }
 

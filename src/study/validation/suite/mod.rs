@@ -1,6 +1,6 @@
 //! The suite: every sampler of the project, each family in a file of its own.
 
-pub(super) mod renders;
+pub mod renders;
 mod warps;
 
 use super::Case;
