@@ -10,6 +10,7 @@ mod render;
 mod reproduce;
 mod scene_file;
 mod scenes;
+mod validate;
 
 use crate::error::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -36,6 +37,7 @@ Examples:
   etalon envmap sample nave -n 256      importance samples of the built-in map
   etalon render sphere-env -s 64        the lit sphere
   etalon render cornell-spheres         a mirror and a glass ball in a room
+  etalon validate                       every sampler against its density
   etalon scenes                         what else can be rendered";
 
 /// Flags that every subcommand takes.
@@ -73,6 +75,8 @@ enum Command {
     Compare(compare::Compare),
     /// Merge parts of a render
     Merge(merge::Merge),
+    /// Test samplers against their densities
+    Validate(validate::Validate),
     /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
 }
@@ -128,6 +132,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Scenes(args) => args.run(&cli.global, console),
         Command::Compare(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
+        Command::Validate(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

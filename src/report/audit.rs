@@ -98,11 +98,11 @@ pub struct Row<'a> {
     printed: &'a str,
     right: &'a str,
     test: &'a str,
-    verdict: &'a str,
+    verdict: String,
     p: Option<f64>,
     samples: u64,
     violation: &'a str,
-    right_verdict: &'a str,
+    right_verdict: String,
     right_p: Option<f64>,
     error_in_picture: f64,
     error_of: &'a str,
@@ -111,11 +111,6 @@ pub struct Row<'a> {
 /// The table of all mistakes.
 #[must_use]
 pub fn rows(errata: &[Erratum]) -> Vec<Row<'_>> {
-    let word = |verdict| match verdict {
-        Verdict::Accept => "accept",
-        Verdict::Reject => "reject",
-        Verdict::Inconclusive => "inconclusive",
-    };
     errata
         .iter()
         .map(|e| Row {
@@ -124,11 +119,11 @@ pub fn rows(errata: &[Erratum]) -> Vec<Row<'_>> {
             printed: e.printed,
             right: e.right,
             test: e.test,
-            verdict: word(e.verdict),
+            verdict: e.verdict.to_string(),
             p: e.p,
             samples: e.samples,
             violation: e.violation.as_deref().unwrap_or(""),
-            right_verdict: word(e.right_verdict),
+            right_verdict: e.right_verdict.to_string(),
             right_p: e.right_p,
             error_in_picture: e.error_in_picture,
             error_of: e.error_of,

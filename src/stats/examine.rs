@@ -8,7 +8,7 @@ use super::draws::{Draws, Tally, corners};
 use super::grid::{Cell, Grid};
 use super::multiple::sidak;
 use super::outcome::{Counts, Outcome, Verdict, decide};
-use super::power::{chi_square_tail, detectable, samples_for};
+use super::power::{POWER, chi_square_tail, detectable, samples_for};
 use super::sampler::Sampler;
 use crate::error::{Error, Result};
 use std::time::Instant;
@@ -165,10 +165,17 @@ pub fn examine<D: Domain>(
     let impossible = impossible + if none_expected == 0.0 { none } else { 0 };
     observed.push(none);
 
+    // A claim that leaves nothing to chance (a mirror, a black map): what is left to find are impossible samples.
+    let certain =
+        expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
     let uncertain = values.iter().zip(&errors).any(|(value, error)| error * n > SLACK * (value * n).max(1.0).sqrt());
     let test = chi_square(&observed, &expected);
-    let p = test.filter(|_| !uncertain && density_fault.is_none()).map(|test| both(test.p, impossible, n * ROUNDING));
-    let finds = test.map(|test| detectable(test.dof, protocol.own_level(), samples));
+    let chance = if certain { Some(1.0) } else { test.map(|test| test.p) };
+    let p = chance.filter(|_| !uncertain && density_fault.is_none()).map(|p| both(p, impossible, n * ROUNDING));
+    let finds = match test {
+        _ if certain => Some(strays(n)),
+        _ => test.map(|test| detectable(test.dof, protocol.own_level(), samples)),
+    };
     let doubt = if uncertain {
         Some("the density's integrals are too uncertain for that many samples".to_owned())
     } else {
@@ -237,6 +244,11 @@ fn cells<D: Domain>(domain: &D, pilot: &[[f64; 2]], shape: [usize; 2], samples: 
     let enough = FEWEST * pilot.len() as f64 / samples as f64;
     let filled = seen.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
     if 2 * filled >= equal.len() { equal } else { Grid::adapted(pilot, shape, Cell::WHOLE, domain.outcomes()) }
+}
+
+/// The share of impossible samples that is found with probability [`POWER`] among `n`, one being enough to reject.
+fn strays(n: f64) -> f64 {
+    -(1.0 - POWER).ln() / n
 }
 
 /// The p-value of the counts and of `impossible` samples where rounding explains `allowed` on average.

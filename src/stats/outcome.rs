@@ -74,6 +74,12 @@ impl Outcome {
         self.verdict == Verdict::Accept
     }
 
+    /// The p-value, if it has a continuous distribution: not where a claim leaves nothing to chance.
+    #[must_use]
+    pub fn continuous_p(&self) -> Option<f64> {
+        self.p.filter(|_| self.dof > 0)
+    }
+
     /// What there is to say beyond numbers.
     #[must_use]
     pub fn remark(&self) -> Option<&str> {

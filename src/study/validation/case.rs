@@ -11,6 +11,8 @@ type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
 pub struct Case {
     pub name: String,
     test: Box<Test>,
+    /// What has to be there before tests run side by side.
+    preparation: Option<Box<dyn Fn() + Send + Sync>>,
 }
 
 impl Case {
@@ -19,7 +21,14 @@ impl Case {
         name: impl Into<String>,
         test: impl Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), test: Box::new(test) }
+        Self { name: name.into(), test: Box::new(test), preparation: None }
+    }
+
+    /// Adds what the test shares with others and what is made in parallel itself: a thread that waits for its part of one
+    /// must not start another test that waits for the same.
+    #[must_use]
+    pub fn with_preparation(self, preparation: impl Fn() + Send + Sync + 'static) -> Self {
+        Self { preparation: Some(Box::new(preparation)), ..self }
     }
 
     /// The test of a sampler against its density. `make` builds both, when the test runs and not before: tables of large maps
@@ -34,6 +43,13 @@ impl Case {
             let (sampler, density) = make();
             examine(&domain, &sampler, &density, protocol, round)
         })
+    }
+
+    /// Makes what the test shares with others.
+    pub fn prepare(&self) {
+        if let Some(prepare) = &self.preparation {
+            prepare();
+        }
     }
 
     /// Runs one round. The random numbers depend on the name and the seed alone, not on what else is in the run.

@@ -3,7 +3,9 @@
 mod case;
 pub mod planted;
 mod run;
+mod select;
 pub mod suite;
 
 pub use case::Case;
 pub use run::{Tested, Validation, run};
+pub use select::select;

@@ -2,9 +2,11 @@
 
 use super::case::Case;
 use crate::error::Result;
+use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::time::Instant;
 
 /// A test's name and what it found.
 #[derive(Debug, Clone, Serialize)]
@@ -19,20 +21,29 @@ pub struct Tested {
 pub struct Validation {
     /// Probability that a run of true claims rejects any.
     pub level: f64,
+    pub seed: u64,
     pub tests: Vec<Tested>,
     pub accepted: usize,
     pub rejected: usize,
     pub inconclusive: usize,
+    /// Whether the p-values are spread as those of true claims are.
+    pub evenness: Evenness,
+    /// Wall-clock time of the run.
+    pub seconds: f64,
 }
 
 impl Validation {
-    fn new(level: f64, tests: Vec<Tested>) -> Self {
+    fn new(protocol: &Protocol, tests: Vec<Tested>, start: Instant) -> Self {
         let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
+        let p: Vec<f64> = tests.iter().filter_map(|test| test.outcome.continuous_p()).collect();
         Self {
-            level,
+            level: protocol.level,
+            seed: protocol.seed,
             accepted: count(Verdict::Accept),
             rejected: count(Verdict::Reject),
             inconclusive: count(Verdict::Inconclusive),
+            evenness: evenness(&p),
+            seconds: start.elapsed().as_secs_f64(),
             tests,
         }
     }
@@ -40,8 +51,10 @@ impl Validation {
 
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` after each.
 pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Validation> {
+    let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
+    cases.iter().for_each(Case::prepare);
     let examine = |case: &Case| {
         let outcome = case.examine(&protocol, 0);
         done(&case.name);
@@ -50,5 +63,5 @@ pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) ->
     let mut outcomes = cases.par_iter().map(examine).collect::<Result<Vec<_>>>()?;
     decide(&mut outcomes, protocol.level, |i| cases[i].examine(&protocol, 1))?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
-    Ok(Validation::new(protocol.level, tested.collect()))
+    Ok(Validation::new(&protocol, tested.collect(), start))
 }

@@ -70,6 +70,8 @@ pub struct Findings {
     pub inconclusive: usize,
     /// Tests without a mistake that were not accepted.
     pub false_alarms: usize,
+    /// Wall-clock time of the run.
+    pub seconds: f64,
 }
 
 impl Findings {
@@ -105,6 +107,7 @@ pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sy
         rejected: count(Verdict::Reject),
         inconclusive: count(Verdict::Inconclusive),
         false_alarms: tests.iter().filter(|test| test.sound != Verdict::Accept).count(),
+        seconds: validation.seconds,
         tests,
     })
 }

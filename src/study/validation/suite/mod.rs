@@ -1,12 +1,46 @@
 //! The suite: every sampler of the project, each family in a file of its own.
 
+mod bsdfs;
+mod lights;
+pub mod maps;
+mod normals;
 pub mod renders;
+mod smooth;
+mod strata;
+mod tables;
 mod warps;
 
 use super::Case;
+use crate::optics::microfacet::Distribution;
 
-/// All cases, in the order of their names' families.
+/// All cases, family by family.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    [warps::cases(), renders::cases()].into_iter().flatten().collect()
+    let mut all = warps::cases();
+    all.extend(tables::cases());
+    all.extend(maps::cases());
+    all.extend(strata::cases());
+    all.extend(normals::cases());
+    all.extend(bsdfs::cases());
+    all.extend(smooth::cases());
+    all.extend(lights::cases());
+    all.extend(renders::cases());
+    all
+}
+
+/// Widths of the lobes, and angles of incidence in degrees, that microfacets are tested at.
+const ALPHAS: [f64; 7] = [1e-4, 1e-3, 0.01, 0.05, 0.25, 0.5, 1.0];
+const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
+const DISTRIBUTIONS: [(&str, Distribution); 2] = [("beckmann", Distribution::Beckmann), ("ggx", Distribution::Ggx)];
+
+/// The direction of that angle with +z, at azimuth 0: a lobe then lies off the seam of the chart.
+fn towards(degrees: f64) -> glam::DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    glam::DVec3::new(sin, 0.0, cos)
+}
+
+/// A number as the streams of a render give it to kernels in f32: rounded down to 24 bits.
+fn short(u: f64) -> f32 {
+    const LEVELS: f64 = 16_777_216.0;
+    ((u * LEVELS).floor() / LEVELS) as f32
 }

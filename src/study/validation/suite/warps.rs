@@ -1,8 +1,9 @@
-//! Maps from the unit square to directions.
+//! Maps from the unit square to directions, and the circular functions that they are made of.
 
-use super::Case;
+use super::{Case, short};
+use crate::sampling::circular::Circular;
 use crate::sampling::warp;
-use crate::stats::{Directions, Draw, Pole, density, sampler};
+use crate::stats::{Directions, Draw, Line, Pole, density, sampler};
 use glam::DVec3;
 
 pub fn cases() -> Vec<Case> {
@@ -18,18 +19,22 @@ pub fn cases() -> Vec<Case> {
             let sampler = sampler(2, draw).with_inverse(|w| warp::invert_cosine_hemisphere(w).to_vec());
             (sampler, density(|w: DVec3| warp::cosine_hemisphere_pdf(w.z)))
         }),
+        // Both f32 functions at once: turns to a point of the circle, and half of the circle back to an angle.
+        Case::of("warp/circle-f32/sine-and-cosine", half, || {
+            let draw = |u: &[f64]| {
+                let (sin, cos) = f32::sin_cos_turns(short(u[1]));
+                let r = (u[0] * (2.0 - u[0])).sqrt();
+                Some(Draw::new(DVec3::new(r * f64::from(cos), r * f64::from(sin), 1.0 - u[0])))
+            };
+            (sampler(2, draw), density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
+        }),
+        Case::of("warp/circle-f32/angle", Line { from: 0.0, to: std::f64::consts::PI }, || {
+            let draw = |u: &[f64]| {
+                let (sin, cos) = (0.5 * u[0] * std::f64::consts::TAU).sin_cos();
+                let angle = f32::angle(sin as f32, cos as f32);
+                Some(Draw::new(f64::from(angle).min(std::f64::consts::PI)))
+            };
+            (sampler(1, draw), density(|_: f64| std::f64::consts::FRAC_1_PI))
+        }),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::run;
-    use super::*;
-    use crate::stats::Protocol;
-
-    #[test]
-    fn all_are_accepted() {
-        let validation = run(&cases(), &Protocol::default(), &|_| ()).unwrap();
-        assert_eq!(validation.accepted, cases().len(), "{validation:?}");
-    }
 }

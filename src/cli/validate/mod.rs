@@ -1,0 +1,110 @@
+//! `etalon validate`: samplers tested against their densities.
+
+mod planted;
+mod summary;
+
+use super::console::Console;
+use super::map_file::{self, MapOptions};
+use super::{Global, Verdict};
+use crate::error::Result;
+use crate::files;
+use crate::report::{junit, output, validation as view};
+use crate::stats::{Protocol, Samples};
+use crate::study::validation::{Case, Validation, run, select, suite};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Test every sampler of this program against the density that it claims
+#[derive(Args)]
+#[command(
+    after_help = "Writes validation.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
+                        inconclusive.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
+                        etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml"
+)]
+pub struct Validate {
+    /// Tests, families of tests, or patterns with * and ? (default: all)
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    /// List the tests and stop
+    #[arg(long)]
+    list: bool,
+    /// Test samplers with a mistake each instead, all of which must be rejected
+    #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
+    planted: bool,
+    /// Samples of each test (default: as many as --detect takes)
+    #[arg(long, value_name = "N", conflicts_with = "detect")]
+    samples: Option<u64>,
+    /// Take as many samples as find a relative density error of W with 90 % probability
+    #[arg(long, value_name = "W", default_value_t = 0.02)]
+    detect: f64,
+    /// Probability that a run in which every claim is true rejects any of them
+    #[arg(long, value_name = "A", default_value_t = 0.01)]
+    level: f64,
+    /// Add a map of your own to the tests, as map/NAME
+    #[arg(long, value_name = "MAP")]
+    envmap: Option<String>,
+    #[command(flatten)]
+    options: MapOptions,
+    /// Write the results as JUnit XML too
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Output<'a> {
+    #[serde(flatten)]
+    validation: &'a Validation,
+    files: &'a [PathBuf],
+}
+
+impl Validate {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.planted {
+            return planted::run(&self.protocol(global), global, console);
+        }
+        let cases = self.cases(console)?;
+        if self.list {
+            list(&cases, console);
+            return Ok(Verdict::Good);
+        }
+        let bar = console.progress(cases.len() as u64, "validate");
+        let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
+        bar.finish_and_clear();
+        let stem = output::Target::new(global.out.as_deref()).stem("validation", "");
+        let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
+        if let Some(path) = &self.junit {
+            files::write_bytes(path, junit::document(&validation).as_bytes())?;
+            files.push(path.clone());
+        }
+        console.result(&Output { validation: &validation, files: &files }, || summary::text(&validation, &files));
+        Ok(match validation {
+            Validation { rejected: 1.., .. } => Verdict::Rejected,
+            Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
+            _ => Verdict::Good,
+        })
+    }
+
+    fn protocol(&self, global: &Global) -> Protocol {
+        let samples = self.samples.map_or(Samples::Detect(self.detect), Samples::Count);
+        Protocol { seed: global.seed, samples, level: self.level, ..Protocol::default() }
+    }
+
+    fn cases(&self, console: &Console) -> Result<Vec<Case>> {
+        let mut all = suite::cases();
+        if let Some(name) = &self.envmap {
+            let source = map_file::load(name, self.options, console)?;
+            all.extend(suite::maps::of_map(&map_file::short_name(name), source.map));
+        }
+        select(all, &self.names)
+    }
+}
+
+fn list(cases: &[Case], console: &Console) {
+    #[derive(Serialize)]
+    struct List<'a> {
+        tests: Vec<&'a str>,
+    }
+    let tests: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+    console.result(&List { tests: tests.clone() }, || tests.join("\n"));
+}

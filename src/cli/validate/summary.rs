@@ -1,0 +1,95 @@
+//! What a run found, as a table for people: test by test if they are few, else by family with what needs a look in full.
+
+use crate::cli::console::files_written;
+use crate::stats::Verdict;
+use crate::study::validation::{Tested, Validation};
+use std::path::PathBuf;
+
+/// More tests than these are summed up.
+const FEW: usize = 40;
+
+pub fn text(validation: &Validation, files: &[PathBuf]) -> String {
+    let tests = &validation.tests;
+    let mut text = String::new();
+    if tests.len() <= FEW {
+        text += &table(tests.iter());
+    } else {
+        text += &families(tests);
+        let doubtful: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
+        if !doubtful.is_empty() {
+            text += &format!("\n{}", table(doubtful.into_iter()));
+        }
+    }
+    text += &format!(
+        "\n{} tests at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
+        tests.len(),
+        validation.level,
+        validation.seed,
+        validation.accepted,
+        validation.rejected,
+        validation.inconclusive,
+        validation.seconds
+    );
+    text + &files_written(files)
+}
+
+/// One line for each test, and its remark below it.
+fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
+    let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
+    let mut text = format!("{:<width$}  verdict            p   finds    samples  seconds\n", "test");
+    for Tested { name, outcome } in tests {
+        text += &format!(
+            "{name:<width$}  {:<12} {:>8} {:>7} {:>10} {:>8.2}\n",
+            outcome.verdict,
+            p_value(outcome.p),
+            percent(outcome.detectable),
+            outcome.samples,
+            outcome.seconds
+        );
+        if let Some(remark) = outcome.remark() {
+            text += &format!("  {remark}\n");
+        }
+    }
+    text
+}
+
+/// One line for each family, in the order of the tests.
+fn families(tests: &[Tested]) -> String {
+    let mut groups: Vec<(String, Vec<&Tested>)> = Vec::new();
+    for test in tests {
+        let family = family(&test.name);
+        match groups.last_mut() {
+            Some((name, members)) if *name == family => members.push(test),
+            _ => groups.push((family, vec![test])),
+        }
+    }
+    let width = groups.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    let mut text = format!("{:<width$}  tests  accepted  least p   finds    samples\n", "family");
+    for (name, members) in &groups {
+        let outcomes = || members.iter().map(|test| &test.outcome);
+        let accepted = outcomes().filter(|outcome| outcome.is_accepted()).count();
+        let mark = if outcomes().any(|outcome| outcome.verdict == Verdict::Reject) { "  <- rejected" } else { "" };
+        text += &format!(
+            "{name:<width$}  {:>5}  {accepted:>8} {:>8} {:>7} {:>10}{mark}\n",
+            members.len(),
+            p_value(outcomes().filter_map(|o| o.p).min_by(f64::total_cmp)),
+            percent(outcomes().filter_map(|o| o.detectable).max_by(f64::total_cmp)),
+            outcomes().map(|o| o.samples).sum::<u64>(),
+        );
+    }
+    text
+}
+
+/// The first two words of a name, or the first of a name of two.
+fn family(name: &str) -> String {
+    let words: Vec<&str> = name.split('/').collect();
+    words[..(words.len() - 1).min(2)].join("/")
+}
+
+pub fn p_value(p: Option<f64>) -> String {
+    p.map_or("-".into(), |p| if p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") })
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("-".into(), |w| if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{:.0e} %", 100.0 * w) })
+}

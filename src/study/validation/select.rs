@@ -1,0 +1,115 @@
+//! Choosing cases by their names: whole ones, families, patterns.
+
+use super::Case;
+use crate::error::{Error, Result};
+
+/// The cases that any of `patterns` names, in their own order; all of them without patterns.
+///
+/// A pattern names a case (`bsdf/ggx/visible/0.25/60`) or all of a family (`bsdf/ggx`); `*` stands for any text, `?` for
+/// one character.
+///
+/// # Errors
+/// When a pattern names nothing; the hint has the nearest names.
+pub fn select(cases: Vec<Case>, patterns: &[String]) -> Result<Vec<Case>> {
+    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !names(pattern, &case.name))) {
+        return Err(Error::parameter("NAME", format!("there is no test \"{unknown}\""))
+            .with_hint(format!("the nearest: {}; --list shows all", nearest(&cases, unknown).join(", "))));
+    }
+    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| names(pattern, &case.name));
+    Ok(cases.into_iter().filter(wanted).collect())
+}
+
+/// Whether `pattern` is the name, that of a family it is in, or fits one of them.
+fn names(pattern: &str, name: &str) -> bool {
+    let family = pattern.trim_end_matches('/');
+    fits(pattern, name) || fits(&format!("{family}/*"), name)
+}
+
+/// Whether `name` is `pattern` with `*` and `?` filled in.
+fn fits(pattern: &str, name: &str) -> bool {
+    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    // `reached[i]`: whether the part of the pattern that was read can end after i characters of the name.
+    let mut reached = vec![false; name.len() + 1];
+    reached[0] = true;
+    for symbol in pattern {
+        if symbol == '*' {
+            for i in 1..reached.len() {
+                reached[i] |= reached[i - 1];
+            }
+        } else {
+            for i in (1..reached.len()).rev() {
+                reached[i] = reached[i - 1] && (symbol == '?' || symbol == name[i - 1]);
+            }
+            reached[0] = false;
+        }
+    }
+    reached[name.len()]
+}
+
+/// The three names of cases or families that take the fewest changes to become `wanted`.
+fn nearest(cases: &[Case], wanted: &str) -> Vec<String> {
+    let parts =
+        |name: &str| name.char_indices().filter(|(_, c)| *c == '/').map(|(i, _)| name[..i].to_owned()).collect();
+    let mut known: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
+    known.extend(cases.iter().flat_map(|case| -> Vec<String> { parts(&case.name) }));
+    known.sort();
+    known.dedup();
+    known.sort_by_key(|name| distance(name, wanted));
+    known.truncate(3);
+    known
+}
+
+/// Characters to insert, delete or exchange to turn `a` into `b`. Source: Levenshtein, Soviet Physics Doklady 10(8), 1966.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut before = i;
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let changed = before + usize::from(from != *to);
+            before = row[j + 1];
+            row[j + 1] = changed.min(before + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(patterns: &[&str]) -> Result<Vec<String>> {
+        let all = ["warp/cosine", "normals/ggx/all/0.5", "normals/ggx/visible/0.5/60", "normals/beckmann/all/0.5"];
+        let cases = all.map(|name| Case::new(name, |_, _| unreachable!("only names are looked at")));
+        let patterns: Vec<String> = patterns.iter().map(|p| (*p).to_owned()).collect();
+        Ok(select(cases.into(), &patterns)?.into_iter().map(|case| case.name).collect())
+    }
+
+    #[test]
+    fn names_families_and_patterns() {
+        assert_eq!(chosen(&[]).unwrap().len(), 4);
+        assert_eq!(chosen(&["warp/cosine"]).unwrap(), ["warp/cosine"]);
+        assert_eq!(chosen(&["normals"]).unwrap().len(), 3);
+        assert_eq!(chosen(&["normals/ggx/"]).unwrap().len(), 2);
+        assert_eq!(chosen(&["normals/*/all"]).unwrap().len(), 2);
+        assert_eq!(chosen(&["*/0.5"]).unwrap().len(), 3);
+        assert_eq!(chosen(&["w?rp", "*60"]).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn what_names_nothing_is_refused_with_the_nearest() {
+        for bad in ["", "norm", "warp/cosin", "WARP"] {
+            assert!(chosen(&[bad]).is_err(), "{bad}");
+        }
+        let error = chosen(&["normals/gxg/all/0.5"]).unwrap_err();
+        assert!(error.hint().unwrap().contains("normals/ggx/all/0.5"), "{error}");
+    }
+
+    #[test]
+    fn distances_by_hand() {
+        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("abc", "abc"), 0);
+    }
+}

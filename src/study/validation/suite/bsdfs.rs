@@ -1,0 +1,70 @@
+//! Directions that materials scatter into: diffuse ones, rough metal by every way to draw its normals, the second report's.
+//!
+//! Everything in f32 as renders do it, with numbers of 24 bits; the densities are those that renders weigh samples with.
+
+use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
+use crate::bsdf::report_model::ReportConventions;
+use crate::bsdf::{Bsdf, Normals, Scatter};
+use crate::optics::metals::METALS;
+use crate::optics::microfacet::Distribution;
+use crate::raster::Rgb;
+use crate::scene::{Conductor, Material, ScatterModel};
+use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
+use glam::{DVec3, Vec3};
+
+/// A rough metal; which one does not matter to its directions.
+fn metal(alpha: f64, distribution: Distribution) -> Material {
+    let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
+    let [first, ..] = METALS;
+    Material::Conductor(Conductor { eta: rgb(first.eta), k: rgb(first.k), alpha: alpha as f32, distribution })
+}
+
+pub fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let half = Directions::hemisphere(Pole::Z);
+    for (name, distribution) in DISTRIBUTIONS {
+        for alpha in ALPHAS {
+            for degrees in DEGREES {
+                for (how, normals) in [("visible", Normals::Visible), ("all", Normals::All)] {
+                    let bsdf = metal(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
+                    let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
+                    cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
+                }
+            }
+        }
+        // Spread over the hemisphere whatever the material's width.
+        let even = ScatterModel { normals: Normals::Hemisphere, ..ScatterModel::default() };
+        for degrees in DEGREES {
+            let bsdf = metal(0.25, distribution).bsdf(even);
+            let name = format!("bsdf/{name}/hemisphere/0.25/{degrees}");
+            cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
+        }
+    }
+    let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
+    for alpha in [0.005, 0.05, 0.25, 0.5] {
+        for degrees in [0.0, 40.0, 80.0] {
+            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(report);
+            let name = format!("bsdf/report-metal/{alpha}/{degrees}");
+            cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
+        }
+    }
+    let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
+    for (side, wo) in [("outside", towards(60.0)), ("inside", -towards(60.0))] {
+        let sphere = Directions::sphere(Pole::Z);
+        cases.push(scattered(format!("bsdf/diffuse/{side}"), sphere, diffuse, wo, Mass::Exactly(1.0)));
+    }
+    cases
+}
+
+/// The directions that `bsdf` draws for `wo`.
+fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> Case {
+    let wo: Vec3 = wo.as_vec3();
+    Case::of(name, domain, move || {
+        let draw = move |u: &[f64]| {
+            let sample = bsdf.sample(wo, 0.0, [short(u[0]), short(u[1])])?;
+            Some(Draw::with_pdf(sample.wi.as_dvec3(), f64::from(sample.pdf)))
+        };
+        let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
+        (sampler(2, draw), density(pdf).with_mass(mass))
+    })
+}

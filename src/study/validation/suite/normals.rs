@@ -1,0 +1,63 @@
+//! Microfacet normals, in f64 and in f32.
+
+use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
+use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
+use crate::sampling::normals::SampleNormals;
+use crate::stats::{Directions, Draw, Pole, density, sampler};
+use glam::{DVec3, Vec3};
+
+pub fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (name, distribution) in DISTRIBUTIONS {
+        for alpha in ALPHAS {
+            let both = |tail: String, wo: Option<DVec3>| match distribution {
+                Distribution::Beckmann => [
+                    double(format!("normals/{name}/{tail}"), Beckmann::new(alpha), wo),
+                    single(format!("normals-f32/{name}/{tail}"), Beckmann::new(alpha as f32), wo),
+                ],
+                Distribution::Ggx => [
+                    double(format!("normals/{name}/{tail}"), Ggx::new(alpha), wo),
+                    single(format!("normals-f32/{name}/{tail}"), Ggx::new(alpha as f32), wo),
+                ],
+            };
+            cases.extend(both(format!("all/{alpha}"), None));
+            for degrees in DEGREES {
+                cases.extend(both(format!("visible/{alpha}/{degrees}"), Some(towards(degrees))));
+            }
+        }
+    }
+    cases
+}
+
+/// Normals as they lie, or as seen from `wo`.
+fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: Option<DVec3>) -> Case {
+    Case::of(name, Directions::hemisphere(Pole::Z), move || {
+        let draw = move |u: &[f64]| {
+            let u = [u[0], u[1]];
+            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo.to_array(), u));
+            Some(Draw::new(DVec3::from_array(wm)))
+        };
+        let pdf = move |wm: DVec3| {
+            let wm = wm.to_array();
+            wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo.to_array(), wm))
+        };
+        (sampler(2, draw), density(pdf))
+    })
+}
+
+/// The same in single precision, with numbers of 24 bits.
+fn single(name: String, d: impl SampleNormals<f32> + Send + Sync + 'static, wo: Option<DVec3>) -> Case {
+    let wo = wo.map(|wo| wo.as_vec3().to_array());
+    Case::of(name, Directions::hemisphere(Pole::Z), move || {
+        let draw = move |u: &[f64]| {
+            let u = [short(u[0]), short(u[1])];
+            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo, u));
+            Some(Draw::new(Vec3::from_array(wm).as_dvec3()))
+        };
+        let pdf = move |wm: DVec3| {
+            let wm = wm.as_vec3().to_array();
+            f64::from(wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo, wm)))
+        };
+        (sampler(2, draw), density(pdf))
+    })
+}

@@ -1,0 +1,57 @@
+//! Regions of a median cut as strata: a region by its share of the energy, a place in it by its texels.
+//!
+//! Together these make the map's own density, if the regions tile the map and their energies are right.
+
+use super::Case;
+use super::maps::steps;
+use crate::envmap::EnvMap;
+use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
+use crate::error::Result;
+use crate::raster::{Image, Rgb};
+use crate::sampling::table::{Table1, Table2};
+use crate::stats::{Directions, Draw, Pole, Protocol, density, examine, sampler};
+use glam::DVec3;
+
+pub fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
+        for regions in [1, 16, 77] {
+            let name = format!("strata/{rule}/{regions}");
+            cases.push(Case::new(name, move |protocol, round| strata(split, regions, protocol, round)));
+        }
+    }
+    cases
+}
+
+/// A slope with a bright spot that no straight line cuts in halves.
+fn map() -> EnvMap {
+    let level =
+        |x: usize, y: usize| 0.2 + x as f32 / 64.0 + if x.abs_diff(40) + y.abs_diff(9) < 4 { 60.0 } else { 0.0 };
+    EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::new(level(x, y), 0.3, 0.1 * y as f32)))
+}
+
+fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<crate::stats::Outcome> {
+    let map = map();
+    let g = map.geometry();
+    let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(regions)?;
+    let shares = Table1::new(&regions.iter().map(|region| region.energy).collect::<Vec<_>>());
+    let within = |Region { block, .. }: &Region| {
+        let energy = |x: usize, y: usize| map.energy(block.x0 + x, block.y0 + y);
+        Table2::new(block.x1 - block.x0, block.y1 - block.y0, energy)
+    };
+    let tables: Vec<Table2> = regions.iter().map(within).collect();
+    let draw = |u: &[f64]| {
+        let i = shares.draw(u[0])?.cell;
+        let (draw, block) = (tables[i].draw([u[1], u[2]])?, regions[i].block);
+        let (x, y) = (block.x0 + draw.x.cell, block.y0 + draw.y.cell);
+        Some(Draw::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset)))
+    };
+    let total: f64 =
+        (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
+    let pdf = |wi: DVec3| {
+        let (x, y) = g.texel(wi);
+        map.intensity(x, y) / total
+    };
+    let sphere = Directions::sphere(Pole::Y);
+    examine(&sphere, &sampler(3, draw), &density(pdf).with_steps(steps(g)), protocol, round)
+}
