@@ -12,6 +12,8 @@ const FRAME: [f64; 2] = [190.0, 140.0];
 const LINE: f64 = 16.0;
 const GAP: f64 = 18.0;
 const EDGE: f64 = 12.0;
+/// What stands right of a panel's frame.
+const MARGIN: f64 = 14.0;
 /// What is printed, and what is right.
 const PRINTED: Stroke = Stroke { colour: theme::VERMILION, width: theme::LINE, dash: theme::DASHED };
 const RIGHT: Stroke = Stroke::solid(theme::BLUE, theme::LINE);
@@ -37,9 +39,10 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
             (RIGHT.colour, format!("right: {}", verdict(erratum.right_verdict, erratum.right_p))),
             (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
         ];
+        let middle = x + drawing.width() - MARGIN - 0.5 * FRAME[0];
         sheet.append(drawing, x, y);
         for (k, (colour, line)) in lines.into_iter().enumerate() {
-            let at = [x + 0.5 * (width - GAP), y + below + LINE * k as f64];
+            let at = [middle, y + below + LINE * k as f64];
             let text = Text::new(at, theme::NOTE_SIZE, line).held(Anchor::Middle, Level::Top);
             sheet.text(text.coloured(colour));
         }
@@ -49,8 +52,10 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
 
 fn panel(erratum: &Erratum, letter: char) -> Drawing {
     let curves = &erratum.curves;
-    let panel =
-        Panel::new(Axis::linear(curves.x), Axis::linear(curves.y)).title(format!("{letter}  {}", erratum.title));
+    // Scattered are places on a map, whose first row is at the top.
+    let y = Axis::linear(curves.y);
+    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { y };
+    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y).title(format!("{letter}  {}", erratum.title));
     let panel = if curves.scattered {
         let dots = panel.dots("", RIGHT.colour, curves.right.clone());
         dots.dots("", PRINTED.colour, curves.printed.clone())

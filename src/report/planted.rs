@@ -23,8 +23,8 @@ pub struct Row<'a> {
 
 /// All faults of a run.
 #[must_use]
-pub fn rows(findings: &Findings) -> Vec<Row<'_>> {
-    let row = |test| {
+pub fn rows<'a>(findings: &'a Findings) -> Vec<Row<'a>> {
+    let row = |test: &'a Finding| {
         let Finding { name, mistake, outcome, by, error, sound, sound_p } = test;
         Row {
             name,

@@ -104,7 +104,7 @@ pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> Pictures {
         z.push(deviation(p, t));
         signal += b.value * b.value / variance;
     }
-    let statistic: f64 = z.iter().map(|z| z * z).sum();
+    let statistic = z.iter().fold(0.0, |sum, z| sum + z * z);
     let moment = |power| z.iter().map(|z| z.powi(power)).sum::<f64>() / z.len() as f64;
     Pictures {
         statistic,

@@ -52,6 +52,7 @@ pub fn suspect() -> Suspect {
         error_of: "light reflected inside",
         curves: Curves {
             x: "/{θ} inside (degrees)",
+            every: 30.0,
             y: "reflectance",
             printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos())),
             right: curve(0.0, 90.0, |a| right(a.to_radians().cos())),

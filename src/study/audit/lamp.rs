@@ -75,8 +75,9 @@ pub fn suspect() -> Suspect {
         error_in_picture: mean(true) / mean(false) - 1.0,
         error_of: "light on the room's floor",
         curves: Curves {
-            x: "along the floor",
-            y: "irradiance",
+            x: "/{x} on the floor (scene's unit)",
+            every: 0.5,
+            y: "/{E}/{L} (sr)",
             printed: along(true),
             right: along(false),
             scattered: false,

@@ -8,6 +8,7 @@ use crate::envmap::sampler::{CdfSampler, DirectionSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::error::{Error, Result};
 use crate::raster::{Image, Rgb};
+use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::{Table1, Table2};
 use crate::stats::{DensityFn, Directions, Discrete, Draw, Pole, density, sampler};
 use crate::study::proposal::SIGMA;
@@ -94,6 +95,7 @@ pub fn pole_rows() -> Suspect {
         error_of: "light on a floor, 16 rows",
         curves: Curves {
             x: "row",
+            every: 4.0,
             y: "share of the draws",
             printed: steps(|y| report_weight(y) / total),
             right: steps(right_share),
@@ -111,13 +113,13 @@ pub fn corners() -> Suspect {
         let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Draw::new(sample.wi));
         (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
     });
-    let shown = |offset: fn(usize) -> [f64; 2]| -> Vec<[f64; 2]> {
-        (0..96)
-            .map(|i| {
-                let [dx, dy] = offset(i);
-                [(i % 4) as f64 + dx, (i / 4 % 4) as f64 + 4.0 + dy]
-            })
-            .collect()
+    // Four by four texels.
+    let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {
+        let at = |i: u32| {
+            let [dx, dy] = offset(i);
+            [f64::from(i % 4) + dx, f64::from(i / 4 % 4) + 4.0 + dy]
+        };
+        (0..160).map(at).collect()
     };
     Suspect {
         title: "corners of texels",
@@ -130,10 +132,10 @@ pub fn corners() -> Suspect {
         error_of: "light on a floor, 16 rows",
         curves: Curves {
             x: "column",
+            every: 1.0,
             y: "row",
             printed: shown(|_| [0.0, 0.0]),
-            // A sequence that fills the square evenly.
-            right: shown(|i| [0.754_877_67, 0.569_840_29].map(|a| (0.5 + a * i as f64).fract())),
+            right: shown(|i| Independent::new(1, 0, i).pair(0)),
             scattered: true,
         },
     }
@@ -173,6 +175,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
         error_of: "light on a floor",
         curves: Curves {
             x: "row",
+            every: 4.0,
             y: "share of the draws",
             printed: steps(|y| drawn[y]),
             right: steps(|y| rows[y]),

@@ -24,8 +24,9 @@ const COPPER: &Metal = &METALS[3];
 const BLUE: usize = 2;
 /// Pairs of directions that reciprocity is tried on.
 const PAIRS: u32 = 1 << 14;
-/// What f32 makes of two equal reflectances.
+/// What f32 makes of two equal reflectances, and those that it cannot tell from 0.
 const ROUNDING: f64 = 1e-4;
+const FAINTEST: f64 = 1e-30;
 
 pub fn suspects() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
@@ -100,6 +101,7 @@ fn printed_density() -> Result<Suspect> {
         error_of: "albedo at 30°",
         curves: Curves {
             x: "/{θ}_{i} (degrees)",
+            every: 45.0,
             y: "density (1/sr)",
             printed: curve(-90.0, 90.0, |a| right(at(a)) / facet(wo, at(a)).z),
             right: curve(-90.0, 90.0, |a| right(at(a))),
@@ -134,6 +136,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
         error_of: "albedo at 60°, copper, blue",
         curves: Curves {
             x: "/{θ}_{i} (degrees)",
+            every: 45.0,
             y: "/{F}, blue of copper",
             printed: curve(-90.0, 90.0, |a| reflectance(at(a).z)),
             right: curve(-90.0, 90.0, |a| of_facet(at(a))),
@@ -148,7 +151,8 @@ fn largest_asymmetry(metal: &ReportConductor, seed: u64) -> f64 {
         let stream = Independent::new(seed, 0, i);
         let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());
         let (there, back) = (metal.eval(wo, wi).as_dvec3(), metal.eval(wi, wo).as_dvec3());
-        (there - back).abs().max_element() / there.max_element().max(f64::MIN_POSITIVE)
+        let smaller = there.min(back).min_element();
+        if smaller > FAINTEST { ((there - back).abs() / there.min(back)).max_element() } else { 0.0 }
     };
     (0..PAIRS).map(pair).fold(0.0, f64::max)
 }
@@ -182,6 +186,7 @@ fn shadowing_with_pi() -> Result<Suspect> {
         error_of: "albedo at 60°",
         curves: Curves {
             x: "/{θ} (degrees)",
+            every: 30.0,
             y: "/{G}_{1}",
             printed: curve(1.0, 89.9, |a| printed_g1(at(a))),
             right: curve(1.0, 89.9, |a| facets.g1(at(a).to_array())),

@@ -39,8 +39,9 @@ pub struct Erratum {
 /// What is printed beside what is right.
 #[derive(Debug, Clone)]
 pub struct Curves {
-    /// Labels of the axes.
+    /// Labels of the axes, and the step of the ticks of the first.
     pub x: &'static str,
+    pub every: f64,
     pub y: &'static str,
     pub printed: Vec<[f64; 2]>,
     pub right: Vec<[f64; 2]>,

@@ -4,6 +4,7 @@ use super::super::run as run_cases;
 use super::{Case, Planted};
 use crate::error::Result;
 use crate::stats::multiple::sidak;
+use crate::stats::power::noncentrality;
 use crate::stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
@@ -50,8 +51,8 @@ pub struct Finding {
     pub outcome: Outcome,
     /// What rejected it; nothing if it was missed.
     pub by: Option<By>,
-    /// The relative error of the density as the samples show it, √((χ² − dof)/N): root mean square over the cells. It is
-    /// the relative standard deviation that a renderer's weights wrongly have.
+    /// The relative error as the samples show it: of the density, root mean square over the cells, √((χ² − dof)/N); of a
+    /// picture's light, as if it were the same all over.
     pub error: Option<f64>,
     /// The same test without the mistake.
     pub sound: Verdict,
@@ -97,7 +98,7 @@ pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sy
     while let (Some(outcome), Some(sound)) = (outcomes.next(), outcomes.next()) {
         let (name, mistake) = about[tests.len()];
         let by = By::of(&outcome, own_level);
-        let error = (outcome.dof > 0).then(|| error(&outcome));
+        let error = error(&outcome, own_level);
         tests.push(Finding { name, mistake, outcome, by, error, sound: sound.verdict, sound_p: sound.p });
     }
     let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
@@ -112,10 +113,12 @@ pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sy
     })
 }
 
-/// The error that the first round shows: its statistic is on average dof + N w².
-fn error(outcome: &Outcome) -> f64 {
-    let samples = outcome.samples as f64 / if outcome.repeated { 2.0 } else { 1.0 };
-    ((outcome.statistic - outcome.dof as f64).max(0.0) / samples).sqrt()
+/// The error that the first round shows. Its statistic is on average dof + λ, λ grows with the square of the error, and
+/// the test finds the λ of its detectable error.
+fn error(outcome: &Outcome, level: f64) -> Option<f64> {
+    let found = (outcome.statistic - outcome.dof as f64).max(0.0);
+    let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;
+    Some(detectable * (found / noncentrality(outcome.dof, level)).sqrt())
 }
 
 #[cfg(test)]

@@ -1,20 +1,22 @@
 //! Mistakes of an integrator, seen in its pictures.
 
 use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
-use super::Planted;
+use super::{Case, Planted};
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::stats::welch::Mean;
+use crate::stats::{Protocol, Samples};
 
 /// A picture, and what is done to its tiles.
 type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
 
+/// Both tests find biases of 0.5 % of the whole picture.
 fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Picture) -> Planted {
-    Planted {
-        name,
-        mistake,
-        faulty: faulty.0.case(format!("planted/{name}"), faulty.1),
-        sound: sound.case(format!("sound/{name}"), |_| ()),
-    }
+    let case = |kind: &str, (picture, spoil): Spoiled| {
+        Case::new(format!("{kind}/{name}"), move |protocol, round| {
+            picture.examine(&Protocol { samples: Samples::Detect(0.005), ..*protocol }, round, spoil)
+        })
+    };
+    Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
 }
 
 /// Makes a tile brighter by that factor.
@@ -33,17 +35,17 @@ pub fn faults() -> Vec<Planted> {
     let cut = Picture { truth: Truth::Even(2.0), ..inside(5, blind) };
     vec![
         planted(
-            "renders/five-percent-more",
-            "a picture with five percent more light all over: a density off by a constant",
-            (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.05))),
+            "renders/one-percent-more",
+            "a picture with one percent more light all over: a density off by a constant",
+            (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
             lit_sphere(settings),
         ),
         planted(
             "renders/one-dark-tile",
-            "one tile of the picture a quarter too dark: a worker thread that lost part of its samples",
+            "one tile of the picture a tenth too dark: a worker thread that lost part of its samples",
             (lit_sphere(settings), |tiles| {
                 if let Some(tile) = tiles.get_mut(10) {
-                    brighten(tile, 0.75);
+                    brighten(tile, 0.9);
                 }
             }),
             lit_sphere(settings),
