@@ -77,7 +77,7 @@ pub fn suspect() -> Suspect {
         curves: Curves {
             x: "/{x} on the floor (scene's unit)",
             every: 0.5,
-            y: "/{E}/{L} (sr)",
+            y: "/{E} per /{L} (sr)",
             printed: along(true),
             right: along(false),
             scattered: false,

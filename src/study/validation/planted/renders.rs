@@ -58,7 +58,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         planted(
             "renders/shadowing-with-pi",
-            "Λ of Beckmann's distribution with π for √π: the second report's course, 5 % too bright where it matters",
+            "Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light",
             (metal(shadowing), |_| ()),
             metal(bsdf),
         ),
