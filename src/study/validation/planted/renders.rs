@@ -9,11 +9,15 @@ use crate::stats::{Protocol, Samples};
 /// A picture, and what is done to its tiles.
 type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
 
-/// Both tests find biases of 0.5 % of the whole picture.
+/// Both tests find biases of 0.5 % of the whole picture, unless the number of samples is given.
 fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Picture) -> Planted {
     let case = |kind: &str, (picture, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
-            picture.examine(&Protocol { samples: Samples::Detect(0.005), ..*protocol }, round, spoil)
+            let samples = match protocol.samples {
+                Samples::Detect(w) => Samples::Detect(w.min(0.005)),
+                count @ Samples::Count(_) => count,
+            };
+            picture.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })
     };
     Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
