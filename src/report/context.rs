@@ -9,6 +9,8 @@ use crate::optics::metals::{METALS, Metal};
 use crate::raster::Rgb;
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
+use crate::stats::{Protocol, Samples};
+use crate::study::audit::{Erratum, audit};
 use crate::study::converge::Convergence;
 use crate::study::depth::{Depths, depths};
 use crate::study::roughness::{self, Shot as Statue};
@@ -93,6 +95,7 @@ pub struct Context {
     comparison: Memory<(), Comparison>,
     pub(super) convergences: Memory<&'static str, Convergence>,
     stabilities: Memory<&'static str, Stability>,
+    audits: Memory<(), Vec<Erratum>>,
 }
 
 impl Context {
@@ -113,6 +116,7 @@ impl Context {
             comparison: Memory::new(),
             convergences: Memory::new(),
             stabilities: Memory::new(),
+            audits: Memory::new(),
         }
     }
 
@@ -138,6 +142,13 @@ impl Context {
     #[must_use]
     pub fn size<T>(&self, full: T, quick: T) -> T {
         if self.quick { quick } else { full }
+    }
+
+    /// How claims are tested: errors of 2 % are found, or of 5 % in a hurry.
+    #[must_use]
+    pub fn protocol(&self) -> Protocol {
+        let samples = Samples::Detect(if self.quick { 0.05 } else { 0.02 });
+        Protocol { seed: self.seed, samples, ..Protocol::default() }
     }
 
     /// Whether the scenes are the report's own files.
@@ -206,6 +217,11 @@ impl Context {
             let (scene, request) = self.copper()?;
             compare(&scene, &request, &self.settings())
         })
+    }
+
+    /// The reports' mistakes, tested once.
+    pub fn audit(&self) -> Result<Arc<Vec<Erratum>>> {
+        self.audits.get((), || audit(&self.protocol()))
     }
 
     /// What a figure of the stability study shows.

@@ -1,6 +1,5 @@
 //! A mistake in a report, and the evidence for it.
 
-use super::check::number_or_nan;
 use serde::{Deserialize, Serialize};
 
 /// One row of "where the reports are wrong".
@@ -12,9 +11,8 @@ pub struct Erratum {
     pub right: String,
     /// The test that tells them apart.
     pub test: String,
-    /// The p-value of that test under what is printed.
-    #[serde(deserialize_with = "number_or_nan")]
-    pub p_value: f64,
+    /// The p-value of that test under what is printed; `None` where no chance is involved.
+    pub p_value: Option<f64>,
     /// How far off the picture is, with the measure that says so.
     pub picture_error: String,
 }

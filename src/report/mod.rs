@@ -1,5 +1,7 @@
 //! The registry of figures and the views of results: a table, a drawing, checks, and the page that shows them all.
 
+mod audit;
+mod audit_entry;
 mod check;
 mod context;
 pub mod converge;
@@ -15,6 +17,7 @@ pub mod metals;
 mod originals;
 pub mod output;
 pub mod page;
+pub mod planted;
 pub mod proposal;
 mod registry;
 mod second_report;

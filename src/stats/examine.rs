@@ -205,10 +205,25 @@ pub fn examine<D: Domain>(
         pooled: test.map_or(0, |test| test.dof + 1),
         none,
         repeated: false,
-        fault: density_fault.or(mass_fault).or(corner_fault).or(draw_fault),
+        fault: density_fault.or(mass_fault).or(corner_fault).or(draw_fault).or_else(|| discrete(domain, &pilot)),
         doubt,
         counts: Some(Counts { grid, observed, expected, atoms: atoms.len() }),
     })
+}
+
+/// What is wrong with samples of a continuous set that keep coming back to the same few places.
+///
+/// Every fourth may be new: numbers of 13 bits, or of four digits, still count as continuous.
+fn discrete<D: Domain>(domain: &D, pilot: &[[f64; 2]]) -> Option<String> {
+    if domain.outcomes().is_some() || pilot.len() < 1000 {
+        return None;
+    }
+    let mut places: Vec<[u64; 2]> = pilot.iter().map(|place| place.map(f64::to_bits)).collect();
+    places.sort_unstable();
+    places.dedup();
+    let (points, samples) = (places.len(), pilot.len());
+    (4 * points < samples)
+        .then(|| format!("this sampler is discrete: only {points} distinct points in {samples} samples"))
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.

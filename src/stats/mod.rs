@@ -49,6 +49,7 @@ pub mod multiple;
 mod outcome;
 pub mod power;
 mod sampler;
+pub mod welch;
 
 pub use density::{Atom, Density, DensityFn, Mass, density};
 pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};

@@ -1,5 +1,6 @@
 //! One file per experiment: each computes a plain result and neither draws nor prints.
 
+pub mod audit;
 pub mod converge;
 pub mod depth;
 pub mod fresnel;

@@ -1,6 +1,7 @@
 //! `etalon validate`: samplers tested against their densities.
 
 mod elsewhere;
+mod planted;
 mod summary;
 
 use super::console::Console;
@@ -32,6 +33,9 @@ pub struct Validate {
     /// List the tests and stop
     #[arg(long)]
     list: bool,
+    /// Test samplers with a mistake each instead, all of which must be rejected
+    #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
+    planted: bool,
     /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect")]
     samples: Option<HowMany>,
@@ -62,6 +66,9 @@ struct Output<'a> {
 
 impl Validate {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.planted {
+            return planted::run(&self.protocol(global), global, console);
+        }
         let cases = self.cases(console)?;
         if self.list {
             list(&cases, console);

@@ -86,7 +86,7 @@ fn family(name: &str) -> String {
     words[..(words.len() - 1).min(2)].join("/")
 }
 
-fn p_value(p: Option<f64>) -> String {
+pub fn p_value(p: Option<f64>) -> String {
     p.map_or("-".into(), |p| if p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") })
 }
 

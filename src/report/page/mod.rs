@@ -181,12 +181,12 @@ fn errata(out: &mut String, figures: &[Figure<'_>]) -> std::fmt::Result {
         for erratum in &figure.record.errata {
             writeln!(
                 out,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{:.1e}</td><td>{}</td>\
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td>{}</td>\
                  <td><a href=\"#figure-{id}\">{id}</a></td></tr>",
                 Escaped(&erratum.printed),
                 Escaped(&erratum.right),
                 Escaped(&erratum.test),
-                erratum.p_value,
+                erratum.p_value.map_or_else(|| "exact".to_owned(), |p| format!("{p:.1e}")),
                 Escaped(&erratum.picture_error),
                 id = Escaped(figure.entry.id)
             )?;

@@ -63,7 +63,7 @@ fn failures_and_errata_are_shown_as_text() {
                 printed: evil.into(),
                 right: "R₀ = 0.04".into(),
                 test: "t-test".into(),
-                p_value: 1e-12,
+                p_value: Some(1e-12),
                 picture_error: "3 %".into(),
             }];
         } else {

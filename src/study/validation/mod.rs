@@ -1,6 +1,7 @@
 //! The project's own samplers, tested: cases, suites of them, and runs.
 
 mod case;
+pub mod planted;
 mod run;
 mod select;
 pub mod suite;

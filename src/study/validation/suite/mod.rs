@@ -4,6 +4,7 @@ mod bsdfs;
 mod lights;
 pub mod maps;
 mod normals;
+pub mod renders;
 mod smooth;
 mod strata;
 mod tables;
@@ -23,6 +24,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(bsdfs::cases());
     all.extend(smooth::cases());
     all.extend(lights::cases());
+    all.extend(renders::cases());
     all
 }
 

@@ -1,0 +1,61 @@
+//! `etalon validate --planted`: can the suite fail? Every mistake must be rejected, and nothing without one.
+
+use super::summary::p_value;
+use crate::cli::console::{Console, files_written};
+use crate::cli::{Global, Verdict};
+use crate::error::Result;
+use crate::files;
+use crate::report::{output, planted as view};
+use crate::stats::{self, Protocol};
+use crate::study::validation::planted::{self, By, Findings};
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Serialize)]
+struct Output<'a> {
+    #[serde(flatten)]
+    findings: &'a Findings,
+    files: &'a [PathBuf],
+}
+
+pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
+    let all = planted::all();
+    let bar = console.progress(2 * all.len() as u64, "planted faults");
+    let findings = planted::run(all, protocol, &|_| bar.inc(1))?;
+    bar.finish_and_clear();
+    let path = output::with_extension(&output::Target::new(global.out.as_deref()).stem("planted", ""), "csv");
+    files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
+    let files = [path];
+    console.result(&Output { findings: &findings, files: &files }, || text(&findings, &files));
+    Ok(if findings.is_good() { Verdict::Good } else { Verdict::Rejected })
+}
+
+fn text(findings: &Findings, files: &[PathBuf]) -> String {
+    let tests = &findings.tests;
+    let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
+    let mut text =
+        format!("{:<width$}  verdict   by                 p    samples    error  without it\n", "planted fault");
+    for test in tests {
+        let error = test.error.map_or("-".into(), |error| format!("{:.1} %", 100.0 * error));
+        text += &format!(
+            "{:<width$}  {:<8}  {:<10} {:>9} {:>10} {error:>8}  {}\n",
+            test.name,
+            test.outcome.verdict,
+            test.by.map_or("-", By::name),
+            p_value(test.outcome.p),
+            test.outcome.samples,
+            test.sound,
+        );
+        if test.outcome.verdict != stats::Verdict::Reject || test.sound != stats::Verdict::Accept {
+            text += &format!("  {}\n", test.outcome.remark().unwrap_or(test.mistake));
+        }
+    }
+    text += &format!(
+        "\n{} of {} planted faults rejected; {} of the same tests without the fault not accepted; {:.1} s\n",
+        findings.rejected,
+        tests.len(),
+        findings.false_alarms,
+        findings.seconds,
+    );
+    text + &files_written(files)
+}

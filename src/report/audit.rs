@@ -1,0 +1,157 @@
+//! Drawing, table and checks of the reports' own mistakes.
+
+use super::check::Check;
+use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
+use crate::stats::Verdict;
+use crate::study::audit::Erratum;
+use serde::Serialize;
+
+/// Panels in a row, the size of a frame, and of the text under it.
+const COLUMNS: usize = 4;
+const FRAME: [f64; 2] = [190.0, 140.0];
+const LINE: f64 = 16.0;
+const GAP: f64 = 18.0;
+const EDGE: f64 = 12.0;
+/// What stands right of a panel's frame.
+const MARGIN: f64 = 14.0;
+/// What is printed, and what is right.
+const PRINTED: Stroke = Stroke { colour: theme::VERMILION, width: theme::LINE, dash: theme::DASHED };
+const RIGHT: Stroke = Stroke::solid(theme::BLUE, theme::LINE);
+
+/// A panel for each mistake, with the verdicts and the size of the error below it.
+#[must_use]
+pub fn drawing(errata: &[Erratum]) -> Drawing {
+    let panels: Vec<Drawing> =
+        errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
+    let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
+    let (width, below) = (largest(Drawing::width) + GAP, largest(Drawing::height));
+    let height = below + 3.0 * LINE + 2.0 * GAP;
+    let rows = errata.len().div_ceil(COLUMNS);
+    let head = EDGE + theme::LABEL_SIZE + GAP;
+    let columns = COLUMNS.min(errata.len());
+    let mut sheet = Drawing::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
+    let right = sheet.width();
+    legend(&mut sheet, right / 2.0);
+    for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
+        let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
+        let lines = [
+            (PRINTED.colour, format!("printed: {}", verdict(erratum.verdict, erratum.p))),
+            (RIGHT.colour, format!("right: {}", verdict(erratum.right_verdict, erratum.right_p))),
+            (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
+        ];
+        let middle = x + drawing.width() - MARGIN - 0.5 * FRAME[0];
+        sheet.append(drawing, x, y);
+        for (k, (colour, line)) in lines.into_iter().enumerate() {
+            let at = [middle, y + below + LINE * k as f64];
+            let text = Text::new(at, theme::NOTE_SIZE, line).held(Anchor::Middle, Level::Top);
+            sheet.text(text.coloured(colour));
+        }
+    }
+    sheet
+}
+
+fn panel(erratum: &Erratum, letter: char) -> Drawing {
+    let curves = &erratum.curves;
+    // Scattered are places on a map, whose first row is at the top.
+    let y = Axis::linear(curves.y);
+    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { y };
+    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y).title(format!("{letter}  {}", erratum.title));
+    let panel = if curves.scattered {
+        let dots = panel.dots("", RIGHT.colour, curves.right.clone());
+        dots.dots("", PRINTED.colour, curves.printed.clone())
+    } else {
+        panel.line("", RIGHT, curves.right.clone()).line("", PRINTED, curves.printed.clone())
+    };
+    Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
+}
+
+/// What the colours mean, above all panels.
+fn legend(sheet: &mut Drawing, middle: f64) {
+    const SAMPLE: f64 = 26.0;
+    for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (RIGHT, "right", 40.0)] {
+        let (x, y) = (middle + from, EDGE + 0.5 * theme::LABEL_SIZE);
+        sheet.line([[x, y], [x + SAMPLE, y]], stroke);
+        let text = Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle);
+        sheet.text(text.coloured(theme::INK));
+    }
+}
+
+fn verdict(verdict: Verdict, p: Option<f64>) -> String {
+    let word = match verdict {
+        Verdict::Accept => "accepted",
+        Verdict::Reject => "rejected",
+        Verdict::Inconclusive => "undecided",
+    };
+    match p {
+        None => format!("{word} by an exact check"),
+        Some(p) if p >= 1e-3 => format!("{word}, /{{p}} = {p:.2}"),
+        Some(p) if p > 0.0 => format!("{word}, /{{p}} ≈ 10^{{−{:.0}}}", -p.log10()),
+        Some(_) => format!("{word}, /{{p}} < 10^{{−300}}"),
+    }
+}
+
+pub(super) fn percent(error: f64) -> String {
+    let sign = if error < 0.0 { '−' } else { '+' };
+    format!("{sign}{:.1} %", 100.0 * error.abs())
+}
+
+/// A mistake without its curves. Field names are the CSV columns.
+#[derive(Debug, Default, Serialize)]
+pub struct Row<'a> {
+    title: &'a str,
+    report: &'a str,
+    printed: &'a str,
+    right: &'a str,
+    test: &'a str,
+    verdict: String,
+    p: Option<f64>,
+    samples: u64,
+    violation: &'a str,
+    right_verdict: String,
+    right_p: Option<f64>,
+    error_in_picture: f64,
+    error_of: &'a str,
+}
+
+/// The table of all mistakes.
+#[must_use]
+pub fn rows(errata: &[Erratum]) -> Vec<Row<'_>> {
+    errata
+        .iter()
+        .map(|e| Row {
+            title: e.title,
+            report: e.report,
+            printed: e.printed,
+            right: e.right,
+            test: e.test,
+            verdict: e.verdict.to_string(),
+            p: e.p,
+            samples: e.samples,
+            violation: e.violation.as_deref().unwrap_or(""),
+            right_verdict: e.right_verdict.to_string(),
+            right_p: e.right_p,
+            error_in_picture: e.error_in_picture,
+            error_of: e.error_of,
+        })
+        .collect()
+}
+
+/// Every printed claim is rejected, every right one accepted.
+#[must_use]
+pub fn checks(errata: &[Erratum]) -> Vec<Check> {
+    let yes = |is: bool| f64::from(u8::from(is));
+    errata
+        .iter()
+        .flat_map(|e| {
+            [
+                Check::near(format!("rejected as printed: {}", e.title), 1.0, yes(e.verdict == Verdict::Reject), 0.0),
+                Check::near(
+                    format!("accepted as right: {}", e.title),
+                    1.0,
+                    yes(e.right_verdict == Verdict::Accept),
+                    0.0,
+                ),
+            ]
+        })
+        .collect()
+}

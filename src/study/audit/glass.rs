@@ -1,0 +1,70 @@
+//! Both reports' glass: Schlick's polynomial of the incident cosine, inside as outside.
+
+use super::{Curves, Suspect, curve};
+use crate::bsdf::report_model::ReportGlass;
+use crate::bsdf::{DielectricFresnel, Glass, Scatter};
+use crate::optics::{dielectric, schlick};
+use crate::raster::Rgb;
+use crate::stats::{Atom, Directions, Draw, Pole, density, sampler};
+use crate::study::validation::Case;
+use glam::DVec3;
+
+/// Index of the glass, and an angle inside it below the critical one of 43.6°.
+const ETA: f64 = 1.45;
+const SEEN_AT: f64 = 40.0;
+
+pub fn suspect() -> Suspect {
+    let (sin, cos) = SEEN_AT.to_radians().sin_cos();
+    let case = |name: &str, printed: bool| {
+        Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
+            let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);
+            let report = ReportGlass { reflectance, transmittance, eta };
+            let right = Glass { reflectance, transmittance, eta, fresnel: DielectricFresnel::Exact };
+            let wo = DVec3::new(sin, 0.0, -cos).as_vec3();
+            let draw = move |u: &[f64]| {
+                let uc = u[0] as f32;
+                let sample = if printed { report.sample(wo, uc, [0.5; 2]) } else { right.sample(wo, uc, [0.5; 2]) };
+                sample.map(|sample| Draw::atom(sample.wi.as_dvec3()))
+            };
+            let truth = dielectric::fresnel(cos, 1.0 / ETA);
+            let reflected = truth.unpolarized();
+            let atom = |point, probability| Atom { point, probability };
+            let atoms = vec![
+                atom(DVec3::new(-sin, 0.0, -cos), reflected),
+                atom(DVec3::new(-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)), 1.0 - reflected),
+            ];
+            (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
+        })
+    };
+    let printed = |cos: f64| schlick::schlick_incident_cosine(cos, 1.0 / ETA);
+    let right = |cos: f64| dielectric::fresnel(cos, 1.0 / ETA).unpolarized();
+    Suspect {
+        title: "Schlick's cosine inside glass",
+        report: "both reports",
+        printed: "F₀ + (1 − F₀)(1 − cos θᵢ)⁵ on both sides",
+        right: "Fresnel's equations; Schlick's cosine is that on the less dense side",
+        test: "chi-square of reflected and refracted directions from inside at 40°",
+        cases: vec![case("printed", true), case("right", false)],
+        error_in_picture: reflected(
+            |cos| if dielectric::eta_cos_t(cos, 1.0 / ETA).is_some() { printed(cos) } else { 1.0 },
+        ) / reflected(right)
+            - 1.0,
+        error_of: "light reflected inside",
+        curves: Curves {
+            x: "/{θ} inside (degrees)",
+            every: 30.0,
+            y: "reflectance",
+            printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos())),
+            right: curve(0.0, 90.0, |a| right(a.to_radians().cos())),
+            scattered: false,
+        },
+    }
+}
+
+/// The share of even light that is reflected: 2 ∫ R cos θ d cos θ.
+fn reflected(reflectance: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 100_000;
+    let step = 1.0 / f64::from(STEPS);
+    let at = |i: u32| (f64::from(i) + 0.5) * step;
+    (0..STEPS).map(|i| 2.0 * reflectance(at(i)) * at(i) * step).sum()
+}

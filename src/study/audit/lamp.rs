@@ -1,0 +1,86 @@
+//! The course's panel light: it falls off with the distance, not its square, because a vector is taken for a unit vector.
+
+use super::{Curves, Suspect, curve};
+use crate::raster::Rgb;
+use crate::render::{Model, Sampling, Settings};
+use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, Scene, Shape};
+use crate::study::validation::suite::renders::{Picture, Truth};
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// The panel of the report's room, 0.6 by 0.8 at this height, and the place on the floor that the render looks at.
+const HALF: [f64; 2] = [0.3, 0.4];
+const HEIGHT: f64 = 1.49;
+const PLACE: [f64; 2] = [0.3, 0.2];
+const ALBEDO: f64 = 0.6;
+
+/// Light on the floor at (x, z) from a panel of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
+fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
+    const STEPS: usize = 200;
+    let at = |i: usize, half: f64| half * ((2 * i + 1) as f64 / STEPS as f64 - 1.0);
+    let area = 4.0 * HALF[0] * HALF[1] / (STEPS * STEPS) as f64;
+    let mut sum = 0.0;
+    for i in 0..STEPS {
+        for k in 0..STEPS {
+            let d2 = (at(i, HALF[0]) - x).powi(2) + HEIGHT * HEIGHT + (at(k, HALF[1]) - z).powi(2);
+            sum += HEIGHT * HEIGHT / (d2 * d2) * if too_bright { d2.sqrt() } else { 1.0 };
+        }
+    }
+    sum * area
+}
+
+/// The floor under the panel, seen from close above.
+fn picture(inverse_distance: bool) -> Picture {
+    let rectangle = |centre, x, y| Rectangle::new(centre, x, y).expect("the sides are perpendicular");
+    let floor = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
+    let panel = rectangle(Vec3::Y * HEIGHT as f32, HALF[0] as f32 * Vec3::X, HALF[1] as f32 * Vec3::Z);
+    let camera = Camera {
+        position: DVec3::new(PLACE[0], 0.5, PLACE[1]),
+        right: DVec3::X,
+        up: DVec3::NEG_Z,
+        forward: DVec3::NEG_Y,
+        projection: Projection::Orthographic { half_width: 5e-4, half_height: 5e-4 },
+    };
+    let scene = Scene {
+        name: "floor".into(),
+        camera,
+        objects: vec![Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(ALBEDO as f32) })],
+        lights: vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }],
+        environment: None,
+    };
+    let model = Model { inverse_distance, ..Model::default() };
+    Picture {
+        scene,
+        request: Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: 1 },
+        settings: Settings { sampling: Sampling::Light, model, ..Settings::default() },
+        truth: Truth::Even(ALBEDO / PI * irradiance(PLACE, false)),
+    }
+}
+
+pub fn suspect() -> Suspect {
+    // Over the report's floor, 2 by 2.
+    const POINTS: usize = 12;
+    let at = |i: usize| (2 * i + 1) as f64 / POINTS as f64 - 1.0;
+    let mean = |too_bright| -> f64 {
+        (0..POINTS * POINTS).map(|i| irradiance([at(i % POINTS), at(i / POINTS)], too_bright)).sum()
+    };
+    let along = |too_bright| curve(-1.0, 1.0, |x| irradiance([x, 0.0], too_bright));
+    Suspect {
+        title: "light that falls off as 1/d",
+        report: "second report (its course)",
+        printed: "cos θ by a direction of length d: irradiance ∝ 1/d",
+        right: "irradiance ∝ 1/d²",
+        test: "Welch's t of the rendered floor against its exact radiance",
+        cases: vec![picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())],
+        error_in_picture: mean(true) / mean(false) - 1.0,
+        error_of: "light on the room's floor",
+        curves: Curves {
+            x: "/{x} on the floor (scene's unit)",
+            every: 0.5,
+            y: "/{E} per /{L} (sr)",
+            printed: along(true),
+            right: along(false),
+            scattered: false,
+        },
+    }
+}

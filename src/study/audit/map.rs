@@ -1,0 +1,185 @@
+//! The first report's environment map: its weights of rows, its directions, its random numbers.
+//!
+//! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The picture is a floor under an even sky.
+
+use super::{Curves, Suspect};
+use crate::envmap::report_model::ReportSampler;
+use crate::envmap::sampler::{CdfSampler, DirectionSampler};
+use crate::envmap::{EnvMap, LatLong};
+use crate::error::{Error, Result};
+use crate::raster::{Image, Rgb};
+use crate::sampling::stream::{Independent, Stream};
+use crate::sampling::table::{Table1, Table2};
+use crate::stats::{DensityFn, Directions, Discrete, Draw, Pole, density, sampler};
+use crate::study::proposal::SIGMA;
+use crate::study::validation::Case;
+use glam::DVec3;
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const WIDTH: usize = 32;
+const HEIGHT: usize = 16;
+
+fn even_sky() -> Arc<EnvMap> {
+    Arc::new(EnvMap::new(Image::from_fn(WIDTH, HEIGHT, |_, _| Rgb::ONE)))
+}
+
+/// sin(hπ/(H−1)), with the zero at both ends that it means.
+fn report_weight(y: usize) -> f64 {
+    if y == 0 || y + 1 == HEIGHT { 0.0 } else { (PI * y as f64 / (HEIGHT - 1) as f64).sin() }
+}
+
+/// cos θ at the edge of a row.
+fn edge(y: usize) -> f64 {
+    (PI * y as f64 / HEIGHT as f64).cos()
+}
+
+/// The share of a floor's light that comes from a row above it.
+fn of_floor(y: usize) -> f64 {
+    if 2 * y < HEIGHT { edge(y).powi(2) - edge(y + 1).powi(2) } else { 0.0 }
+}
+
+/// `pdf` of directions, constant over texels.
+fn by_texel<F: Fn(DVec3) -> f64 + Sync>(pdf: F) -> DensityFn<DVec3, F> {
+    let edges = |n: usize, at: fn(f64) -> f64| (1..n).map(|i| at(i as f64 / n as f64)).collect();
+    density(pdf).with_steps([edges(HEIGHT, |v| (0.5 * PI * v).sin().powi(2)), edges(WIDTH, |u| u)])
+}
+
+fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case
+where
+    S: Fn([f64; 2]) -> Option<DVec3> + Sync,
+{
+    Case::of(name, Directions::sphere(Pole::Y), move || {
+        let map = even_sky();
+        let draw = pick(map.geometry());
+        let right = CdfSampler::new(map);
+        (sampler(2, move |u: &[f64]| draw([u[0], u[1]]).map(Draw::new)), by_texel(move |w| right.pdf(w)))
+    })
+}
+
+/// Directions by a table of rows, evenly inside their texels.
+fn by_rows(weight: fn(&LatLong, usize) -> f64) -> impl Fn(&LatLong) -> Box<dyn Fn([f64; 2]) -> Option<DVec3> + Sync> {
+    move |g| {
+        let g = g.clone();
+        let table = Table2::new(WIDTH, HEIGHT, |_, y| weight(&g, y));
+        Box::new(move |u| {
+            let draw = table.draw(u)?;
+            Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
+        })
+    }
+}
+
+/// Shares by row as a curve of steps.
+fn steps(share: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    (0..HEIGHT).flat_map(|y| [[y as f64, share(y)], [(y + 1) as f64, share(y)]]).collect()
+}
+
+fn right_share(y: usize) -> f64 {
+    0.5 * (edge(y) - edge(y + 1))
+}
+
+pub fn pole_rows() -> Suspect {
+    let total: f64 = (0..HEIGHT).map(report_weight).sum();
+    Suspect {
+        title: "rows at the poles",
+        report: "first report",
+        printed: "row h weighs sin(hπ/(H − 1))",
+        right: "row h weighs cos θₕ − cos θₕ₊₁",
+        test: "chi-square of the directions, even sky of 32×16",
+        cases: vec![
+            case("audit/pole-rows/printed".into(), by_rows(|_, y| report_weight(y))),
+            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
+        ],
+        error_in_picture: -of_floor(0),
+        error_of: "light on a floor, 16 rows",
+        curves: Curves {
+            x: "row",
+            every: 4.0,
+            y: "share of the draws",
+            printed: steps(|y| report_weight(y) / total),
+            right: steps(right_share),
+            scattered: false,
+        },
+    }
+}
+
+pub fn corners() -> Suspect {
+    // What the report's estimator is on average: Σ L cos θ/p over the corners, each drawn with its probability.
+    let corners: f64 = (0..HEIGHT / 2).map(|y| report_weight(y) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
+    let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
+        let draw = ReportSampler::new(even_sky());
+        let claim = CdfSampler::new(even_sky());
+        let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Draw::new(sample.wi));
+        (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
+    });
+    // Four by four texels.
+    let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {
+        let at = |i: u32| {
+            let [dx, dy] = offset(i);
+            [f64::from(i % 4) + dx, f64::from(i / 4 % 4) + 4.0 + dy]
+        };
+        (0..160).map(at).collect()
+    };
+    Suspect {
+        title: "corners of texels",
+        report: "first report (its course)",
+        printed: "the direction of the drawn texel's corner",
+        right: "a direction anywhere in the texel, evenly by solid angle",
+        test: "chi-square of the directions, and distinct points among them",
+        cases: vec![printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))],
+        error_in_picture: corners - 1.0,
+        error_of: "light on a floor, 16 rows",
+        curves: Curves {
+            x: "column",
+            every: 1.0,
+            y: "row",
+            printed: shown(|_| [0.0, 0.0]),
+            right: shown(|i| Independent::new(1, 0, i).pair(0)),
+            scattered: true,
+        },
+    }
+}
+
+pub fn gaussian_numbers() -> Result<Suspect> {
+    let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
+    let (low, high) = (normal.cdf(0.0), normal.cdf(1.0));
+    let share = move |from: f64, to: f64| (normal.cdf(to) - normal.cdf(from)) / (high - low);
+    let rows: Vec<f64> = (0..HEIGHT).map(right_share).collect();
+    let test = |name: &str, gaussian: bool| {
+        let rows = rows.clone();
+        Case::of(format!("audit/numbers/{name}"), Discrete { outcomes: HEIGHT }, move || {
+            let (table, claim) = (Table1::new(&rows), Table1::new(&rows));
+            let draw = move |u: &[f64]| {
+                let u = if gaussian {
+                    normal.inverse_cdf(low + u[0] * (high - low)).clamp(0.0, 1f64.next_down())
+                } else {
+                    u[0]
+                };
+                Some(Draw::new(table.draw(u)?.cell))
+            };
+            (sampler(1, draw), density(move |row: usize| claim.probability(row)))
+        })
+    };
+    let ends: Vec<f64> = (0..=HEIGHT).map(|y| rows[..y].iter().sum()).collect();
+    let drawn: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
+    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * drawn[y] / rows[y]).sum();
+    Ok(Suspect {
+        title: "Gaussian numbers",
+        report: "first report",
+        printed: "rows drawn by inversion of Gaussian numbers",
+        right: "rows drawn by inversion of uniform numbers",
+        test: "chi-square of the rows drawn, even sky of 16 rows",
+        cases: vec![test("printed", true), test("right", false)],
+        error_in_picture: floor - 1.0,
+        error_of: "light on a floor",
+        curves: Curves {
+            x: "row",
+            every: 4.0,
+            y: "share of the draws",
+            printed: steps(|y| drawn[y]),
+            right: steps(|y| rows[y]),
+            scattered: false,
+        },
+    })
+}

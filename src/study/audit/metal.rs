@@ -1,0 +1,196 @@
+//! The second report's metal: the density that it prints, its Fresnel term, its shadowing.
+
+use super::{Curves, Suspect, curve, exact};
+use crate::bsdf::report_model::{ReportConductor, ReportConventions, printed_pdf};
+use crate::bsdf::{MetalFresnel, Scatter};
+use crate::error::Result;
+use crate::optics::conductor::fresnel;
+use crate::optics::metals::{METALS, Metal};
+use crate::optics::microfacet::variants::lambda_with_pi;
+use crate::optics::microfacet::{Beckmann, Microfacet};
+use crate::raster::Rgb;
+use crate::sampling::hash;
+use crate::sampling::normals::SampleNormals;
+use crate::sampling::stream::{Independent, Stream};
+use crate::sampling::warp;
+use crate::stats::cubature::integrate;
+use crate::stats::{Directions, Draw, Grid, Mass, Pole, Protocol, density, sampler};
+use crate::study::validation::Case;
+use glam::DVec3;
+
+const ALPHA: f64 = 0.5;
+/// Copper, whose blue varies most with the angle.
+const COPPER: &Metal = &METALS[3];
+const BLUE: usize = 2;
+/// Pairs of directions that reciprocity is tried on.
+const PAIRS: u32 = 1 << 14;
+/// What f32 makes of two equal reflectances, and those that it cannot tell from 0.
+const ROUNDING: f64 = 1e-4;
+const FAINTEST: f64 = 1e-30;
+
+pub fn suspects() -> Result<Vec<Suspect>> {
+    Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
+}
+
+/// The direction in the plane of incidence at that angle in degrees, to the far side of the normal where positive.
+fn at(degrees: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    DVec3::new(-sin, 0.0, cos.max(0.0))
+}
+
+/// Towards a viewer at that angle.
+fn viewer(degrees: f64) -> DVec3 {
+    let w = at(degrees);
+    DVec3::new(-w.x, 0.0, w.z)
+}
+
+fn facet(wo: DVec3, wi: DVec3) -> DVec3 {
+    (wo + wi).normalize()
+}
+
+/// ∫ f cos θᵢ over the hemisphere, for f in f64.
+fn albedo(f: impl Fn(DVec3) -> f64 + Sync) -> Result<f64> {
+    let reflected = density(move |wi: DVec3| f(wi) * wi.z);
+    let cells = Grid::equal([8, 8], None);
+    Ok(integrate(&Directions::hemisphere(Pole::Z), &reflected, &cells, &[])?.values.iter().sum())
+}
+
+/// D G₂/(4 cos θₒ cos θᵢ).
+fn brdf(wo: DVec3, wi: DVec3) -> f64 {
+    let facets = Beckmann::new(ALPHA);
+    0.25 * facets.d(facet(wo, wi).to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array())
+}
+
+fn metal(conventions: ReportConventions) -> ReportConductor {
+    let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
+    let fresnel = MetalFresnel::new(rgb(COPPER.eta), rgb(COPPER.k));
+    ReportConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
+}
+
+fn printed_density() -> Result<Suspect> {
+    const SEEN_AT: f64 = 30.0;
+    let wo = viewer(SEEN_AT);
+    let case = |name: &str, printed: bool| {
+        Case::of(format!("audit/density/{name}"), Directions::hemisphere(Pole::Z), move || {
+            let metal = metal(ReportConventions::ALL);
+            let draw = move |u: &[f64]| {
+                let sample = metal.sample(wo.as_vec3(), 0.0, [u[0] as f32, u[1] as f32])?;
+                Some(Draw::new(sample.wi.as_dvec3()))
+            };
+            let pdf = move |wi: DVec3| {
+                let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
+                f64::from(if printed { printed_pdf(metal.distribution, wo, wi) } else { metal.pdf(wo, wi) })
+            };
+            (sampler(2, draw), density(pdf).with_mass(Mass::AtMostOne))
+        })
+    };
+    let facets = Beckmann::new(ALPHA);
+    let right = move |wi: DVec3| {
+        let m = facet(wo, wi);
+        0.25 * facets.pdf_all(m.to_array()) / wo.dot(m)
+    };
+    let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
+    Ok(Suspect {
+        title: "density without cos θₘ",
+        report: "second report",
+        printed: "p(ωᵢ) = D(m)/(4 ωₒ·m)",
+        right: "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)",
+        test: "chi-square of the report's own directions, α = 0.5 at 30°",
+        cases: vec![case("printed", true), case("right", false)],
+        error_in_picture: lost - 1.0,
+        error_of: "albedo at 30°",
+        curves: Curves {
+            x: "/{θ}_{i} (degrees)",
+            every: 45.0,
+            y: "density (1/sr)",
+            printed: curve(-90.0, 90.0, |a| right(at(a)) / facet(wo, at(a)).z),
+            right: curve(-90.0, 90.0, |a| right(at(a))),
+            scattered: false,
+        },
+    })
+}
+
+fn fresnel_at_normal() -> Result<Suspect> {
+    const SEEN_AT: f64 = 60.0;
+    let wo = viewer(SEEN_AT);
+    let case = |name: &str, at_normal: bool| {
+        let metal = metal(ReportConventions { fresnel_at_normal: at_normal, ..ReportConventions::default() });
+        Case::new(format!("audit/reciprocity/{name}"), move |protocol: &Protocol, round| {
+            let fault = largest_asymmetry(&metal, hash::key([protocol.seed, round, 0]));
+            let fault =
+                (fault > ROUNDING).then(|| format!("f(ωₒ, ωᵢ) and f(ωᵢ, ωₒ) differ by up to {:.0} %", 100.0 * fault));
+            Ok(exact(fault, u64::from(PAIRS)))
+        })
+    };
+    let reflectance = |cos: f64| fresnel(cos, COPPER.eta[BLUE], COPPER.k[BLUE]).unpolarized();
+    let of_facet = move |wi: DVec3| reflectance(wo.dot(facet(wo, wi)));
+    let changed = albedo(|wi| brdf(wo, wi) * reflectance(wi.z))? / albedo(|wi| brdf(wo, wi) * of_facet(wi))?;
+    Ok(Suspect {
+        title: "F at the surface's normal",
+        report: "second report",
+        printed: "F(ωᵢ·n)",
+        right: "F(ωᵢ·m)",
+        test: "reciprocity f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ) of copper, pair by pair",
+        cases: vec![case("printed", true), case("right", false)],
+        error_in_picture: changed - 1.0,
+        error_of: "albedo at 60°, copper, blue",
+        curves: Curves {
+            x: "/{θ}_{i} (degrees)",
+            every: 45.0,
+            y: "/{F}, blue of copper",
+            printed: curve(-90.0, 90.0, |a| reflectance(at(a).z)),
+            right: curve(-90.0, 90.0, |a| of_facet(at(a))),
+            scattered: false,
+        },
+    })
+}
+
+/// The largest relative difference of f(wo, wi) and f(wi, wo) over random pairs.
+fn largest_asymmetry(metal: &ReportConductor, seed: u64) -> f64 {
+    let pair = |i: u32| {
+        let stream = Independent::new(seed, 0, i);
+        let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());
+        let (there, back) = (metal.eval(wo, wi).as_dvec3(), metal.eval(wi, wo).as_dvec3());
+        let smaller = there.min(back).min_element();
+        if smaller > FAINTEST { ((there - back).abs() / there.min(back)).max_element() } else { 0.0 }
+    };
+    (0..PAIRS).map(pair).fold(0.0, f64::max)
+}
+
+fn shadowing_with_pi() -> Result<Suspect> {
+    const SEEN_AT: f64 = 60.0;
+    let facets = Beckmann::new(ALPHA);
+    let lambda = move |w: DVec3| lambda_with_pi(w.z / (ALPHA * w.truncate().length()));
+    let printed_g1 = move |w: DVec3| 1.0 / (1.0 + lambda(w));
+    let wo = viewer(SEEN_AT);
+    let case = |name: &str, printed: bool| {
+        Case::of(format!("audit/shadowing/{name}"), Directions::hemisphere(Pole::Z), move || {
+            let draw =
+                move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+            let g1 = if printed { printed_g1(wo) } else { facets.g1(wo.to_array()) };
+            (sampler(2, draw), density(move |m: DVec3| facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1 / wo.z))
+        })
+    };
+    let printed = albedo(|wi| {
+        let g2 = 1.0 / (1.0 + lambda(wo) + lambda(wi));
+        0.25 * facets.d(facet(wo, wi).to_array()) * g2 / (wo.z * wi.z)
+    })?;
+    Ok(Suspect {
+        title: "shadowing with π for √π",
+        report: "second report (its course)",
+        printed: "Λ = ½ (erf a − 1 + exp(−a²)/(a π))",
+        right: "Λ = ½ (erf a − 1 + exp(−a²)/(a √π))",
+        test: "integral and chi-square of the visible normals, α = 0.5 at 60°",
+        cases: vec![case("printed", true), case("right", false)],
+        error_in_picture: printed / albedo(|wi| brdf(wo, wi))? - 1.0,
+        error_of: "albedo at 60°",
+        curves: Curves {
+            x: "/{θ} (degrees)",
+            every: 30.0,
+            y: "/{G}_{1}",
+            printed: curve(1.0, 89.9, |a| printed_g1(at(a))),
+            right: curve(1.0, 89.9, |a| facets.g1(at(a).to_array())),
+            scattered: false,
+        },
+    })
+}

@@ -1,0 +1,137 @@
+//! The reports' own mistakes: what they print, what is right, the test that tells the two apart, and what the mistake
+//! does to a picture.
+
+mod glass;
+mod lamp;
+mod map;
+mod metal;
+
+use super::validation::{Case, run};
+use crate::error::Result;
+use crate::stats::{Outcome, Protocol, Verdict};
+use serde::Serialize;
+
+/// One mistake.
+#[derive(Debug, Clone, Serialize)]
+pub struct Erratum {
+    /// What it is about, in a few words.
+    pub title: &'static str,
+    pub report: &'static str,
+    pub printed: &'static str,
+    pub right: &'static str,
+    /// What is tested, the printed claim and the right one alike.
+    pub test: &'static str,
+    /// Verdict on the printed claim, its p-value (none where an exact check decides), and its samples.
+    pub verdict: Verdict,
+    pub p: Option<f64>,
+    pub samples: u64,
+    /// What an exact check finds wrong with the printed claim.
+    pub violation: Option<String>,
+    pub right_verdict: Verdict,
+    pub right_p: Option<f64>,
+    /// Relative error that the mistake makes, and of what.
+    pub error_in_picture: f64,
+    pub error_of: &'static str,
+    #[serde(skip)]
+    pub curves: Curves,
+}
+
+/// What is printed beside what is right.
+#[derive(Debug, Clone)]
+pub struct Curves {
+    /// Labels of the axes, and the step of the ticks of the first.
+    pub x: &'static str,
+    pub every: f64,
+    pub y: &'static str,
+    pub printed: Vec<[f64; 2]>,
+    pub right: Vec<[f64; 2]>,
+    /// Whether these are scattered points and not curves.
+    pub scattered: bool,
+}
+
+/// A mistake before it is tested.
+struct Suspect {
+    title: &'static str,
+    report: &'static str,
+    printed: &'static str,
+    right: &'static str,
+    test: &'static str,
+    /// The test of the printed claim, then that of the right one.
+    cases: Vec<Case>,
+    error_in_picture: f64,
+    error_of: &'static str,
+    curves: Curves,
+}
+
+/// Tests all of them in one run.
+pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
+    let mut suspects = metal::suspects()?;
+    suspects.extend([glass::suspect(), map::pole_rows(), map::corners(), map::gaussian_numbers()?, lamp::suspect()]);
+    let cases: Vec<Case> = suspects.iter_mut().flat_map(|suspect| suspect.cases.drain(..)).collect();
+    let mut outcomes = run(&cases, protocol, &|_| ())?.tests.into_iter().map(|test| test.outcome);
+    let mut errata = Vec::with_capacity(suspects.len());
+    for suspect in suspects {
+        let Suspect { title, report, printed, right, test, error_in_picture, error_of, curves, .. } = suspect;
+        let (Some(outcome), Some(sound)) = (outcomes.next(), outcomes.next()) else { break };
+        errata.push(Erratum {
+            title,
+            report,
+            printed,
+            right,
+            test,
+            verdict: outcome.verdict,
+            p: outcome.p,
+            samples: outcome.samples,
+            violation: outcome.fault,
+            right_verdict: sound.verdict,
+            right_p: sound.p,
+            error_in_picture,
+            error_of,
+            curves,
+        });
+    }
+    Ok(errata)
+}
+
+/// The outcome of a check without chance: `fault` says what it found among so many `samples`.
+fn exact(fault: Option<String>, samples: u64) -> Outcome {
+    Outcome {
+        verdict: Verdict::Inconclusive,
+        statistic: 0.0,
+        dof: 0,
+        p: None,
+        samples,
+        detectable: None,
+        seconds: 0.0,
+        mass: None,
+        mass_error: None,
+        cells: 0,
+        pooled: 0,
+        none: 0,
+        repeated: false,
+        fault,
+        doubt: None,
+        counts: None,
+    }
+}
+
+/// A function at even steps from `from` to `to`, ends included.
+fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    const STEPS: u32 = 180;
+    let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
+    (0..=STEPS).map(|i| [at(i), f(at(i))]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_printed_is_rejected_and_what_is_right_is_not() {
+        for erratum in audit(&Protocol::default()).unwrap() {
+            assert_eq!(erratum.verdict, Verdict::Reject, "{}", erratum.title);
+            assert_eq!(erratum.right_verdict, Verdict::Accept, "{}", erratum.title);
+            assert!(erratum.error_in_picture.abs() > 0.005, "{}: {}", erratum.title, erratum.error_in_picture);
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! A run over planted faults: what rejected each, and how large it is.
+
+use super::super::run as run_cases;
+use super::{Case, Planted};
+use crate::error::Result;
+use crate::stats::multiple::sidak;
+use crate::stats::power::noncentrality;
+use crate::stats::{Outcome, Protocol, Verdict};
+use serde::Serialize;
+
+/// What told a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum By {
+    /// A check that needs no luck: an integral, a value, a sample outside, an inverse.
+    #[serde(rename = "exact check")]
+    Exact,
+    #[serde(rename = "chi-square")]
+    ChiSquare,
+    /// Either alone would have sufficed.
+    #[serde(rename = "exact check and chi-square")]
+    Both,
+}
+
+impl By {
+    fn of(outcome: &Outcome, level: f64) -> Option<Self> {
+        match (outcome.fault.is_some(), outcome.p.is_some_and(|p| p < level)) {
+            (true, true) => Some(Self::Both),
+            (true, false) => Some(Self::Exact),
+            (false, true) => Some(Self::ChiSquare),
+            (false, false) => None,
+        }
+    }
+
+    /// As it stands in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::ChiSquare => "chi-square",
+            Self::Both => "both",
+        }
+    }
+}
+
+/// What became of one fault.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    pub name: &'static str,
+    pub mistake: &'static str,
+    #[serde(flatten)]
+    pub outcome: Outcome,
+    /// What rejected it; nothing if it was missed.
+    pub by: Option<By>,
+    /// The relative error as the samples show it: of the density, root mean square over the cells, √((χ² − dof)/N); of a
+    /// picture's light, as if it were the same all over.
+    pub error: Option<f64>,
+    /// The same test without the mistake.
+    pub sound: Verdict,
+    pub sound_p: Option<f64>,
+}
+
+/// What a run found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Findings {
+    /// Probability that any of the tests without a mistake is rejected.
+    pub level: f64,
+    pub tests: Vec<Finding>,
+    /// Faults by verdict: all should be rejected.
+    pub accepted: usize,
+    pub rejected: usize,
+    pub inconclusive: usize,
+    /// Tests without a mistake that were not accepted.
+    pub false_alarms: usize,
+    /// Wall-clock time of the run.
+    pub seconds: f64,
+}
+
+impl Findings {
+    /// Whether every fault was rejected, and no test without one.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        self.rejected == self.tests.len() && self.false_alarms == 0
+    }
+}
+
+/// Tests all of `planted` with and without their mistakes, in one run, and calls `done` after each test.
+pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Findings> {
+    let mut about = Vec::new();
+    let mut cases: Vec<Case> = Vec::new();
+    for Planted { name, mistake, faulty, sound } in planted {
+        about.push((name, mistake));
+        cases.extend([faulty, sound]);
+    }
+    let validation = run_cases(&cases, protocol, done)?;
+    let own_level = sidak(protocol.level, cases.len());
+    let mut outcomes = validation.tests.into_iter().map(|test| test.outcome);
+    let mut tests = Vec::with_capacity(about.len());
+    while let (Some(outcome), Some(sound)) = (outcomes.next(), outcomes.next()) {
+        let (name, mistake) = about[tests.len()];
+        let by = By::of(&outcome, own_level);
+        let error = error(&outcome, own_level);
+        tests.push(Finding { name, mistake, outcome, by, error, sound: sound.verdict, sound_p: sound.p });
+    }
+    let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
+    Ok(Findings {
+        level: protocol.level,
+        accepted: count(Verdict::Accept),
+        rejected: count(Verdict::Reject),
+        inconclusive: count(Verdict::Inconclusive),
+        false_alarms: tests.iter().filter(|test| test.sound != Verdict::Accept).count(),
+        seconds: validation.seconds,
+        tests,
+    })
+}
+
+/// The error that the first round shows. Its statistic is on average dof + λ, λ grows with the square of the error, and
+/// the test finds the λ of its detectable error.
+fn error(outcome: &Outcome, level: f64) -> Option<f64> {
+    let found = (outcome.statistic - outcome.dof as f64).max(0.0);
+    let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;
+    Some(detectable * (found / noncentrality(outcome.dof, level)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mistake_is_found_and_nothing_else() {
+        let planted = super::super::all();
+        assert!(planted.len() >= 25);
+        let findings = run(planted, &Protocol::default(), &|_| ()).unwrap();
+        let missed: Vec<&Finding> = findings
+            .tests
+            .iter()
+            .filter(|test| test.outcome.verdict != Verdict::Reject || test.sound != Verdict::Accept)
+            .collect();
+        assert!(findings.is_good(), "{missed:#?}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Mistakes at a smooth boundary of glass, whose directions are two: reflected and refracted.
+
+use super::Planted;
+use crate::optics::{dielectric, schlick};
+use crate::stats::{Atom, Density, Directions, Draw, Pole, Sampler, density, sampler};
+use glam::DVec3;
+
+/// Index of the glass.
+const ETA: f64 = 1.5;
+
+/// What happens to light at the boundary.
+#[derive(Clone, Copy)]
+struct Boundary {
+    /// Directions towards the viewer, and where light is reflected and refracted from.
+    reflected: DVec3,
+    refracted: DVec3,
+    /// Probability of reflection.
+    share: f64,
+}
+
+impl Boundary {
+    /// The truth for a viewer at that angle, inside the glass or outside, on the side z > 0, below the critical angle.
+    fn at(degrees: f64, eta: f64) -> Self {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let cos_t = dielectric::eta_cos_t(cos, eta).map_or(0.0, |g| g / eta);
+        Self {
+            reflected: DVec3::new(-sin, 0.0, cos),
+            refracted: DVec3::new(-sin / eta, 0.0, -cos_t),
+            share: dielectric::fresnel(cos, eta).unpolarized(),
+        }
+    }
+
+    /// Draws by `self`, tested against `truth`.
+    fn against(self, truth: Self) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+        let draw = move |u: &[f64]| Some(Draw::atom(if u[0] < self.share { self.reflected } else { self.refracted }));
+        let atom = |point, probability| Atom { point, probability };
+        let atoms = vec![atom(truth.reflected, truth.share), atom(truth.refracted, 1.0 - truth.share)];
+        (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
+    }
+}
+
+fn planted(name: &'static str, mistake: &'static str, degrees: f64, eta: f64, spoil: fn(&mut Boundary)) -> Planted {
+    Planted::of(name, mistake, Directions::sphere(Pole::Z), move |faulty| {
+        let truth = Boundary::at(degrees, eta);
+        let mut boundary = truth;
+        if faulty {
+            spoil(&mut boundary);
+        }
+        boundary.against(truth)
+    })
+}
+
+pub fn faults() -> Vec<Planted> {
+    vec![
+        planted(
+            "glass/incident-cosine",
+            "Schlick's polynomial of the incident cosine also inside the glass, 0.04 for 0.25 at 40°: both reports",
+            40.0,
+            1.0 / ETA,
+            |boundary| boundary.share = schlick::schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA),
+        ),
+        planted(
+            "glass/schlick-for-fresnel",
+            "Schlick's approximation as the probability of reflection, weighed as if by Fresnel's equations",
+            85.0,
+            ETA,
+            |boundary| boundary.share = schlick::schlick(85f64.to_radians().cos(), ETA),
+        ),
+        planted(
+            "glass/total-reflection-outside",
+            "the critical angle looked for on the wrong side: light that enters is totally reflected",
+            60.0,
+            ETA,
+            |boundary| boundary.share = 1.0,
+        ),
+        planted(
+            "glass/inverted-index",
+            "refraction by η where it should be 1/η: the side of the ray mistaken",
+            30.0,
+            ETA,
+            |boundary| boundary.refracted = Boundary::at(30.0, 1.0 / ETA).refracted,
+        ),
+        planted("glass/exchanged", "refraction chosen as often as light is reflected", 30.0, ETA, |boundary| {
+            boundary.share = 1.0 - boundary.share;
+        }),
+    ]
+}

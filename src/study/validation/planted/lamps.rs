@@ -1,0 +1,88 @@
+//! Mistakes in drawing directions towards lamps, and in choosing among lamps.
+
+use super::Planted;
+use crate::stats::{Density, Directions, Draw, Line, Pole, Sampler, density, sampler};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Cosines of the cones of two balls, one above and one below.
+const ABOVE: f64 = 0.8;
+const BELOW: f64 = 0.6;
+
+/// The direction of that cosine with +y.
+fn upright(cos: f64, turns: f64) -> DVec3 {
+    let w = super::hemispheres::polar(cos, turns);
+    DVec3::new(w.y, w.z, w.x)
+}
+
+/// Both balls, drawn in turn by u₂: the upper one with probability `drawn`, which the density takes for `said` (of the
+/// upper, of the lower).
+fn two_balls(drawn: f64, said: [f64; 2]) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+    let draw = move |u: &[f64]| {
+        let (side, cos) = if u[2] < drawn { (1.0, ABOVE) } else { (-1.0, BELOW) };
+        Some(Draw::new(upright(side * (1.0 - u[0] * (1.0 - cos)), u[1])))
+    };
+    let pdf = move |w: DVec3| {
+        if w.y > ABOVE {
+            said[0] / (TAU * (1.0 - ABOVE))
+        } else if w.y < -BELOW {
+            said[1] / (TAU * (1.0 - BELOW))
+        } else {
+            0.0
+        }
+    };
+    let rows = vec![0.5 * (1.0 - ABOVE), 0.5 * (1.0 + BELOW)];
+    (sampler(3, draw), density(pdf).with_steps([rows, Vec::new()]))
+}
+
+pub fn faults() -> Vec<Planted> {
+    let sphere = Directions::sphere(Pole::Y);
+    vec![
+        Planted::of(
+            "lamps/area-for-solid-angle",
+            "a panel's density per area taken for the one per solid angle: d²/cos θ forgotten, or mixed up within MIS",
+            sphere,
+            |faulty| {
+                let draw = |u: &[f64]| Some(Draw::new(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize()));
+                // The panel is 1×1 at height 1: cos θ = y, d = 1/y.
+                let pdf = move |w: DVec3| {
+                    let hit = w.y > 0.0 && w.x.abs() <= 0.5 * w.y && w.z.abs() <= 0.5 * w.y;
+                    if hit { if faulty { 1.0 } else { w.y.powi(-3) } } else { 0.0 }
+                };
+                (sampler(2, draw), density(pdf))
+            },
+        ),
+        Planted::of(
+            "lamps/triangle-without-root",
+            "the first barycentric coordinate of a triangle drawn as u instead of 1 − √(1 − u): one corner is crowded",
+            Line::UNIT,
+            |faulty| {
+                let draw = move |u: &[f64]| Some(Draw::new(if faulty { u[0] } else { 1.0 - (1.0 - u[0]).sqrt() }));
+                (sampler(1, draw), density(|x: f64| 2.0 * (1.0 - x)))
+            },
+        ),
+        Planted::of(
+            "lamps/cone-by-its-sine",
+            "a ball's cone with r/d, which is its sine, in place of its cosine",
+            sphere,
+            |faulty| {
+                let draw = |u: &[f64]| Some(Draw::new(upright(1.0 - u[0] * (1.0 - ABOVE), u[1])));
+                let cos = if faulty { (1.0 - ABOVE * ABOVE).sqrt() } else { ABOVE };
+                let pdf = move |w: DVec3| if w.y > cos { 1.0 / (TAU * (1.0 - cos)) } else { 0.0 };
+                (sampler(2, draw), density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
+            },
+        ),
+        Planted::of(
+            "lamps/choice-forgotten",
+            "one of two lamps is chosen, and the probability of the choice left out of the density",
+            sphere,
+            |faulty| two_balls(0.5, if faulty { [1.0, 1.0] } else { [0.5, 0.5] }),
+        ),
+        Planted::of(
+            "lamps/choice-by-power",
+            "lamps chosen by their power, but divided by the density of an even choice",
+            sphere,
+            |faulty| two_balls(0.55, if faulty { [0.5, 0.5] } else { [0.55, 0.45] }),
+        ),
+    ]
+}

@@ -1,0 +1,153 @@
+//! Mistakes in sampling environment maps.
+
+use super::Planted;
+use crate::envmap::{EnvMap, LatLong};
+use crate::raster::{Image, Rgb};
+use crate::sampling::table::Table2;
+use crate::stats::{Density, Directions, Draw, Pole, Sampler, density, sampler};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// A map is sampled by a table over its texels; mistakes change one of the parts.
+struct Scheme {
+    map: EnvMap,
+    /// What a texel is drawn in proportion to.
+    weight: fn(&EnvMap, usize, usize) -> f64,
+    /// The direction at a place inside a texel.
+    place: fn(&LatLong, usize, usize, f64, f64) -> DVec3,
+    /// The solid angle that the density spreads a texel's probability over.
+    solid_angle: fn(&LatLong, usize) -> f64,
+    /// Where the density looks a direction up.
+    look_up: fn(DVec3) -> DVec3,
+}
+
+impl Scheme {
+    fn right() -> Self {
+        // A fourth of the columns is a whole number, which keeps the texels' edges on the chart's.
+        let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
+        Self {
+            map: EnvMap::new(Image::from_fn(20, 8, value)),
+            weight: EnvMap::energy,
+            place: LatLong::direction_in_texel,
+            solid_angle: LatLong::solid_angle,
+            look_up: |w| w,
+        }
+    }
+
+    /// The sampler, and the density by the map's energies.
+    fn build(self) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+        let Self { map, weight, place, solid_angle, look_up } = self;
+        let g = map.geometry().clone();
+        let (width, height) = (g.width(), g.height());
+        let drawn = Table2::new(width, height, |x, y| weight(&map, x, y));
+        let claimed = Table2::new(width, height, |x, y| map.energy(x, y));
+        let steps = steps(&g);
+        let geometry = g.clone();
+        let draw = move |u: &[f64]| {
+            let draw = drawn.draw([u[0], u[1]])?;
+            Some(Draw::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset)))
+        };
+        let pdf = move |w: DVec3| {
+            let (x, y) = g.texel(look_up(w));
+            let solid_angle = solid_angle(&g, y);
+            if solid_angle > 0.0 { claimed.probability(x, y) / solid_angle } else { 0.0 }
+        };
+        (sampler(2, draw), density(pdf).with_steps(steps))
+    }
+}
+
+/// The texels' edges in the chart of directions around +y.
+fn steps(g: &LatLong) -> [Vec<f64>; 2] {
+    let edges = |n: usize, at: fn(f64) -> f64| (1..n).map(|i| at(i as f64 / n as f64)).collect();
+    [edges(g.height(), |v| (0.5 * PI * v).sin().powi(2)), edges(g.width(), |u| u)]
+}
+
+/// The solid angle of a texel by its row's sine, at a height inside the row (0 its upper edge).
+fn by_sine(g: &LatLong, y: f64) -> f64 {
+    let (width, height) = (g.width() as f64, g.height() as f64);
+    2.0 * PI * PI / (width * height) * (PI * y / height).sin()
+}
+
+fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> Planted {
+    Planted::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
+        let mut scheme = Scheme::right();
+        if faulty {
+            spoil(&mut scheme);
+        }
+        scheme.build()
+    })
+}
+
+pub fn faults() -> Vec<Planted> {
+    vec![
+        planted(
+            "maps/half-texel",
+            "texel centres taken for their left edges: all light is half a texel off",
+            |scheme| {
+                scheme.place = |g, x, y, fx, fy| {
+                    g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)
+                }
+            },
+        ),
+        planted(
+            "maps/corners",
+            "the corner of the drawn texel taken for all of it, as the course's renderer does",
+            |scheme| {
+                scheme.place = |g, x, y, _, _| g.direction(x as f64, y as f64);
+            },
+        ),
+        planted(
+            "maps/mirrored",
+            "φ running the other way in the density than in the sampler: maps from another program",
+            |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z),
+        ),
+        planted("maps/upside-down", "row 0 taken for the nadir in the density", |scheme| {
+            scheme.look_up = |w| DVec3::new(w.x, -w.y, w.z);
+        }),
+        planted(
+            "maps/without-sine",
+            "texels drawn by radiance alone, as if those at the poles were as large as the others",
+            |scheme| scheme.weight = |map, x, y| map.intensity(x, y),
+        ),
+        planted(
+            "maps/sine-at-the-edge",
+            "the solid angle of a row by the sine at its upper edge: 0 for the first row",
+            |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64),
+        ),
+        planted(
+            "maps/sine-at-the-centre",
+            "the solid angle of a row by the sine at its centre instead of the difference of cosines",
+            |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64 + 0.5),
+        ),
+        planted(
+            "maps/pole-rows",
+            "rows weighted by sin(hπ/(H−1)), which is 0 at both poles: the first report",
+            |scheme| {
+                scheme.weight = |map, x, y| {
+                    let last = map.geometry().height() - 1;
+                    let inside = y > 0 && y < last;
+                    if inside { map.intensity(x, y) * (PI * y as f64 / last as f64).sin() } else { 0.0 }
+                };
+            },
+        ),
+        planted(
+            "maps/dropped-columns",
+            "a table of blocks of eight columns, by whole division: what is left over on the right is never drawn",
+            |scheme| {
+                scheme.weight = |map, x, y| if x < map.geometry().width() / 8 * 8 { map.energy(x, y) } else { 0.0 };
+            },
+        ),
+        planted(
+            "maps/compensated-for-plain",
+            "samples of the compensated density, which MIS may use, divided by the plain one",
+            |scheme| {
+                scheme.weight = |map, x, y| {
+                    let g = map.geometry();
+                    let row = |y: usize| (0..g.width()).map(|x| map.energy(x, y)).sum::<f64>();
+                    let mean = (0..g.height()).map(row).sum::<f64>() / (4.0 * PI);
+                    (map.energy(x, y) - mean * g.solid_angle(y)).max(0.0)
+                };
+            },
+        ),
+    ]
+}

@@ -1,0 +1,124 @@
+//! Mistakes in drawing microfacet normals.
+
+use super::Planted;
+use crate::bsdf::report_model::normal_pdf_by_angles;
+use crate::optics::microfacet::variants::g1_rational;
+use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
+use crate::sampling::normals::SampleNormals;
+use crate::sampling::warp::sin_cos_turns;
+use crate::stats::{Directions, Draw, Pole, density, sampler};
+use glam::DVec3;
+
+const ALPHA: f64 = 0.3;
+
+/// The view, at 60° unless said otherwise.
+fn view() -> DVec3 {
+    let (sin, cos) = 60f64.to_radians().sin_cos();
+    DVec3::new(sin, 0.0, cos)
+}
+
+/// A mistake in the density of all normals of Beckmann's distribution.
+fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
+    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+        let facets = Beckmann::new(ALPHA);
+        let draw = move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_all([u[0], u[1]]))));
+        (sampler(2, draw), density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_all(m.to_array()) }))
+    })
+}
+
+/// A mistake in the density of the normals seen from `wo`.
+fn visible<M>(
+    name: &'static str,
+    mistake: &'static str,
+    facets: M,
+    wo: DVec3,
+    wrong: fn(&M, DVec3, DVec3) -> f64,
+) -> Planted
+where
+    M: SampleNormals<f64> + Send + Sync + 'static,
+{
+    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+        let draw =
+            move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+        let pdf = move |m: DVec3| {
+            if faulty { wrong(&facets, wo, m) } else { facets.pdf_visible(wo.to_array(), m.to_array()) }
+        };
+        (sampler(2, draw), density(pdf))
+    })
+}
+
+/// A mistake in turning numbers into tan² θ and an azimuth in turns.
+fn drawn(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> Planted {
+    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+        let draw = move |u: &[f64]| {
+            let (tan2, turns) = if faulty { wrong(u) } else { (-ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]) };
+            let cos = 1.0 / (1.0 + tan2).sqrt();
+            let (sin, (sin_phi, cos_phi)) = (tan2.sqrt() * cos, sin_cos_turns(turns));
+            Some(Draw::new(DVec3::new(sin * cos_phi, sin * sin_phi, cos)))
+        };
+        (sampler(2, draw), density(|m: DVec3| Beckmann::new(ALPHA).pdf_all(m.to_array())))
+    })
+}
+
+pub fn faults() -> Vec<Planted> {
+    // 1/(α tan θ) = 1.34, where Walter's fit is worst.
+    let theta = (1.0 / (1.34 * ALPHA)).atan();
+    let worst = DVec3::new(theta.sin(), 0.0, theta.cos());
+    vec![
+        all(
+            "normals/missing-cosine",
+            "D(m) taken for the density of normals, which is D(m) cos θ: the second report",
+            |m| Beckmann::new(ALPHA).d(m.to_array()),
+        ),
+        all(
+            "normals/alpha-for-roughness",
+            "α² in the density where the sampler has α: one of them took α for a roughness",
+            |m| Beckmann::new(ALPHA * ALPHA).pdf_all(m.to_array()),
+        ),
+        all(
+            "normals/zero-over-zero",
+            "the density formed as p(θ) p(φ)/sin θ, which is 0/0 for the normal of u = 0: the second report's course",
+            |m| f64::from(normal_pdf_by_angles(ALPHA as f32, m.z.clamp(-1.0, 1.0).acos() as f32)),
+        ),
+        drawn("normals/logarithm-of-zero", "ln u instead of ln(1 − u): infinite for u = 0, which is drawn", |u| {
+            (-ALPHA * ALPHA * u[0].ln(), u[1])
+        }),
+        drawn("normals/half-a-turn", "φ = π u instead of 2π u", |u| {
+            (-ALPHA * ALPHA * (1.0 - u[0]).ln(), 0.5 * u[1])
+        }),
+        drawn("normals/slope-variance", "α taken for the standard deviation of slopes, which is α/√2", |u| {
+            (-2.0 * ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1])
+        }),
+        visible(
+            "normals/all-for-visible",
+            "normals drawn as seen, divided by the density of all normals",
+            Beckmann::new(ALPHA),
+            view(),
+            |facets, _, m| facets.pdf_all(m.to_array()),
+        ),
+        visible(
+            "normals/missing-g1",
+            "the density of visible normals without the share that is seen, G₁",
+            Ggx::new(ALPHA),
+            view(),
+            |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).max(0.0) / wo.z,
+        ),
+        visible(
+            "normals/rational-shadowing",
+            "Walter's rational fit of G₁ in the density of visible normals, 0.3 % off: most renderers",
+            Beckmann::new(ALPHA),
+            worst,
+            |facets, wo, m| {
+                let a = wo.z / (ALPHA * wo.truncate().length());
+                facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1_rational(a) / wo.z
+            },
+        ),
+        visible(
+            "normals/facing-away",
+            "the density not cut off where normals turn away from the viewer, but folded back by |wo·m|",
+            Ggx::new(1.0),
+            DVec3::new(80f64.to_radians().sin(), 0.0, 80f64.to_radians().cos()),
+            |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).abs() * facets.g1_over_cos(wo.to_array()),
+        ),
+    ]
+}

@@ -1,0 +1,118 @@
+//! Mistakes in turning normals into reflected directions.
+
+use super::Planted;
+use crate::optics::microfacet::{Ggx, Microfacet};
+use crate::sampling::normals::SampleNormals;
+use crate::sampling::warp::sin_cos_turns;
+use crate::stats::{Density, Directions, Draw, Mass, Pole, Sampler, density, sampler};
+use glam::DVec3;
+
+/// A rough surface, of which many reflections end below the horizon.
+const FACETS: Ggx<f64> = Ggx { alpha: 0.8 };
+
+/// The view, at 45°.
+const WO: DVec3 = DVec3::new(std::f64::consts::FRAC_1_SQRT_2, 0.0, std::f64::consts::FRAC_1_SQRT_2);
+
+/// `WO` reflected at the facet, if the direction leaves the surface.
+fn reflected(m: [f64; 3]) -> Option<DVec3> {
+    let m = DVec3::from_array(m);
+    let wi = 2.0 * WO.dot(m) * m - WO;
+    (wi.z > 0.0).then_some(wi)
+}
+
+fn visible(u: [f64; 2]) -> Option<DVec3> {
+    reflected(FACETS.sample_visible(WO.to_array(), u))
+}
+
+/// The normal between `WO` and `wi`.
+fn facet(wi: DVec3) -> DVec3 {
+    (WO + wi).normalize()
+}
+
+/// D(m) G₁(wo)/(4 cos θₒ): the density of what visible normals reflect.
+fn pdf_visible(wi: DVec3) -> f64 {
+    0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(WO.to_array())
+}
+
+/// The factor k by which the cap of normals is cut to those that may reflect above the horizon, and the length of the
+/// stretched view. Source: Eto & Tokuyoshi, "Bounded VNDF Sampling for Smith–GGX Reflections", SIGGRAPH Asia 2023.
+fn bound() -> (f64, f64) {
+    let a = FACETS.alpha.min(1.0);
+    let s2 = (1.0 + WO.truncate().length()).powi(2);
+    let k = (1.0 - a * a) * s2 / (s2 + a * a * WO.z * WO.z);
+    (k, (FACETS.alpha * WO.truncate()).extend(WO.z).length())
+}
+
+/// Reflections at normals of the bounded cap.
+fn bounded(u: [f64; 2]) -> Option<DVec3> {
+    let (k, length) = bound();
+    let v = (FACETS.alpha * WO.truncate()).extend(WO.z) / length;
+    let z = (1.0 - u[0]) * (1.0 + k * v.z) - k * v.z;
+    let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
+    let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    let h = DVec3::new(sin * cos_phi, sin * sin_phi, z) + v;
+    reflected((FACETS.alpha * h.truncate()).extend(h.z).normalize().to_array())
+}
+
+/// D(m)/(2 (k cos θₒ + t)), t the length of the stretched view: the density of [`bounded`].
+fn pdf_bounded(wi: DVec3) -> f64 {
+    let (k, length) = bound();
+    FACETS.d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
+}
+
+/// Two numbers for a direction, in a hemisphere where some are lost.
+fn pair(draw: fn([f64; 2]) -> Option<DVec3>, pdf: fn(DVec3) -> f64) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+    (sampler(2, move |u| draw([u[0], u[1]]).map(Draw::new)), density(pdf).with_mass(Mass::AtMostOne))
+}
+
+pub fn faults() -> Vec<Planted> {
+    let half = Directions::hemisphere(Pole::Z);
+    vec![
+        Planted::of(
+            "reflection/missing-jacobian",
+            "the normal's density taken for the direction's: 1/(4 wo·m) forgotten",
+            half,
+            |faulty| {
+                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_visible(WO.to_array(), facet(wi).to_array());
+                pair(visible, if faulty { wrong } else { pdf_visible })
+            },
+        ),
+        Planted::of(
+            "reflection/jacobian-of-the-surface",
+            "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
+            half,
+            |faulty| {
+                let wrong: fn(DVec3) -> f64 = |wi| pdf_visible(wi) * WO.dot(facet(wi)) / WO.z;
+                pair(visible, if faulty { wrong } else { pdf_visible })
+            },
+        ),
+        Planted::of(
+            "reflection/swapped-directions",
+            "wo and wi exchanged in the density, which by visible normals is not symmetric",
+            half,
+            |faulty| {
+                let wrong: fn(DVec3) -> f64 =
+                    |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array());
+                pair(visible, if faulty { wrong } else { pdf_visible })
+            },
+        ),
+        Planted::of(
+            "reflection/bounded-density",
+            "the density of bounded visible normals with samples of the unbounded ones",
+            half,
+            |faulty| pair(if faulty { visible } else { bounded }, pdf_bounded),
+        ),
+        Planted::of(
+            "reflection/drawn-again",
+            "directions below the horizon drawn once more, with the density as it was",
+            half,
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let again = || if faulty { visible([u[2], u[3]]) } else { None };
+                    visible([u[0], u[1]]).or_else(again).map(Draw::new)
+                };
+                (sampler(4, draw), density(pdf_visible).with_mass(Mass::AtMostOne))
+            },
+        ),
+    ]
+}

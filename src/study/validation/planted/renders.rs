@@ -1,0 +1,70 @@
+//! Mistakes of an integrator, seen in its pictures.
+
+use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
+use super::{Case, Planted};
+use crate::render::{LightDensity, Sampling, Settings};
+use crate::stats::welch::Mean;
+use crate::stats::{Protocol, Samples};
+
+/// A picture, and what is done to its tiles.
+type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
+
+/// Both tests find biases of 0.5 % of the whole picture, unless the number of samples is given.
+fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Picture) -> Planted {
+    let case = |kind: &str, (picture, spoil): Spoiled| {
+        Case::new(format!("{kind}/{name}"), move |protocol, round| {
+            let samples = match protocol.samples {
+                Samples::Detect(w) => Samples::Detect(w.min(0.005)),
+                count @ Samples::Count(_) => count,
+            };
+            picture.examine(&Protocol { samples, ..*protocol }, round, spoil)
+        })
+    };
+    Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
+}
+
+/// Makes a tile brighter by that factor.
+fn brighten(tile: &mut [Mean; 2], factor: f64) {
+    tile[0].value *= factor;
+    tile[0].variance *= factor * factor;
+}
+
+pub fn faults() -> Vec<Planted> {
+    let settings = Settings { sampling: Sampling::Mis, density: LightDensity::Map, ..Settings::default() };
+    let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
+    let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
+    let mut shadowing = bsdf;
+    shadowing.model.scattering.report.lambda_pi = true;
+    let series = inside(1000, blind);
+    let cut = Picture { truth: Truth::Even(2.0), ..inside(5, blind) };
+    vec![
+        planted(
+            "renders/one-percent-more",
+            "a picture with one percent more light all over: a density off by a constant",
+            (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
+            lit_sphere(settings),
+        ),
+        planted(
+            "renders/one-dark-tile",
+            "one tile of the picture a tenth too dark: a worker thread that lost part of its samples",
+            (lit_sphere(settings), |tiles| {
+                if let Some(tile) = tiles.get_mut(10) {
+                    brighten(tile, 0.9);
+                }
+            }),
+            lit_sphere(settings),
+        ),
+        planted(
+            "renders/paths-cut-short",
+            "paths ended after five scatterings where all light is asked for: no roulette that makes up for it",
+            (cut, |_| ()),
+            series,
+        ),
+        planted(
+            "renders/shadowing-with-pi",
+            "Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light",
+            (metal(shadowing), |_| ()),
+            metal(bsdf),
+        ),
+    ]
+}

@@ -1,0 +1,332 @@
+//! Pictures of the path tracer against what they must show: furnaces, the sphere under a map, and each strategy of
+//! sampling against the others.
+//!
+//! Scenes are grey, so that one channel says all. Numbers are independent, not stratified, for that makes the film's
+//! variances the true ones.
+
+use super::super::Case;
+use crate::envmap::EnvMap;
+use crate::envmap::irradiance::IrradianceTree;
+use crate::envmap::synthetic::Synthetic;
+use crate::error::Result;
+use crate::optics::microfacet::{Beckmann, Microfacet};
+use crate::raster::{Image, Rgb};
+use crate::render::exposure::Exposure;
+use crate::render::{LightDensity, Sampling, Settings, Silent, render};
+use crate::sampling::hash;
+use crate::sampling::stream::StreamKind;
+use crate::scene::{
+    Camera, Conductor, Distribution, Emission, Environment, Material, Object, Projection, Rectangle, Request, Role,
+    Scene, Shape, builtin,
+};
+use crate::stats::cubature::integrate;
+use crate::stats::welch::{self, Mean, Pictures};
+use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, Verdict, density};
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What a picture must show.
+#[derive(Clone)]
+pub enum Truth {
+    /// This radiance in every pixel.
+    Even(f64),
+    /// The exact picture of a white sphere that fills the frame; pixels near the silhouette are left out.
+    Sphere,
+    /// What a rough metal that reflects everything leaves of the furnace's light; see [`metal`].
+    Metal,
+    /// The same as by other settings.
+    By(Settings),
+}
+
+/// A picture to be tested.
+#[derive(Clone)]
+pub struct Picture {
+    pub scene: Scene,
+    pub request: Request,
+    pub settings: Settings,
+    pub truth: Truth,
+}
+
+/// Side of a tile in pixels.
+const TILE: usize = 4;
+/// Samples per pixel that decide how many are taken, and the most and fewest that are.
+const PILOT: u32 = 16;
+const RANGE: [u32; 2] = [32, 4096];
+/// How far the truth may be from the exact value, relatively: the quadratures behind it, and f32 in the renderer.
+const PRECISION: f64 = 2e-5;
+/// A test that would miss a bias of this size is no test.
+const COARSEST: f64 = 0.1;
+/// Kurtosis of the tiles' deviations from which they are not normal: for 16 tiles six standard deviations off 3.
+const HEAVY: f64 = 10.0;
+
+impl Picture {
+    /// The test of this picture. `spoil` is done to the rendered tiles, for those who want it rejected.
+    pub fn case(self, name: impl Into<String>, spoil: fn(&mut [[Mean; 2]])) -> Case {
+        Case::new(name, move |protocol, round| self.examine(protocol, round, spoil))
+    }
+
+    /// One round of the test, as [`crate::stats::examine`].
+    pub fn examine(&self, protocol: &Protocol, round: u64, spoil: fn(&mut [[Mean; 2]])) -> Result<Outcome> {
+        protocol.check()?;
+        let start = Instant::now();
+        let level = protocol.own_level();
+        let even = |value: f64| vec![Some(value); self.request.width * self.request.height];
+        let truth = match &self.truth {
+            Truth::Sphere => sphere(&self.scene, &self.request),
+            Truth::Even(value) => even(*value),
+            Truth::Metal => even(albedo()?),
+            Truth::By(_) => Vec::new(),
+        };
+        let compare = |spp: u32, pass: u64| -> Result<Pictures> {
+            let seed = hash::key([protocol.seed, round, pass]);
+            let mut tiles = self.tiles(spp, seed, &truth)?;
+            spoil(&mut tiles);
+            let mean = tiles.iter().map(|[_, b]| b.value).sum::<f64>() / tiles.len() as f64;
+            Ok(welch::compare(&tiles, PRECISION * mean))
+        };
+        let pixels = self.request.width * self.request.height;
+        let spp = match protocol.samples {
+            Samples::Count(n) => (n / pixels as u64).min(u64::from(RANGE[1])) as u32,
+            Samples::Detect(w) => compare(PILOT, 0)?
+                .detectable(level)
+                .map_or(PILOT, |found| (f64::from(PILOT) * (found / w).powi(2)).ceil().min(f64::from(RANGE[1])) as u32),
+        };
+        let spp = spp.max(RANGE[0]);
+        let found = compare(spp, 1)?;
+        Ok(self.outcome(&found, spp, level, start))
+    }
+
+    fn outcome(&self, found: &Pictures, spp: u32, level: f64, start: Instant) -> Outcome {
+        let pictures = if matches!(self.truth, Truth::By(_)) { 2 } else { 1 };
+        let pixels = (self.request.width * self.request.height) as u64;
+        let detectable = found.detectable(level).unwrap_or(PRECISION);
+        let fault = (found.exact_difference > PRECISION)
+            .then(|| format!("tiles without noise are off by {:.1e}", found.exact_difference));
+        let percent = 100.0 * detectable;
+        let doubt = if detectable > COARSEST {
+            Some(format!("too few samples: a bias of the picture below {percent:.0} % would go unnoticed"))
+        } else if found.kurtosis > HEAVY {
+            Some(format!("tails too heavy for this test: the tiles' kurtosis is {:.1} instead of 3", found.kurtosis))
+        } else {
+            None
+        };
+        Outcome {
+            verdict: Verdict::Inconclusive,
+            statistic: found.statistic,
+            dof: found.dof,
+            p: Some(found.p),
+            samples: u64::from(spp) * pixels * pictures,
+            detectable: Some(detectable),
+            seconds: start.elapsed().as_secs_f64(),
+            mass: None,
+            mass_error: None,
+            cells: self.request.width.div_ceil(TILE) * self.request.height.div_ceil(TILE),
+            pooled: found.dof,
+            none: 0,
+            repeated: false,
+            fault,
+            doubt,
+            counts: None,
+        }
+    }
+
+    /// Tiles of the render beside those of the truth.
+    fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
+        let shot = |settings: &Settings, seed: u64| -> Result<Exposure> {
+            let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
+            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.exposure)
+        };
+        let size = [self.request.width, self.request.height];
+        let tested = means(&shot(&self.settings, seed)?);
+        let other = match &self.truth {
+            Truth::By(settings) => means(&shot(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
+            _ => truth.iter().map(|value| value.map(Mean::exact)).collect::<Vec<_>>(),
+        };
+        Ok(welch::tiles(size, TILE, |i| other[i].map(|other| [tested[i], other])))
+    }
+}
+
+/// The first channel of a film.
+fn means(film: &Exposure) -> Vec<Mean> {
+    let (image, errors) = (film.image(), film.standard_error());
+    let pixels = film.pixels().iter().zip(image.pixels()).zip(errors.pixels());
+    pixels.map(|((p, value), error)| Mean::of_samples(p.samples(), f64::from(value.x), f64::from(error.x))).collect()
+}
+
+/// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.
+fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
+    const NODES: [(f64, f64); 3] =
+        [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
+    // Where the sphere is steeper, three points are not enough.
+    const INSIDE: f64 = 0.9;
+    let Some(environment) = &scene.environment else { return Vec::new() };
+    let tree = IrradianceTree::new(&environment.map);
+    let scale = f64::from(environment.scale.x) / PI;
+    let size = request.width as f64;
+    let radiance = |x: f64, y: f64| {
+        let z2 = 1.0 - x * x - y * y;
+        (z2 > 1.0 - INSIDE * INSIDE).then(|| tree.irradiance(DVec3::new(x, -y, z2.sqrt())).value.x * scale)
+    };
+    let at = |i: usize, node: f64| (2.0 * i as f64 + 1.0 + node) / size - 1.0;
+    let pixel = |i: usize| {
+        let (x, y) = (i % request.width, i / request.width);
+        NODES.iter().try_fold(0.0, |sum, (u, wu)| {
+            NODES.iter().try_fold(sum, |sum, (v, wv)| Some(sum + wu * wv * radiance(at(x, *u), at(y, *v))?))
+        })
+    };
+    (0..request.width * request.height).map(pixel).collect()
+}
+
+/// A small picture to that depth.
+fn request(side: usize, max_depth: u32) -> Request {
+    Request { width: side, height: side, spp: PILOT, light_samples: 1, max_depth }
+}
+
+/// Light of radiance 1 from everywhere.
+fn furnace() -> Environment {
+    Environment::upright(Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE))), "constant", 1.0)
+}
+
+/// A ball in the furnace.
+fn ball(material: Material, settings: Settings, max_depth: u32) -> Picture {
+    let (mut scene, _) = builtin::sphere_env(furnace());
+    scene.objects[0].material = material;
+    Picture { scene, request: request(16, max_depth), settings, truth: Truth::Even(1.0) }
+}
+
+/// The view from inside a ball of albedo ½ that glows: 1 + ½ + ¼ … up to the depth.
+pub fn inside(max_depth: u32, settings: Settings) -> Picture {
+    let (mut scene, _) = builtin::sphere_env(furnace());
+    scene.environment = None;
+    scene.camera.position = DVec3::ZERO;
+    scene.camera.projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
+    scene.objects[0].material = Material::Diffuse { albedo: Rgb::splat(0.5) };
+    scene.objects[0].emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp });
+    let truth = Truth::Even(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
+    Picture { scene, request: request(16, max_depth), settings, truth }
+}
+
+/// Width of the metal's lobe, and the angle that it is seen at.
+const ALPHA: f64 = 0.5;
+const SEEN_AT: f64 = 60.0;
+
+/// Rough metal that reflects everything, seen from the side in the furnace.
+pub fn metal(settings: Settings) -> Picture {
+    let (sin, cos) = SEEN_AT.to_radians().sin_cos();
+    let wo = DVec3::new(sin, cos, 0.0);
+    let camera = Camera {
+        position: 3.0 * wo,
+        right: DVec3::NEG_Z,
+        up: DVec3::new(-cos, sin, 0.0),
+        forward: -wo,
+        projection: Projection::Orthographic { half_width: 0.1, half_height: 0.1 },
+    };
+    let sheet = Rectangle::new(Vec3::ZERO, Vec3::Z, Vec3::X).expect("the sides are perpendicular");
+    let distribution = Distribution::Beckmann;
+    let conductor = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: ALPHA as f32, distribution };
+    let scene = Scene {
+        name: "sheet".into(),
+        camera,
+        objects: vec![Object::new(Shape::Rectangle(sheet), Material::Conductor(conductor))],
+        lights: Vec::new(),
+        environment: Some(furnace()),
+    };
+    Picture { scene, request: request(16, 2), settings, truth: Truth::Metal }
+}
+
+/// Its albedo ∫ D G₂/(4 cos θₒ) dωᵢ: single scattering loses the rest.
+fn albedo() -> Result<f64> {
+    let (sin, cos) = SEEN_AT.to_radians().sin_cos();
+    let (facets, wo) = (Beckmann::new(ALPHA), DVec3::new(sin, 0.0, cos));
+    let reflected = density(move |wi: DVec3| {
+        let wm = (wo + wi).normalize();
+        0.25 * facets.d(wm.to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array()) * wi.z
+    });
+    let half = Directions::hemisphere(Pole::Z);
+    Ok(integrate(&half, &reflected, &Grid::equal([8, 8], None), &[])?.values.iter().sum())
+}
+
+/// The white sphere under a grey map with a sun.
+pub fn lit_sphere(settings: Settings) -> Picture {
+    let sun = Synthetic::Sun.make();
+    let grey = Image::from_fn(sun.width(), sun.height(), |x, y| Rgb::splat(sun.get(x, y).element_sum() / 3.0));
+    let (scene, _) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(grey)), "sun", 1.0));
+    Picture { scene, request: request(24, 1), settings, truth: Truth::Sphere }
+}
+
+/// The second report's room in grey, by one strategy and by another.
+fn room(settings: Settings, other: Settings) -> Picture {
+    let (mut scene, _) = builtin::cornell_spheres();
+    for object in &mut scene.objects {
+        if let Material::Diffuse { albedo } = &mut object.material {
+            *albedo = Rgb::splat(albedo.element_sum() / 3.0);
+        }
+    }
+    Picture { scene, request: Request { width: 32, ..request(24, 4) }, settings, truth: Truth::By(other) }
+}
+
+/// The pictures of the suite.
+pub fn cases() -> Vec<Case> {
+    let by = |sampling, density| Settings { sampling, density, ..Settings::default() };
+    let bsdf = by(Sampling::Bsdf, LightDensity::Cosine);
+    let white = Material::Diffuse { albedo: Rgb::ONE };
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let mut pictures = vec![
+        ("furnace/diffuse/light".to_owned(), ball(white, by(Sampling::Light, LightDensity::Map), 1)),
+        ("furnace/diffuse/mis".into(), ball(white, by(Sampling::Mis, LightDensity::Map), 1)),
+        ("furnace/diffuse/hemisphere".into(), ball(white, by(Sampling::Hemisphere, LightDensity::Map), 1)),
+        ("furnace/glass".into(), ball(glass, bsdf, 1000)),
+        ("furnace/metal/bsdf".into(), metal(bsdf)),
+        ("furnace/metal/mis".into(), metal(by(Sampling::Mis, LightDensity::Map))),
+    ];
+    for depth in [1, 3, 100] {
+        let settings = by(Sampling::Hemisphere, LightDensity::Cosine);
+        pictures.push((format!("furnace/inside/{depth}"), inside(depth, settings)));
+    }
+    for (name, sampling, density) in [
+        ("cosine", Sampling::Light, LightDensity::Cosine),
+        ("map", Sampling::Light, LightDensity::Map),
+        ("mis", Sampling::Mis, LightDensity::Map),
+        ("compensated", Sampling::Mis, LightDensity::Compensated),
+    ] {
+        pictures.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
+    }
+    for (name, sampling) in [("light", Sampling::Light), ("bsdf", Sampling::Bsdf), ("hemisphere", Sampling::Hemisphere)]
+    {
+        let other = Settings { sampling, ..Settings::default() };
+        pictures.push((format!("room/mis-{name}"), room(Settings::default(), other)));
+    }
+    pictures.into_iter().map(|(name, picture)| picture.case(format!("render/{name}"), |_| ())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::run;
+    use super::*;
+    use crate::stats::kolmogorov::evenness;
+
+    #[test]
+    fn all_are_accepted() {
+        let cases = cases();
+        let validation = run(&cases, &Protocol::default(), &|_| ()).unwrap();
+        assert_eq!(validation.accepted, cases.len(), "{validation:?}");
+    }
+
+    #[test]
+    fn p_values_of_right_pictures_are_even() {
+        let mis = Settings { density: LightDensity::Map, ..Settings::default() };
+        let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
+        let white = Material::Diffuse { albedo: Rgb::ONE };
+        for (name, picture) in
+            [("ball", ball(white, blind, 1)), ("inside", inside(3, blind)), ("sphere", lit_sphere(mis))]
+        {
+            let samples = Samples::Count(64 * picture.request.width.pow(2) as u64);
+            let case = picture.case(name, |_| ());
+            let p = |seed| case.examine(&Protocol { seed, samples, ..Protocol::default() }, 0).unwrap().p.unwrap();
+            let p: Vec<f64> = (0..60).map(p).collect();
+            assert!(evenness(&p).p > 1e-3, "{name}: {:?} {p:?}", evenness(&p));
+        }
+    }
+}
