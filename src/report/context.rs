@@ -127,6 +127,12 @@ impl Context {
         Settings { seed: self.seed, ..Settings::default() }
     }
 
+    /// Whether everything is to be made smaller.
+    #[must_use]
+    pub fn is_quick(&self) -> bool {
+        self.quick
+    }
+
     /// Whether the scenes are the report's own files.
     #[must_use]
     pub fn has_originals(&self) -> bool {

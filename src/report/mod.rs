@@ -13,9 +13,11 @@ pub mod output;
 pub mod proposal;
 mod registry;
 mod second_report;
+mod self_test;
 pub mod sphere;
 pub mod statue;
 pub mod validation;
+pub mod validation_cells;
 
 pub use check::Check;
 pub use context::{Context, MapSource};

@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::context::Context;
-use super::{entries, output, second_report};
+use super::{entries, output, second_report, self_test};
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
 use crate::files;
@@ -53,6 +53,7 @@ pub struct Reproduced {
 pub fn registry() -> Vec<Entry> {
     let mut all = entries::all();
     all.extend(second_report::all());
+    all.extend(self_test::all());
     all
 }
 

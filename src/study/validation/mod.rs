@@ -1,10 +1,12 @@
 //! The project's own samplers, tested: cases, suites of them, and runs.
 
+mod calibrate;
 mod case;
 mod run;
 mod select;
 pub mod suite;
 
+pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::Case;
 pub use run::{Tested, Validation, run};
 pub use select::select;
