@@ -149,7 +149,7 @@ pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     let expected = n / BARS as f64;
     // 99 % of a binomial count, by its normal limit.
     let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
-    let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("tests"))
+    let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
         .title(format!(
             "{} /{{p}}-values under {} seeds: evenness /{{p}} = {:.3}",
             calibration.p.len(),

@@ -50,7 +50,7 @@ fn residual(observed: u64, expected: f64) -> f64 {
 /// The drawing of a test's cells; `None` for a test that counts nothing.
 pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
     let Some(counts) = &tested.outcome.counts else { return Ok(None) };
-    let p = tested.outcome.p.map_or("none".into(), |p| format!("{p:.3e}"));
+    let p = tested.outcome.p.map_or("none".into(), |p| if p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") });
     let title = format!("{}: {}, /{{p}} = {p}", tested.name, tested.outcome.verdict);
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
@@ -70,9 +70,9 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
     const EDGE: f64 = 12.0;
     let (first, second) = (EDGE + theme::TITLE_SIZE, EDGE + theme::TITLE_SIZE + 1.5 * theme::NOTE_SIZE);
     let widest = text::width(&title, theme::TITLE_SIZE, true).max(text::width(&remark, theme::NOTE_SIZE, false));
-    let width = drawing.width().max(widest + 2.0 * EDGE);
+    let width = drawing.width().max(widest + 2.0 * EDGE).ceil();
     let left = 0.5 * (width - drawing.width());
-    let mut page = Drawing::new(width, second + drawing.height(), drawing.scale());
+    let mut page = Drawing::new(width, (second + drawing.height()).ceil(), drawing.scale());
     page.append(drawing, left, second);
     let centred = |y: f64, size: f64, line: String| {
         Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline).coloured(theme::INK)
@@ -127,7 +127,10 @@ fn listed(rows: &[Row], axis: &str) -> Plot {
     };
     let residuals: Vec<Point> = rows.iter().enumerate().map(|(i, row)| [i as f64 + 0.5, row.residual]).collect();
     let largest = rows.iter().map(|row| row.residual.abs()).fold(1.0, f64::max);
-    let numbers = || Axis::linear(axis).range(0.0, n);
+    let numbers = || {
+        let axis = Axis::linear(axis).range(0.0, n);
+        if rows.len() <= 12 { axis.every(1.0) } else { axis }
+    };
     let observed: Vec<f64> = rows.iter().map(|row| row.observed as f64).collect();
     Plot::new([
         Panel::new(numbers(), Axis::linear("samples"))

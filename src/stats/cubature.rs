@@ -372,7 +372,8 @@ mod tests {
                 .collect();
             let visible = density(|wm: DVec3| ggx.pdf_visible(wo, wm.to_array()));
             let (value, error) = total(&integrate(&domain, &visible, &Grid::equal([10, 20], None), &pilot).unwrap());
-            assert!((value - 1.0).abs() < 2e-6 + error && error < 1e-4, "{alpha}: {value} {error}");
+            // What fewer than four places of the pilot lie in may still be missed.
+            assert!((value - 1.0).abs() < 5e-5 && error < 5e-5, "{alpha}: {value} {error}");
         }
     }
 
