@@ -30,13 +30,13 @@ pub struct Validate {
     #[arg(long)]
     list: bool,
     /// Samples of each test (default: as many as --detect takes)
-    #[arg(long, value_name = "N", conflicts_with = "detect")]
+    #[arg(long, value_name = "N", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<u64>,
     /// Take as many samples as find a relative density error of W with 90 % probability
-    #[arg(long, value_name = "W", default_value_t = 0.02)]
+    #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
     detect: f64,
     /// Probability that a run in which every claim is true rejects any of them
-    #[arg(long, value_name = "A", default_value_t = 0.01)]
+    #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Test the tests: are their p-values spread evenly under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
@@ -71,6 +71,8 @@ impl Validate {
         if let Some(seeds) = self.calibrate {
             return calibration::run(&cases, &self.protocol(global), seeds, global, console);
         }
+        // Not only when all tests are done.
+        self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
         let bar = console.progress(cases.len() as u64, "validate");
         let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
         bar.finish_and_clear();
