@@ -5,6 +5,8 @@ use super::*;
 use crate::optics::metals::by_name;
 use crate::optics::microfacet::Distribution;
 use crate::scene::{Conductor as ConductorMaterial, Material, ScatterModel};
+use crate::stats::{Directions, Draw, Mass, Outcome, Pole, Protocol, Verdict, density, sampler, validate};
+use glam::DVec3;
 
 const ALPHAS: [f32; 7] = [1e-4, 1e-3, 0.005, 0.05, 0.25, 0.5, 1.0];
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
@@ -234,114 +236,22 @@ fn exact_glass_reflects_as_often_as_fresnel_says() {
     }
 }
 
-/// The integral of the density over the directions that facets reflect to, on a grid of normals in the sampler's own
-/// measure, at f64.
-fn mass(bsdf: &Bsdf, normal: impl Fn([f64; 2]) -> ([f64; 3], f64), wo: Vec3) -> f64 {
-    let (n, m) = (256, 128);
-    let mut sum = 0.0;
-    for i in 0..n * m {
-        let u = [(f64::from(i / m) + 0.5) / f64::from(n), (f64::from(i % m) + 0.5) / f64::from(m)];
-        let (wm, density) = normal(u);
-        let wm = glam::DVec3::from_array(wm);
-        let cos = wo.as_dvec3().dot(wm);
-        let wi = (2.0 * cos * wm - wo.as_dvec3()).as_vec3();
-        if cos > 0.0 {
-            sum += f64::from(bsdf.pdf(wo, wi)) * 4.0 * cos / density;
-        }
-    }
-    sum / f64::from(n * m)
+/// Draws of `bsdf` for `wo`, tested against `pdf`. Every material is tested so by the validation suite.
+fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outcome {
+    let sampler = sampler(2, |u: &[f64]| {
+        bsdf.sample(wo, 0.0, [u[0] as f32, u[1] as f32]).map(|sample| Draw::new(sample.wi.as_dvec3()))
+    });
+    let density = density(|wi: DVec3| f64::from(pdf(wo, wi.as_vec3()))).with_mass(Mass::AtMostOne);
+    validate(&Directions::hemisphere(Pole::Z), &sampler, &density, &Protocol::default()).unwrap()
 }
 
 #[test]
-fn densities_integrate_to_the_share_of_samples() {
-    use crate::optics::microfacet::{Beckmann, Ggx};
-    use crate::sampling::normals::SampleNormals;
-    for alpha in ALPHAS {
-        for distribution in DISTRIBUTIONS {
-            for normals in [Normals::Visible, Normals::All] {
-                let bsdf = gold(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
-                for degrees in DEGREES {
-                    let wo = towards(degrees, 1.0);
-                    // Below this two f32 directions do not tell the facet's normal.
-                    if alpha * wo.z < 1e-7 {
-                        continue;
-                    }
-                    let exact = wo.to_array().map(f64::from);
-                    let a = f64::from(alpha);
-                    let draw = |u: [f64; 2]| match (distribution, normals) {
-                        (Distribution::Beckmann, Normals::Visible) => {
-                            let wm = Beckmann::new(a).sample_visible(exact, u);
-                            (wm, Beckmann::new(a).pdf_visible(exact, wm))
-                        }
-                        (Distribution::Beckmann, _) => {
-                            let wm = Beckmann::new(a).sample_all(u);
-                            (wm, Beckmann::new(a).pdf_all(wm))
-                        }
-                        (Distribution::Ggx, Normals::Visible) => {
-                            let wm = Ggx::new(a).sample_visible(exact, u);
-                            (wm, Ggx::new(a).pdf_visible(exact, wm))
-                        }
-                        (Distribution::Ggx, _) => {
-                            let wm = Ggx::new(a).sample_all(u);
-                            (wm, Ggx::new(a).pdf_all(wm))
-                        }
-                    };
-                    let (mass, drawn) = (mass(&bsdf, draw, wo), furnace(&bsdf, wo).1);
-                    let case = format!("{distribution:?} {normals:?} {alpha} at {degrees}: {mass} {drawn}");
-                    // Both are quadratures over a region whose edge they see to one of 4096 points, at best.
-                    assert!((mass - drawn).abs() < 3e-3, "{case}");
-                }
-            }
-        }
-    }
-}
-
-/// Counts of drawn directions in 16 x 16 cells of equal area with `None` apart, against the integrals of `pdf`.
-fn chi_square_of(bsdf: &impl Scatter, pdf: impl Fn(Vec3, Vec3) -> f32, wo: Vec3) -> f64 {
-    use crate::sampling::stream::{Independent, Stream};
-    const CELLS: usize = 16;
-    const SAMPLES: u32 = 1 << 16;
-    const FINE: usize = 32;
-    let mut expected = vec![0.0; CELLS * CELLS];
-    let side = CELLS * FINE;
-    for i in 0..side * side {
-        let place = [i / side, i % side].map(|j| (j as f64 + 0.5) / side as f64);
-        let wi = crate::sampling::warp::uniform_hemisphere(place).as_vec3();
-        expected[i / side / FINE * CELLS + i % side / FINE] += f64::from(pdf(wo, wi));
-    }
-    let area = std::f64::consts::TAU * f64::from(SAMPLES) / (side * side) as f64;
-    expected.iter_mut().for_each(|e| *e *= area);
-    expected.push(f64::from(SAMPLES) - expected.iter().sum::<f64>());
-    let mut observed = vec![0; CELLS * CELLS + 1];
-    for i in 0..SAMPLES {
-        let u = Independent::new(1, 0, i).pair(0).map(|u| u as f32);
-        let cell = bsdf.sample(wo, 0.0, u).map_or(CELLS * CELLS, |s| {
-            let place = crate::sampling::warp::invert_uniform_hemisphere(s.wi.as_dvec3());
-            let [row, column] = place.map(|x| ((x * CELLS as f64) as usize).min(CELLS - 1));
-            row * CELLS + column
-        });
-        observed[cell] += 1;
-    }
-    crate::stats::chi_square::chi_square(&observed, &expected).map_or(0.0, |test| test.p)
-}
-
-#[test]
-fn drawn_directions_have_their_density() {
+fn the_second_reports_metal_follows_its_own_density_and_not_the_printed_one() {
     let wo = towards(40.0, 1.0);
-    for distribution in DISTRIBUTIONS {
-        for normals in NORMALS {
-            let bsdf = gold(0.3, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
-            let p = chi_square_of(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
-            // One in a thousand for the eight tests here together.
-            assert!(p > 1.25e-4, "{distribution:?} {normals:?}: p = {p}");
-        }
-    }
-    let diffuse = Diffuse::new(Rgb::ONE);
-    assert!(chi_square_of(&diffuse, |wo, wi| diffuse.pdf(wo, wi), wo) > 1.25e-4);
-    // The second report's metal: its directions follow their own density and not the printed one.
     let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
     let bsdf = gold(0.3, Distribution::Beckmann).bsdf(report);
-    assert!(chi_square_of(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo) > 1.25e-4);
-    let printed = |wo, wi| printed_pdf(crate::optics::microfacet::Beckmann::new(0.3), wo, wi);
-    assert!(chi_square_of(&bsdf, printed, wo) < 1e-6, "the planted fault is seen");
+    let own = tested(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
+    assert!(own.is_accepted(), "{own}");
+    let printed = tested(&bsdf, |wo, wi| printed_pdf(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);
+    assert_eq!(printed.verdict, Verdict::Reject, "{printed}");
 }

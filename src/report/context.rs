@@ -151,6 +151,12 @@ impl Context {
         Protocol { seed: self.seed, samples, ..Protocol::default() }
     }
 
+    /// Whether everything is to be made smaller.
+    #[must_use]
+    pub fn is_quick(&self) -> bool {
+        self.quick
+    }
+
     /// Whether the scenes are the report's own files.
     #[must_use]
     pub fn has_originals(&self) -> bool {

@@ -21,12 +21,14 @@ pub mod planted;
 pub mod proposal;
 mod registry;
 mod second_report;
+mod self_test;
 pub mod sphere;
 pub mod stability;
 mod stability_entries;
 pub mod stability_summary;
 pub mod statue;
 pub mod validation;
+pub mod validation_cells;
 
 pub use check::Check;
 pub use context::{Context, MapSource};

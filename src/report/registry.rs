@@ -4,7 +4,7 @@ use super::check::Check;
 use super::context::Context;
 use super::erratum::Erratum;
 use super::page::{self, Record, Records, Setup};
-use super::{audit_entry, converge_entries, entries, output, second_report, stability_entries};
+use super::{audit_entry, converge_entries, entries, output, second_report, self_test, stability_entries};
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
 use crate::files;
@@ -93,6 +93,7 @@ pub struct Reproduced {
 pub fn registry() -> Vec<Entry> {
     let mut all = entries::all();
     all.extend(second_report::all());
+    all.extend(self_test::all());
     all.extend(audit_entry::all());
     all.extend(converge_entries::all());
     all.extend(stability_entries::all());

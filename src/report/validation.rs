@@ -3,7 +3,7 @@
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::stats::Verdict;
 use crate::stats::multiple::sidak;
-use crate::study::validation::{Tested, Validation};
+use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
@@ -112,4 +112,56 @@ pub fn drawing(validation: &Validation) -> Drawing {
         )),
     ])
     .draw()
+}
+
+/// A line of a calibration's table.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct CalibrationRow<'a> {
+    pub name: &'a str,
+    pub count: usize,
+    pub distance: f64,
+    pub p: f64,
+    pub uneven: bool,
+    pub fault: &'a str,
+}
+
+impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
+    fn from(Calibrated { name, evenness, uneven, fault }: &'a Calibrated) -> Self {
+        let fault = fault.as_deref().unwrap_or_default();
+        Self { name, count: evenness.count, distance: evenness.distance, p: evenness.p, uneven: *uneven, fault }
+    }
+}
+
+/// The table of a calibration.
+#[must_use]
+pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
+    calibration.tests.iter().map(CalibrationRow::from).collect()
+}
+
+/// All p-values of a calibration as a histogram, with what chance allows each bar.
+#[must_use]
+pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
+    const BARS: usize = 20;
+    let n = calibration.p.len() as f64;
+    let mut counts = vec![0.0; BARS];
+    calibration.p.iter().for_each(|p| counts[((p * BARS as f64) as usize).min(BARS - 1)] += 1.0);
+    let edges: Vec<f64> = (0..=BARS).map(|i| i as f64 / BARS as f64).collect();
+    let expected = n / BARS as f64;
+    // 99 % of a binomial count, by its normal limit.
+    let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
+    let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
+        .title(format!(
+            "{} /{{p}}-values under {} seeds: evenness /{{p}} = {:.3}",
+            calibration.p.len(),
+            calibration.seeds,
+            calibration.evenness.p
+        ))
+        .bars("found", theme::SKY_BLUE, edges, counts)
+        .band(
+            "99 % of each bar",
+            theme::ORANGE,
+            [[0.0, expected - spread, expected + spread], [1.0, expected - spread, expected + spread]],
+        )
+        .line("expected", Stroke::solid(theme::BLACK, theme::THIN), [[0.0, expected], [1.0, expected]]);
+    Plot::new([panel]).draw()
 }

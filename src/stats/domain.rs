@@ -208,8 +208,12 @@ impl Domain for Directions {
         };
         // 1 − z without the subtraction where that would cancel.
         let below = if z > 0.0 { (x * x + y * y) / (1.0 + z) } else { 1.0 - z };
-        let below = if self.half { within(below)? } else { within(0.5 * below)? };
-        Some([below, crate::sampling::warp::turns(y, x)])
+        if self.half && z < 0.0 {
+            return None;
+        }
+        // On the horizon of the half, and opposite to the pole, rounding must not leave the chart.
+        let below = if self.half { below } else { 0.5 * below };
+        Some([below.min(1f64.next_down()), crate::sampling::warp::turns(y, x)])
     }
 
     fn point(&self, [below, turns]: [f64; 2]) -> DVec3 {
@@ -280,6 +284,7 @@ mod tests {
         assert_eq!(half.place(DVec3::new(0.0, 0.6, -0.8)), None);
         assert_eq!(half.place(DVec3::new(0.0, 0.6, 0.9)), None);
         assert_eq!(half.place(DVec3::NAN), None);
+        assert!(half.place(DVec3::new(1.0 + 1e-7, 1e-7, 1e-16)).is_some(), "just above the horizon, but for rounding");
         assert_eq!(Square.place([0.5, 1.5]), None);
         assert_eq!(Line::UNIT.place(f64::NAN), None);
         assert_eq!(Discrete { outcomes: 6 }.place(6), None);

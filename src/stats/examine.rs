@@ -207,7 +207,7 @@ pub fn examine<D: Domain>(
         repeated: false,
         fault: density_fault.or(mass_fault).or(corner_fault).or(draw_fault).or_else(|| discrete(domain, &pilot)),
         doubt,
-        counts: Some(Counts { grid, observed, expected, atoms: atoms.len() }),
+        counts: Some(Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() }),
     })
 }
 

@@ -29,6 +29,8 @@ impl fmt::Display for Verdict {
 /// The counts behind a test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counts {
+    /// What the axes of the grid's chart stand for.
+    pub axes: [&'static str; 2],
     pub grid: Grid,
     /// Observed and expected counts: of the grid's cells, then of the atoms, then of "no sample".
     pub observed: Vec<u64>,

@@ -224,3 +224,18 @@ fn samples_that_are_used_up_are_used_once() -> Result<()> {
     }
     Ok(())
 }
+
+#[test]
+fn what_leaves_nothing_to_chance_is_tested_exactly() -> Result<()> {
+    let half = Directions::hemisphere(Pole::Z);
+    let mirror = density(|_: DVec3| 0.0).with_atoms(vec![Atom { point: DVec3::Z, probability: 1.0 }]);
+    let outcome = validate(&half, &sampler(1, |_: &[f64]| Some(Draw::atom(DVec3::Z))), &mirror, &protocol())?;
+    assert!(outcome.is_accepted() && outcome.continuous_p().is_none(), "{outcome}");
+    let lazy = sampler(1, |u: &[f64]| (u[0] > 1e-3).then(|| Draw::atom(DVec3::Z)));
+    assert_eq!(validate(&half, &lazy, &mirror, &protocol())?.verdict, Verdict::Reject);
+    let dark = density(|_: DVec3| 0.0).with_mass(Mass::Exactly(0.0));
+    assert!(validate(&half, &sampler(1, |_: &[f64]| None), &dark, &protocol())?.is_accepted());
+    let leaking = sampler(1, |u: &[f64]| (u[0] < 1e-3).then(|| Draw::new(DVec3::Z)));
+    assert_eq!(validate(&half, &leaking, &dark, &protocol())?.verdict, Verdict::Reject);
+    Ok(())
+}

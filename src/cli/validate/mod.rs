@@ -1,5 +1,6 @@
 //! `etalon validate`: samplers tested against their densities.
 
+mod calibration;
 mod elsewhere;
 mod planted;
 mod summary;
@@ -9,9 +10,9 @@ use super::map_file::{self, MapOptions};
 use super::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::report::{junit, output, validation as view};
+use crate::report::{junit, output, validation as view, validation_cells as cells};
 use crate::stats::{Protocol, Samples};
-use crate::study::validation::{Case, Validation, run, select, suite};
+use crate::study::validation::{Case, Tested, Validation, run, select, suite};
 use clap::Args;
 use elsewhere::{Elsewhere, HowMany};
 use serde::Serialize;
@@ -20,7 +21,7 @@ use std::path::PathBuf;
 /// Test every sampler of this program against the density that it claims
 #[derive(Args)]
 #[command(
-    after_help = "Writes validation.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
+    after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
@@ -37,14 +38,20 @@ pub struct Validate {
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
     /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
-    #[arg(long, value_name = "N|FILE", conflicts_with = "detect")]
+    #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<HowMany>,
     /// Take as many samples as find a relative density error of W with 90 % probability
-    #[arg(long, value_name = "W", default_value_t = 0.02)]
+    #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
     detect: f64,
     /// Probability that a run in which every claim is true rejects any of them
-    #[arg(long, value_name = "A", default_value_t = 0.01)]
+    #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
+    /// Test the tests: are their p-values spread evenly under K seeds?
+    #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
+    calibrate: Option<u64>,
+    /// Draw the counts of each test: observed, expected, and how far they are apart
+    #[arg(long)]
+    figures: bool,
     /// Add a map of your own to the tests, as map/NAME
     #[arg(long, value_name = "MAP")]
     envmap: Option<String>,
@@ -74,14 +81,25 @@ impl Validate {
             list(&cases, console);
             return Ok(Verdict::Good);
         }
+        if let Some(seeds) = self.calibrate {
+            return calibration::run(&cases, &self.protocol(global), seeds, global, console);
+        }
+        // Not only when all tests are done.
+        self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
         let bar = console.progress(cases.len() as u64, "validate");
         let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
         bar.finish_and_clear();
-        let stem = output::Target::new(global.out.as_deref()).stem("validation", "");
+        let target = output::Target::new(global.out.as_deref());
+        let stem = target.stem("validation", "");
         let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
         if let Some(path) = &self.junit {
             files::write_bytes(path, junit::document(&validation).as_bytes())?;
             files.push(path.clone());
+        }
+        if self.figures {
+            for tested in &validation.tests {
+                files.extend(draw_counts(tested, &target)?);
+            }
         }
         console.result(&Output { validation: &validation, files: &files }, || summary::text(&validation, &files));
         Ok(match validation {
@@ -110,6 +128,15 @@ impl Validate {
         }
         select(all, &self.names)
     }
+}
+
+/// Writes the counts of one test, if it has any.
+fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
+    let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)?) else {
+        return Ok(Vec::new());
+    };
+    let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)));
+    output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
 }
 
 fn list(cases: &[Case], console: &Console) {

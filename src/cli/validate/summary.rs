@@ -58,9 +58,9 @@ fn families(tests: &[Tested]) -> String {
     let mut groups: Vec<(String, Vec<&Tested>)> = Vec::new();
     for test in tests {
         let family = family(&test.name);
-        match groups.last_mut() {
-            Some((name, members)) if *name == family => members.push(test),
-            _ => groups.push((family, vec![test])),
+        match groups.iter_mut().find(|(name, _)| *name == family) {
+            Some((_, members)) => members.push(test),
+            None => groups.push((family, vec![test])),
         }
     }
     let width = groups.iter().map(|(name, _)| name.len()).max().unwrap_or(0);

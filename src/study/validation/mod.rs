@@ -1,11 +1,13 @@
 //! The project's own samplers, tested: cases, suites of them, and runs.
 
+mod calibrate;
 mod case;
 pub mod planted;
 mod run;
 mod select;
 pub mod suite;
 
+pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::Case;
 pub use run::{Tested, Validation, run};
 pub use select::select;

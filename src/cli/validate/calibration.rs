@@ -1,0 +1,47 @@
+//! `etalon validate --calibrate`: the harness on itself.
+
+use crate::cli::console::{Console, files_written};
+use crate::cli::{Global, Verdict};
+use crate::error::Result;
+use crate::report::{output, validation as view};
+use crate::stats::Protocol;
+use crate::study::validation::{Calibration, Case, calibrate};
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Serialize)]
+struct Output<'a> {
+    #[serde(flatten)]
+    calibration: &'a Calibration,
+    files: &'a [PathBuf],
+}
+
+pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
+    let bar = console.progress(cases.len() as u64, "calibrate");
+    let found = calibrate(cases, protocol, seeds, &|_| bar.inc(1))?;
+    bar.finish_and_clear();
+    let stem = output::Target::new(global.out.as_deref()).stem("calibration", "");
+    let table = output::table(&view::calibration_rows(&found))?;
+    let files = output::write(&stem, &view::calibration_drawing(&found), &table)?;
+    console.result(&Output { calibration: &found, files: &files }, || text(&found) + &files_written(&files));
+    Ok(if found.accepted { Verdict::Good } else { Verdict::Rejected })
+}
+
+fn text(found: &Calibration) -> String {
+    let mut text = String::new();
+    for test in found.tests.iter().filter(|test| test.uneven || test.fault.is_some()) {
+        let why = test.fault.clone().unwrap_or_else(|| format!("p-values are uneven, p = {:.1e}", test.evenness.p));
+        text += &format!("{}: {why}\n", test.name);
+    }
+    text + &format!(
+        "{} tests under {} seeds of {} samples: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
+         evenness of all p-values: p = {:.3}; tests that are uneven or at fault: {}\n",
+        found.tests.len(),
+        found.seeds,
+        found.samples,
+        100.0 * found.below_5_percent,
+        100.0 * found.below_1_percent,
+        found.evenness.p,
+        found.uneven
+    )
+}
