@@ -37,6 +37,9 @@ pub struct ReadOptions {
 /// or for a clipped format that was not asked for, [`Error::Limit`] when a side exceeds 65536, the image 2^28 pixels
 /// or the file 2 GiB, and [`Error::Io`]. Memory is taken only in proportion to what the file can really hold.
 pub fn read(path: &Path, options: ReadOptions) -> Result<Image> {
+    if path.is_dir() {
+        return Err(Error::input(path, "this is a directory, not an image file"));
+    }
     let bytes = read_bounded(path, MAX_FILE_BYTES)?;
     decode(path, &bytes, options)
 }

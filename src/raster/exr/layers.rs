@@ -34,6 +34,9 @@ impl ExrFile {
     /// [`Error::Input`] for a damaged file or one that is not OpenEXR, [`Error::Unsupported`] for an unknown
     /// compression, [`Error::Limit`] for more than 8 GiB or 4096 channels, and [`Error::Io`].
     pub fn open(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            return Err(Error::input(path, "this is a directory, not an OpenEXR file"));
+        }
         let bytes = read_bounded(path, MAX_FILE_BYTES)?;
         if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             return Err(Error::input(path, "this is not an OpenEXR file"));
