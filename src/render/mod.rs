@@ -14,7 +14,7 @@ mod integrator;
 mod job;
 mod lanes;
 mod lens;
-mod lights;
+pub(crate) mod lights;
 mod needs;
 mod numbers;
 mod rough;

@@ -1,9 +1,10 @@
 //! The suite: every sampler of the project, each family in a file of its own.
 
 mod bsdfs;
-mod lights;
+mod lamps;
 pub mod maps;
 mod normals;
+mod rectangles;
 pub mod renders;
 mod smooth;
 mod strata;
@@ -23,7 +24,8 @@ pub fn cases() -> Vec<Case> {
     all.extend(normals::cases());
     all.extend(bsdfs::cases());
     all.extend(smooth::cases());
-    all.extend(lights::cases());
+    all.extend(rectangles::cases());
+    all.extend(lamps::cases());
     all.extend(renders::cases());
     all
 }

@@ -1,4 +1,4 @@
-//! Directions towards lights: rectangles by their solid angle, alone and as lamps of a scene.
+//! Rectangles by their solid angle, seen from a point.
 
 use super::{Case, short};
 use crate::sampling::circular::Circular;
