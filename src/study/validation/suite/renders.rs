@@ -24,7 +24,7 @@ use crate::stats::welch::{self, Mean, Pictures};
 use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, Verdict, density};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// What a picture must show.
@@ -32,7 +32,7 @@ use std::time::Instant;
 pub enum Truth {
     /// This radiance in every pixel.
     Even(f64),
-    /// The exact picture of a white sphere that fills the frame; pixels near the silhouette are left out.
+    /// The exact picture of [`lit_sphere`]; pixels near the silhouette are left out.
     Sphere,
     /// What a rough metal that reflects everything leaves of the furnace's light; see [`metal`].
     Metal,
@@ -64,7 +64,15 @@ const HEAVY: f64 = 10.0;
 impl Picture {
     /// The test of this picture. `spoil` is done to the rendered tiles, for those who want it rejected.
     pub fn case(self, name: impl Into<String>, spoil: fn(&mut [[Mean; 2]])) -> Case {
-        Case::new(name, move |protocol, round| self.examine(protocol, round, spoil))
+        let is_sphere = matches!(self.truth, Truth::Sphere);
+        let case = Case::new(name, move |protocol, round| self.examine(protocol, round, spoil));
+        if is_sphere {
+            case.with_preparation(|| {
+                lit_sphere_truth();
+            })
+        } else {
+            case
+        }
     }
 
     /// One round of the test, as [`crate::stats::examine`].
@@ -74,7 +82,7 @@ impl Picture {
         let level = protocol.own_level();
         let even = |value: f64| vec![Some(value); self.request.width * self.request.height];
         let truth = match &self.truth {
-            Truth::Sphere => sphere(&self.scene, &self.request),
+            Truth::Sphere => lit_sphere_truth().to_vec(),
             Truth::Even(value) => even(*value),
             Truth::Metal => even(albedo()?),
             Truth::By(_) => Vec::new(),
@@ -254,6 +262,15 @@ pub fn lit_sphere(settings: Settings) -> Picture {
     let grey = Image::from_fn(sun.width(), sun.height(), |x, y| Rgb::splat(sun.get(x, y).element_sum() / 3.0));
     let (scene, _) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(grey)), "sun", 1.0));
     Picture { scene, request: request(24, 1), settings, truth: Truth::Sphere }
+}
+
+/// Its exact picture, which takes longer than a render and is the same for all.
+fn lit_sphere_truth() -> &'static [Option<f64>] {
+    static TRUTH: OnceLock<Vec<Option<f64>>> = OnceLock::new();
+    TRUTH.get_or_init(|| {
+        let Picture { scene, request, .. } = lit_sphere(Settings::default());
+        sphere(&scene, &request)
+    })
 }
 
 /// The second report's room in grey, by one strategy and by another.
