@@ -95,6 +95,8 @@ fn every_encoding_gives_the_same_mesh() {
     }
     let plain = ascii().replace("property float nx", "property float mx");
     assert_eq!(read("a.ply", plain.as_bytes()).unwrap(), expected(false));
+    let empty_rows = ascii().replace("element face", "element nothing 18446744073709551615\nelement face");
+    assert_eq!(read("a.ply", empty_rows.as_bytes()).unwrap(), expected(true));
     let obj = "# a test\no box\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1 2/1 3 -1\nv 0 2.5 \\\n -0.5\ns 1\nf 4 3 5";
     assert_eq!(read("a.obj", obj.as_bytes()).unwrap(), expected(false));
 }
@@ -139,7 +141,9 @@ fn wrong_plys_are_refused_with_their_place() {
         (change("float x", "half x"), "a.ply:5:1: \"half\" is no type"),
         (change("list uchar int", "list uchar"), "a.ply:17:1: a property is"),
         (change("property float x", "property float w"), "the vertices have no x"),
+        (change("vertex 5", "vertex 5\nelement points 5"), "the vertices have no x"),
         (change("vertex_indices", "corners"), "the faces have no list vertex_indices"),
+        (change("face 2", "face 2\nelement polygons 2"), "the faces have no list vertex_indices"),
         (change("element face", "element faces"), "the file has points, but no faces"),
         (change("1 1 0 200", "1 nan 0 200"), "a.ply:21:1: a vertex at 1 NaN 0 is not finite"),
         (change("1 1 0 200", "1 1e30 0 200"), "out of range"),

@@ -8,7 +8,9 @@
 //! known by its input, too. Inputs that make trouble are left in the working directory as `fuzz-READER-SEED-INPUT.*`.
 
 mod mutate;
+mod program;
 mod readers;
+mod samplers;
 mod seeds;
 mod worker;
 
@@ -46,6 +48,8 @@ const MOST_DEATHS: u64 = 10;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let args = Args::parse();
+    // One thread, so that an input does the same every time: programs are asked in the same order.
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     if let Some(input) = &args.replay {
         return replay(input).map(|()| ExitCode::SUCCESS);
     }
@@ -79,6 +83,7 @@ fn fuzz(reader: &Reader, args: &Args, time: Duration) -> Result<u64, Box<dyn Err
     let start = Instant::now();
     Progress::default().write(folder.path())?;
     worker::companions(folder.path())?;
+    inputs.check_seeds(folder.path())?;
     let mut deaths = 0;
     let progress = loop {
         let left = time.saturating_sub(start.elapsed());

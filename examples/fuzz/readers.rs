@@ -1,6 +1,6 @@
 //! Who is fuzzed: for each reader its seeds, and what a user would do with what it reads.
 
-use super::seeds;
+use super::{program, samplers, seeds};
 use etalon::Result;
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
@@ -24,7 +24,7 @@ pub struct Reader {
 }
 
 /// All readers.
-pub const READERS: [Reader; 12] = [
+pub const READERS: [Reader; 15] = [
     Reader { name: "exr", extension: "exr", seeds: seeds::exr, seal: as_it_is, read: exr },
     Reader { name: "hdr", extension: "hdr", seeds: seeds::hdr, seal: as_it_is, read: image },
     Reader { name: "pfm", extension: "pfm", seeds: seeds::pfm, seal: as_it_is, read: image },
@@ -37,13 +37,18 @@ pub const READERS: [Reader; 12] = [
     Reader { name: "pbrt", extension: "pbrt", seeds: seeds::pbrt, seal: as_it_is, read: scene },
     Reader { name: "collada", extension: "dae", seeds: seeds::collada, seal: as_it_is, read: scene },
     Reader { name: "settings", extension: "txt", seeds: seeds::settings, seal: as_it_is, read: settings },
+    Reader { name: "samples", extension: "csv", seeds: seeds::samples, seal: as_it_is, read: samplers::samples },
+    Reader { name: "grid", extension: "csv", seeds: seeds::grid, seal: as_it_is, read: samplers::grid },
+    Reader { name: "protocol", extension: "txt", seeds: seeds::protocol, seal: as_it_is, read: program::read },
 ];
 
 /// Files that inputs refer to, beside them.
-pub const COMPANIONS: [(&str, &[u8]); 3] = [
+pub const COMPANIONS: [(&str, &[u8]); 5] = [
     ("mesh.ply", include_bytes!("seeds/mesh.ply")),
     ("more.pbrt", include_bytes!("seeds/more.pbrt")),
     ("scene.dae", include_bytes!("seeds/scene.dae")),
+    ("samples.csv", include_bytes!("seeds/samples.csv")),
+    ("grid.csv", include_bytes!("seeds/grid.csv")),
 ];
 
 fn as_it_is(_: &mut [u8]) {}

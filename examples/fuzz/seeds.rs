@@ -1,5 +1,6 @@
 //! Small sound files of every format: what the mutations start from.
 
+use super::program::Actor;
 use etalon::raster::{Image, Metadata, Rgb, write};
 use etalon::render::exposure::{Classes, Exposure, Part};
 use exr::prelude::{
@@ -53,7 +54,7 @@ fn foreign_exr(compression: Compression, blocks: Blocks) -> Vec<u8> {
 pub fn hdr() -> Vec<Vec<u8>> {
     let own = written("a.hdr", |path| write(path, &picture(), &Metadata::default()));
     let old = b"#?RGBE\nEXPOSURE=2\nCOLORCORR=1 2 1\nFORMAT=32-bit_rle_rgbe\n\n+X 3 -Y 3\n\
-                \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x05";
+                \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x02";
     vec![own, old.to_vec()]
 }
 
@@ -153,4 +154,55 @@ pub fn collada() -> Vec<Vec<u8>> {
 
 pub fn settings() -> Vec<Vec<u8>> {
     vec![include_bytes!("seeds/camera.txt").to_vec()]
+}
+
+pub fn samples() -> Vec<Vec<u8>> {
+    let angles = b"phi,theta\n0.1,0.2\n-3,1.5\n1e1,3.1\n0,0\n1,2\n2,1\n3,0.5\n0.5,0.7\n";
+    vec![include_bytes!("seeds/samples.csv").to_vec(), angles.to_vec()]
+}
+
+pub fn grid() -> Vec<Vec<u8>> {
+    let others: [&[u8]; 3] =
+        [b"0.2\n0.5\n0.3\n", b"1, 0, 2.5\n\n0.125, 1e-3, 0x1p-2\n", b"1e300, 0x1.fffffffffffffp1023\n0, 5e-324\n"];
+    std::iter::once(&include_bytes!("seeds/grid.csv")[..]).chain(others).map(<[u8]>::to_vec).collect()
+}
+
+/// What programs say in a short test.
+pub fn protocol() -> Vec<Vec<u8>> {
+    let actors = [
+        Actor {
+            greeting: "etalon 1 domain=line dimension=1 invert=yes mass=0x1p0\n0.25 0.125",
+            sample: &["0.5 0.875", "atom 0.25", "0.1", "0x1p-1 8.75e-1"],
+            pdf: &["0.875", " 0x1.cp-1\r"],
+            invert: &["none", "none", "none", "0.25"],
+        },
+        Actor {
+            greeting: "etalon 1 domain=square invert=yes numbers=bits name=bits",
+            sample: &["3fe00000000000003fc0000000000000", "3fe0000000000000 3fd0000000000000 3ff0000000000000"],
+            pdf: &["3ff0000000000000"],
+            invert: &["none", "3fe00000000000003fc0000000000000"],
+        },
+        Actor {
+            greeting: "etalon 1 domain=hemisphere dimension=0 mass=at-most-1\n0 0 1 0.5",
+            sample: &["none", "0.6 0 0.8 0.07957747154594767", "atom 0 0 1"],
+            pdf: &["0.07957747154594767"],
+            invert: &[],
+        },
+        Actor {
+            greeting: "etalon 1 domain=discrete:6 dimension=3",
+            sample: &["2", "5 0.2", "0"],
+            pdf: &["0.2", "0.1"],
+            invert: &[],
+        },
+        Actor {
+            greeting: "etalon 1 domain=sphere dimension=2 name=extreme",
+            sample: &["0 -1 0", "-1 0 0 -inf", "0 0 -1 1e999", "1e-200 0 1"],
+            pdf: &["1e308", "inf", "-1", "1e-320", "0"],
+            invert: &[],
+        },
+    ];
+    let records = actors.map(|actor| actor.record().expect("an actor answers"));
+    // One change to the first line may make it too long.
+    let wide = [&[b' '; 960][..], &records[0]].concat();
+    records.into_iter().chain([wide]).collect()
 }

@@ -69,6 +69,16 @@ impl<'a> Inputs<'a> {
         Self { reader, seed, seeds: (reader.seeds)() }
     }
 
+    /// Reads the seeds: behind the first mistake in one, nothing would be reached.
+    pub fn check_seeds(&self, folder: &Path) -> io::Result<()> {
+        let path = folder.join("seed").with_extension(self.reader.extension);
+        self.seeds.iter().enumerate().try_for_each(|(i, seed)| {
+            std::fs::write(&path, seed)?;
+            let wrong = |e| io::Error::other(format!("seed {i} of {} is not sound: {e}", self.reader.name));
+            (self.reader.read)(&path).map_err(wrong)
+        })
+    }
+
     pub fn bytes(&self, number: u64) -> Vec<u8> {
         let name = self.reader.name.bytes().fold(0_u32, |hash, byte| hash.wrapping_mul(31) ^ u32::from(byte));
         let mut bytes = mutate::input(&self.seeds, Independent::new(self.seed, number, name));

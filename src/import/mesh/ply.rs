@@ -18,10 +18,12 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     }
     let mut body = Body { path, bytes, position: header.body, encoding: header.encoding };
     let (mut mesh, mut normals) = (Mesh::default(), Vec::new());
-    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+    for element in &header.elements {
         match element.name.as_str() {
             "vertex" => body.vertices(element, &mut mesh, &mut normals)?,
             "face" => mesh.triangles = body.faces(element, points)?,
+            // There may be any number of rows with nothing in them.
+            _ if element.properties.is_empty() => {}
             _ => (0..element.count).try_for_each(|_| body.row(element, |_, _| ()))?,
         }
     }

@@ -1,6 +1,6 @@
 //! How a program introduces itself.
 
-use super::process::{Process, fault};
+use super::peer::{Peer, fault};
 use crate::error::Result;
 use crate::import::place::quote;
 use crate::import::sampler::number::{Notation, number};
@@ -32,11 +32,11 @@ pub struct Hello {
 
 impl Hello {
     /// Greets the program and reads what it says.
-    pub fn of(process: &mut Process) -> Result<Self> {
-        let answer = process.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
+    pub fn of(peer: &mut dyn Peer) -> Result<Self> {
+        let answer = peer.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
         let mut lines = answer.lines();
         let first = lines.next().unwrap_or_default();
-        let wrong = |message: &str| fault(process.command(), format!("its greeting {} {message}", quote(first)));
+        let wrong = |message: &str| fault(peer.name(), format!("its greeting {} {message}", quote(first)));
         let mut words = first.split_ascii_whitespace();
         if [words.next(), words.next()] != [Some("etalon"), Some(VERSION)] {
             return Err(wrong(&format!("does not begin with \"etalon {VERSION}\"")));
@@ -51,8 +51,9 @@ impl Hello {
             atoms: lines.map(str::to_owned).collect(),
         };
         for word in words {
-            let (key, value) = word.split_once('=').ok_or_else(|| wrong(&format!("has {word:?}, not KEY=VALUE")))?;
-            let refused = || wrong(&format!("has {word:?}, which has no meaning"));
+            let (key, value) =
+                word.split_once('=').ok_or_else(|| wrong(&format!("has {}, not KEY=VALUE", quote(word))))?;
+            let refused = || wrong(&format!("has {}, which has no meaning", quote(word)));
             match key {
                 "name" => hello.name = value.to_owned(),
                 "dimension" => {

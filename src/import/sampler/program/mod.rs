@@ -15,8 +15,13 @@
 //! to (1, or `at-most-1`); `domain`; `invert=yes`; `numbers=bits` for [`Notation::Bits`] in both directions after the greeting.
 //! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
+mod answer;
 mod hello;
+mod peer;
 mod process;
+
+pub use answer::Answer;
+pub use peer::Peer;
 
 use super::coordinates::{Coordinates, write_numbers};
 use super::number::{Notation, Words};
@@ -25,14 +30,15 @@ use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::stats::{Atom, Density, Draw, Drawn, Mass, Sampler};
 use hello::Hello;
-use process::{Process, fault};
+use peer::fault;
+use process::Process;
 use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// A program that has introduced itself, its points not yet of any type.
 pub struct Client {
-    process: Process,
+    peer: Box<dyn Peer>,
     hello: Hello,
     space: Space,
 }
@@ -44,11 +50,18 @@ impl Client {
     /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
     /// started, [`Error::Input`] for an answer that is late or makes no sense.
     pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Self> {
-        let mut process = Process::start(command, limit)?;
-        let hello = Hello::of(&mut process)?;
+        Self::greet(Process::start(command, limit)?, space)
+    }
+
+    /// Asks `peer` what it is. Its domain is `space`, or else the one that it names.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a domain that is missing, [`Error::Input`] for a greeting that makes no sense.
+    pub fn greet(mut peer: impl Peer + 'static, space: Option<Space>) -> Result<Self> {
+        let hello = Hello::of(&mut peer)?;
         let space = match (space, hello.domain) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(fault(command, format!("its domain is {own}")).with_hint(format!("--domain {own}")));
+                return Err(fault(peer.name(), format!("its domain is {own}")).with_hint(format!("--domain {own}")));
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
@@ -56,7 +69,7 @@ impl Client {
                     .with_hint("--domain sphere, hemisphere, square, line or discrete:N"));
             }
         };
-        Ok(Self { process, hello, space })
+        Ok(Self { peer: Box::new(peer), hello, space })
     }
 
     #[must_use]
@@ -71,7 +84,7 @@ impl Client {
 
     /// The program as a sampler and density of points of [`space`](Self::space).
     pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
-        let Self { process, hello, .. } = self;
+        let Self { peer, hello, .. } = self;
         let read = |line: &String| {
             let mut words = Words::new(line, Notation::Text);
             let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
@@ -79,17 +92,18 @@ impl Client {
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
-            read(line).ok_or_else(|| fault(process.command(), wrong()))
+            read(line).ok_or_else(|| fault(peer.name(), wrong()))
         };
         let atoms = hello.atoms.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Program { command: process.command().to_owned(), process: Mutex::new(process), hello, atoms })
+        Ok(Program { name: peer.name().to_owned(), peer: Mutex::new(peer), hello, atoms })
     }
 }
 
 /// A running program: the sampler and the density of points `P`. One request is in flight at a time.
 pub struct Program<P> {
-    command: String,
-    process: Mutex<Process>,
+    /// The peer's, for messages.
+    name: String,
+    peer: Mutex<Box<dyn Peer>>,
     hello: Hello,
     atoms: Vec<Atom<P>>,
 }
@@ -105,8 +119,8 @@ impl<P: Coordinates> Program<P> {
         read: impl Fn(&mut Words<'_>) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
-        let answer = self.process.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
-        let wrong = |message| fault(&self.command, format!("asked \"{verb} {count}\", {message}"));
+        let answer = self.peer.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
+        let wrong = |message| fault(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
             let mut words = Words::new(line, self.hello.notation);

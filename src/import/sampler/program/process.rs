@@ -3,6 +3,8 @@
 //! Three threads keep the three pipes going, so that a program may read, write and complain in any order without either side
 //! waiting for ever; none of them holds more than one request, a few blocks of an answer, or the end of the complaints.
 
+use super::answer::{Answer, END};
+use super::peer::{Peer, fault};
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use std::io::{Read, Write};
@@ -12,10 +14,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What ends an answer.
-const END: &str = "end";
-/// Longest line of an answer, in bytes.
-const LINE: usize = 1024;
 /// How much of the end of standard error is kept for messages, in bytes.
 const COMPLAINTS: usize = 1024;
 /// How long a program that was asked to quit may take.
@@ -31,11 +29,6 @@ pub struct Process {
     complaints: Receiver<Vec<u8>>,
     /// Why it can no longer be asked.
     broken: Option<String>,
-}
-
-/// Says what is wrong with a command, naming it.
-pub fn fault(command: &str, message: impl Into<String>) -> Error {
-    Error::input(Path::new(command), message)
 }
 
 impl Process {
@@ -74,34 +67,21 @@ impl Process {
         Ok(Self { command: command.to_owned(), child, limit, requests, answers, complaints, broken: None })
     }
 
-    pub fn command(&self) -> &str {
-        &self.command
-    }
-
-    /// Sends `request`, whose first line says what is asked, and returns the lines of the answer: `most` at most.
-    pub fn ask(&mut self, request: String, most: usize) -> Result<String> {
-        if let Some(why) = &self.broken {
-            return Err(fault(&self.command, why.clone()));
-        }
-        let asked = request.lines().next().unwrap_or_default().to_owned();
-        self.exchange(request, most).map_err(|what| {
-            let why = format!("asked {asked:?}, {what}{}", self.end());
-            self.broken = Some(why.clone());
-            fault(&self.command, why)
-        })
-    }
-
     fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
         let deadline = Instant::now() + self.limit;
         // If the thread is gone, so is the program, and there will be no answer.
         let _ = self.requests.send(request);
-        let (mut answer, mut scanned, mut start, mut lines) = (Vec::new(), 0, 0, 0);
+        let mut answer = Answer::new(most);
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             match self.answers.recv_timeout(left) {
-                Ok(block) => answer.extend_from_slice(&block),
+                Ok(block) => {
+                    if let Some(text) = answer.add(&block)? {
+                        return Ok(text);
+                    }
+                }
                 Err(RecvTimeoutError::Timeout) => {
-                    let limit = self.limit.as_secs_f64();
+                    let (lines, limit) = (answer.lines(), self.limit.as_secs_f64());
                     return Err(format!(
                         "it had answered {lines} lines of at most {most} and \"{END}\" after {limit} s"
                     ));
@@ -111,34 +91,8 @@ impl Process {
                         Ok(Some(status)) => format!("it ended ({status})"),
                         _ => "it closed its standard output".to_owned(),
                     };
-                    return Err(format!("{ended} after {lines} lines of an answer"));
+                    return Err(format!("{ended} after {} lines of an answer", answer.lines()));
                 }
-            }
-            while let Some(length) = answer[scanned..].iter().position(|&byte| byte == b'\n') {
-                let line = answer[start..scanned + length].trim_ascii();
-                if line == END.as_bytes() {
-                    let rest = &answer[scanned + length + 1..];
-                    if !rest.is_empty() {
-                        return Err(format!("it went on after \"{END}\" with {}", shown(rest)));
-                    }
-                    answer.truncate(start);
-                    return String::from_utf8(answer)
-                        .map_err(|_| "it answered with bytes that are not UTF-8".to_owned());
-                }
-                if lines == most {
-                    return Err(format!("it answered {} where \"{END}\" belongs, after {most} lines", shown(line)));
-                }
-                lines += 1;
-                scanned += length + 1;
-                start = scanned;
-                if line.len() > LINE {
-                    return Err(format!("line {lines} of the answer is longer than {LINE} bytes: {}", shown(line)));
-                }
-            }
-            scanned = answer.len();
-            if scanned - start > LINE {
-                let line = shown(&answer[start..]);
-                return Err(format!("line {} of the answer is longer than {LINE} bytes: {line}", lines + 1));
             }
         }
     }
@@ -162,6 +116,24 @@ impl Process {
         }
         let _ = self.child.kill();
         let _ = self.child.wait();
+    }
+}
+
+impl Peer for Process {
+    fn name(&self) -> &str {
+        &self.command
+    }
+
+    fn ask(&mut self, request: String, most: usize) -> Result<String> {
+        if let Some(why) = &self.broken {
+            return Err(fault(&self.command, why.clone()));
+        }
+        let asked = request.lines().next().unwrap_or_default().to_owned();
+        self.exchange(request, most).map_err(|what| {
+            let why = format!("asked {asked:?}, {what}{}", self.end());
+            self.broken = Some(why.clone());
+            fault(&self.command, why)
+        })
     }
 }
 
@@ -201,10 +173,4 @@ fn last_words(mut from: impl Read) -> Vec<u8> {
         kept.drain(..excess);
     }
     kept
-}
-
-/// The beginning of what a program wrote.
-fn shown(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
-    quote(text.lines().next().unwrap_or_default())
 }
