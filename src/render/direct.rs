@@ -3,11 +3,11 @@
 use super::geometry::{at, set};
 use super::integrator::{Integrator, power_heuristic};
 use super::lanes::{LANES, NOTHING, ZERO3};
-use super::lights::{self, LightSamples};
+use super::lights::{self, Kind, LightSamples};
 use super::needs::Needs;
 use super::strategies::Scatter as Blind;
 use super::workspace::{Dimensions, Workspace};
-use super::{Sampling, diffuse, rough};
+use super::{Sampling, diffuse, rough, shine};
 use crate::bsdf::Bsdf;
 use crate::raster::Rgb;
 use crate::scene::Environment;
@@ -120,7 +120,7 @@ impl Integrator<'_> {
         dimensions: Dimensions,
     ) {
         let samples = self.request.light_samples;
-        let count = group.len();
+        let (count, trust) = (group.len(), shine::trust(bsdf));
         let (mut slots, mut positions) = ([0; LANES], ZERO3);
         for (i, hit) in work.rough[group.clone()].iter().enumerate() {
             slots[i] = hit.slot;
@@ -133,10 +133,24 @@ impl Integrator<'_> {
                 let draws = if lamp.has_extent() { samples } else { 1 };
                 for index in 0..draws {
                     work.numbers.fill(self.arch, slots, dimensions.light(number), (index, draws), &mut work.u);
-                    lights::sample_many(self.arch, lamp, &positions, count, &work.u, &mut light);
                     // Where the material's own directions find the lamp as well, they share it.
                     let rivals = lamp.object != NOTHING && self.sampling == Sampling::Mis;
-                    self.aim(work, group.clone(), bsdf, &light, draws, rivals);
+                    let bent = match &lamp.kind {
+                        Kind::Panel(panel) if rivals && trust > 1.0 => Some(panel),
+                        _ => None,
+                    };
+                    let mut density = [1.0; LANES];
+                    if let Some(panel) = bent {
+                        let hits = &work.rough[group.clone()];
+                        shine::bend(self.arch, bsdf, panel, hits, draws, &mut work.u, &mut density);
+                    }
+                    lights::sample_many(self.arch, lamp, &positions, count, &work.u, &mut light);
+                    if bent.is_some() {
+                        for weight in &mut light.weight {
+                            (0..count).for_each(|i| weight[i] /= density[i]);
+                        }
+                    }
+                    self.aim(work, group.clone(), bsdf, &light, draws, rivals.then_some(trust));
                     self.cast::<NEEDS>(work, lamp.object);
                 }
             }
@@ -153,7 +167,7 @@ impl Integrator<'_> {
                     set(&mut light.weight, i, environment.scale * radiance / pdf as f32);
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf as f32);
                 }
-                self.aim(work, group.clone(), bsdf, &light, samples, self.sampling == Sampling::Mis);
+                self.aim(work, group.clone(), bsdf, &light, samples, (self.sampling == Sampling::Mis).then_some(1.0));
                 self.cast::<NEEDS>(work, NOTHING);
             }
         }
@@ -167,14 +181,14 @@ impl Integrator<'_> {
                     set(&mut light.weight, i, Rgb::splat(1.0 / pdf));
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf);
                 }
-                self.aim(work, group.clone(), bsdf, &light, samples, false);
+                self.aim(work, group.clone(), bsdf, &light, samples, None);
                 self.find::<NEEDS>(work);
             }
         }
     }
 
-    /// Puts up a ray from each hit of a group along its sample of `light`, one of `draws`; `rivals` says whether the
-    /// material's own directions find the same light.
+    /// Puts up a ray from each hit of a group along its sample of `light`, one of `draws`. Where the
+    /// material's own directions find the same light, `rivals` says for how many of them a sample counts.
     fn aim(
         &self,
         work: &mut Workspace,
@@ -182,7 +196,7 @@ impl Integrator<'_> {
         bsdf: &Bsdf,
         light: &LightSamples,
         draws: u32,
-        rivals: bool,
+        rivals: Option<f32>,
     ) {
         let hits = &work.rough[group];
         let mut wo = ZERO3;
@@ -201,7 +215,8 @@ impl Integrator<'_> {
             if !(value.max_element() > 0.0 && hit.surface.normal.dot(wi) > 0.0) {
                 continue;
             }
-            let share = if rivals { power_heuristic(draws as f32 * light.pdf[i], scattered.pdf[i]) } else { 1.0 };
+            let ours = |trust: f32| power_heuristic(trust * draws as f32 * light.pdf[i], scattered.pdf[i]);
+            let share = rivals.map_or(1.0, ours);
             work.shadows.push(hit.surface.leave(wi), wi, light.distance[i], value * share, hit.slot, hit.word);
         }
     }

@@ -18,6 +18,7 @@ use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
 use super::rough;
+use super::shine;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, Frame, RoughHit, Workspace};
 use super::{Sampling, Settings};
@@ -305,6 +306,7 @@ impl<'a> Integrator<'a> {
         let count = group.len();
         work.numbers.fill(self.arch, &slots[..count], dimensions.bsdf(), (0, 1), &mut work.u);
         rough::sample_many(self.arch, bsdf, &wo, &work.u, count, &mut work.scattered);
+        let trust = shine::trust(bsdf);
         for (i, hit) in work.rough[group].iter().enumerate() {
             let weight = at(&work.scattered.weight, i);
             let wi = hit.frame.world(at(&work.scattered.wi, i));
@@ -318,7 +320,7 @@ impl<'a> Integrator<'a> {
                 // All light that it finds, but for pictures, which are left to mirrors and glass.
                 Sampling::Bsdf => (f32::MAX, 1.0),
                 Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
-                Sampling::Mis => (pdf, self.sky_share(hit, wi, pdf)),
+                Sampling::Mis => (pdf / trust, self.sky_share(hit, wi, pdf)),
             };
         }
     }
@@ -362,7 +364,7 @@ fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
 
 /// The share of a sample of density `p` when other samples find the same light with density `q`: p² / (p² + q²).
 /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 4.
-#[inline]
+#[inline(always)]
 pub(super) fn power_heuristic(p: f32, q: f32) -> f32 {
     let ratio = q / p;
     1.0 / (1.0 + ratio * ratio)

@@ -155,6 +155,20 @@ impl PanelLight {
         }
     }
 
+    /// A point of the rectangle; −1 and 1 are its edges.
+    #[inline(always)]
+    pub fn place(&self, x: f32, y: f32) -> Vec3 {
+        self.centre + self.axes[0] * (x * self.half[0]) + self.axes[1] * (y * self.half[1])
+    }
+
+    /// [`SampleLight::pdf`] as it would be if all of the rectangle were where its centre is: shorter to say.
+    #[inline(always)]
+    pub fn pdf_from_afar(&self, point: Vec3) -> f32 {
+        let to = self.centre - point;
+        let d2 = to.length_squared();
+        d2 * d2.sqrt() / (4.0 * self.half[0] * self.half[1] * self.axes[2].dot(to).abs())
+    }
+
     /// The rectangle's extent along its axes as seen from a point, its distance, and on which side the point is.
     #[inline(always)]
     fn seen_from(&self, point: Vec3) -> ([[f32; 2]; 2], f32, f32) {

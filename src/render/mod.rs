@@ -18,6 +18,7 @@ pub(crate) mod lights;
 mod needs;
 mod numbers;
 mod rough;
+mod shine;
 mod solids;
 mod strategies;
 mod wide;
