@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::import::place::quote;
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -87,12 +87,23 @@ impl Process {
                     ));
                 }
                 Err(RecvTimeoutError::Disconnected) => {
-                    let ended = match self.child.try_wait() {
-                        Ok(Some(status)) => format!("it ended ({status})"),
-                        _ => "it closed its standard output".to_owned(),
-                    };
+                    let ended = self.ended(Duration::from_millis(500)).map_or_else(
+                        || "it closed its standard output".to_owned(),
+                        |status| format!("it ended ({status})"),
+                    );
                     return Err(format!("{ended} after {} lines of an answer", answer.lines()));
                 }
+            }
+        }
+    }
+
+    /// How the program ended, if it does so within `grace`: its pipes are closed before its end can be seen.
+    fn ended(&mut self, grace: Duration) -> Option<ExitStatus> {
+        let deadline = Instant::now() + grace;
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if Instant::now() < deadline => thread::sleep(Duration::from_millis(2)),
+                ended => return ended.ok().flatten(),
             }
         }
     }
@@ -144,12 +155,8 @@ impl Drop for Process {
         }
         // The thread that writes drops the pipe once the sender is gone.
         let _ = std::mem::replace(&mut self.requests, channel().0).send("quit\n".to_owned());
-        let deadline = Instant::now() + GRACE;
-        while matches!(self.child.try_wait(), Ok(None)) {
-            if Instant::now() > deadline {
-                return self.kill();
-            }
-            thread::sleep(Duration::from_millis(2));
+        if self.ended(GRACE).is_none() {
+            self.kill();
         }
     }
 }
