@@ -175,7 +175,7 @@ mod tests {
     fn bent_numbers_have_the_density_that_they_say() {
         let squares =
             [[1.0, 0.0, 0.0, 0.0], [0.0, 3.0, 1.0, 7.0], [2.0, 2.0, 2.0, 2.0], [0.0; 4], [1e30, 1.0, 0.0, 5.0]];
-        const SIDE: usize = 256;
+        const SIDE: usize = 1024;
         let middle = |i: usize| (i as f32 + 0.5) / SIDE as f32;
         for values in squares {
             let function = Bilinear::of(values);

@@ -253,3 +253,30 @@ fn all_strategies_have_the_same_mean() {
         }
     }
 }
+
+#[test]
+fn broad_metal_mirrors_a_lamp_alike_by_all_strategies() {
+    // The lamp hangs beside the place that is seen, so that the metal shines at one of its ends.
+    let shape = Rectangle::new(Vec3::new(1.0, 1.0, 0.3), 0.8 * Vec3::X, 0.5 * Vec3::Z).unwrap();
+    for distribution in [crate::scene::Distribution::Beckmann, crate::scene::Distribution::Ggx] {
+        for alpha in [0.2, 0.5] {
+            let mut scene = floor(vec![lamp(Shape::Rectangle(shape))], Vec::new());
+            let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
+            scene.objects[0].material = Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution });
+            for light_samples in [1, 3] {
+                let request = Request { width: 1, height: 1, spp: 1 << 16, light_samples, max_depth: 1 };
+                let by = |sampling, seed| Settings {
+                    sampling,
+                    seed,
+                    stream: StreamKind::Independent,
+                    ..Settings::default()
+                };
+                let mixed = by(Sampling::Mis, 1);
+                for (sampling, seed) in [(Sampling::Light, 2), (Sampling::Bsdf, 3)] {
+                    let z = z(&scene, &request, &mixed, &by(sampling, seed));
+                    assert!(z.abs() < 4.0, "{distribution:?} {alpha}, {light_samples} against {sampling:?}: {z}");
+                }
+            }
+        }
+    }
+}
