@@ -61,7 +61,6 @@ impl Peer for Record {
 }
 
 /// A program that has a few lines for each kind of request, which it says in turn.
-#[derive(Clone, Copy)]
 pub struct Actor {
     pub greeting: &'static str,
     pub sample: &'static [&'static str],

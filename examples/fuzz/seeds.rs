@@ -54,7 +54,7 @@ fn foreign_exr(compression: Compression, blocks: Blocks) -> Vec<u8> {
 pub fn hdr() -> Vec<Vec<u8>> {
     let own = written("a.hdr", |path| write(path, &picture(), &Metadata::default()));
     let old = b"#?RGBE\nEXPOSURE=2\nCOLORCORR=1 2 1\nFORMAT=32-bit_rle_rgbe\n\n+X 3 -Y 3\n\
-                \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x02";
+                \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x02\x20\x10\x08\x7f\x01\x01\x01\x02";
     vec![own, old.to_vec()]
 }
 

@@ -31,7 +31,8 @@ impl Answer {
         self.lines
     }
 
-    /// Takes the next block; returns the lines, without `end`, once that has arrived. Nothing may follow it in its block.
+    /// Takes the next block. Returns the lines without `end` once that has arrived, and begins anew; nothing may follow it in
+    /// its block.
     ///
     /// # Errors
     /// What is wrong with the answer, as the end of a sentence about who gave it.
@@ -51,8 +52,10 @@ impl Answer {
                     return Err(format!("it went on after \"{END}\" with {}", shown(rest)));
                 }
                 self.bytes.truncate(self.start);
-                let text = String::from_utf8(std::mem::take(&mut self.bytes));
-                return text.map(Some).map_err(|_| "it answered with bytes that are not UTF-8".to_owned());
+                let done = std::mem::replace(self, Self::new(self.most));
+                return String::from_utf8(done.bytes)
+                    .map(Some)
+                    .map_err(|_| "it answered with bytes that are not UTF-8".to_owned());
             }
             if self.lines == self.most {
                 let most = self.most;
@@ -99,6 +102,12 @@ mod tests {
             refused(b"\xff\nend\n", 1, "not UTF-8");
             refused(&[b'1'; LINE + 20], 1, "line 1 of the answer is longer");
         }
+        let mut answer = Answer::new(1);
+        let mut add = |block: &str| answer.add(block.as_bytes());
+        assert_eq!(
+            (add("1\nend\n"), add("2\ne"), add("nd\n")),
+            (Ok(Some("1\n".into())), Ok(None), Ok(Some("2\n".into())))
+        );
         assert!(arrived(b"end\n1", 5, 1).unwrap_err().contains("went on after \"end\" with \"1\""));
     }
 
