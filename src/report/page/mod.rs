@@ -186,7 +186,7 @@ fn errata(out: &mut String, figures: &[Figure<'_>]) -> std::fmt::Result {
                 Escaped(&erratum.printed),
                 Escaped(&erratum.right),
                 Escaped(&erratum.test),
-                erratum.p_value.map_or_else(|| "exact".to_owned(), |p| format!("{p:.1e}")),
+                p_value(erratum.p_value),
                 Escaped(&erratum.picture_error),
                 id = Escaped(figure.entry.id)
             )?;
@@ -194,6 +194,15 @@ fn errata(out: &mut String, figures: &[Figure<'_>]) -> std::fmt::Result {
     }
     out.push_str("</tbody></table></div>\n</section>\n");
     Ok(())
+}
+
+/// A p-value as text; below the smallest number that f64 holds in full it is only known to be small.
+fn p_value(p: Option<f64>) -> String {
+    match p {
+        None => "exact".to_owned(),
+        Some(p) if p < f64::MIN_POSITIVE => "&lt; 1e-307".to_owned(),
+        Some(p) => format!("{p:.1e}"),
+    }
 }
 
 fn capitalized(text: &str) -> String {
