@@ -24,8 +24,7 @@ impl Case {
         Self { name: name.into(), test: Box::new(test), preparation: None }
     }
 
-    /// Adds what the test shares with others and what is made in parallel itself: a thread that waits for its part of one
-    /// must not start another test that waits for the same.
+    /// Adds the making of what the test shares with others, which is then not made twice by tests side by side.
     #[must_use]
     pub fn with_preparation(self, preparation: impl Fn() + Send + Sync + 'static) -> Self {
         Self { preparation: Some(Box::new(preparation)), ..self }

@@ -5,6 +5,7 @@ mod case;
 pub mod planted;
 mod run;
 mod select;
+mod shared;
 pub mod suite;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};

@@ -1,5 +1,6 @@
 //! Environment maps: the built-in ones and small ones that find bugs, by every sampler.
 
+use super::super::shared::Shared;
 use super::Case;
 use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, SurfaceSampler};
@@ -9,17 +10,17 @@ use crate::raster::{Image, Rgb};
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// A map that is made when it is first needed.
 struct Lazy {
-    map: OnceLock<Arc<EnvMap>>,
+    map: Shared<EnvMap>,
     make: Box<dyn Fn() -> Image + Send + Sync>,
 }
 
 impl Lazy {
     fn get(&self) -> Arc<EnvMap> {
-        self.map.get_or_init(|| Arc::new(EnvMap::new((self.make)()))).clone()
+        self.map.get(|| EnvMap::new((self.make)()))
     }
 }
 
@@ -27,7 +28,7 @@ impl Lazy {
 type Source = (String, Arc<Lazy>);
 
 fn source(name: impl Into<String>, make: impl Fn() -> Image + Send + Sync + 'static) -> Source {
-    (name.into(), Arc::new(Lazy { map: OnceLock::new(), make: Box::new(make) }))
+    (name.into(), Arc::new(Lazy { map: Shared::new(), make: Box::new(make) }))
 }
 
 pub fn cases() -> Vec<Case> {
@@ -48,7 +49,7 @@ pub fn cases() -> Vec<Case> {
 /// The cases of a map of the user's own.
 #[must_use]
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
-    let known = Lazy { map: OnceLock::from(map), make: Box::new(|| Image::new(1, 1)) };
+    let known = Lazy { map: Shared::from(map), make: Box::new(|| Image::new(1, 1)) };
     of(&(name.to_owned(), Arc::new(known)))
 }
 

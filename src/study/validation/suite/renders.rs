@@ -5,6 +5,7 @@
 //! variances the true ones.
 
 use super::super::Case;
+use super::super::shared::Shared;
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
 use crate::envmap::synthetic::Synthetic;
@@ -24,7 +25,7 @@ use crate::stats::welch::{self, Mean, Pictures};
 use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, Verdict, density};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What a picture must show.
@@ -265,9 +266,9 @@ pub fn lit_sphere(settings: Settings) -> Picture {
 }
 
 /// Its exact picture, which takes longer than a render and is the same for all.
-fn lit_sphere_truth() -> &'static [Option<f64>] {
-    static TRUTH: OnceLock<Vec<Option<f64>>> = OnceLock::new();
-    TRUTH.get_or_init(|| {
+fn lit_sphere_truth() -> Arc<Vec<Option<f64>>> {
+    static TRUTH: Shared<Vec<Option<f64>>> = Shared::new();
+    TRUTH.get(|| {
         let Picture { scene, request, .. } = lit_sphere(Settings::default());
         sphere(&scene, &request)
     })
