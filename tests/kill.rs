@@ -47,6 +47,8 @@ fn assert_whole(folder: &Path) {
             Some("exr" | "pfm") => read(&path, ReadOptions::default()).is_ok(),
             Some("png" | "ppm") => read(&path, ReadOptions { allow_ldr: true }).is_ok(),
             Some("csv") => bytes.ends_with(b"\n"),
+            Some("json") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+            Some("html") => bytes.trim_ascii_end().ends_with(b"</html>"),
             Some("svg") => bytes.trim_ascii_end().ends_with(b"</svg>"),
             Some("pdf") => bytes.trim_ascii_end().ends_with(b"%%EOF"),
             _ => false,
