@@ -134,7 +134,9 @@ fn sphere_checks(result: &Convergence) -> Vec<Check> {
             checks.push(Check::near(format!("share of bias in the squared error, {name}"), 1.0, share, 0.1));
         } else {
             checks.push(without_bias(curve));
-            if curve.strategy.is_independent() {
+            // Spread evenly, the error under a map of such contrast hangs on a few hits: no interval from replicates holds.
+            let heavy = name.starts_with("hemisphere");
+            if curve.strategy.is_independent() && !heavy {
                 checks.push(as_monte_carlo(curve));
             } else if ["light", "mis", "mis-compensated", "light-cosine"].contains(&name) {
                 checks.push(steeper(curve));
