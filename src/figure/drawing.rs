@@ -3,7 +3,8 @@
 //! Lengths are drawing units: CSS pixels in SVG, 0.75 pt in PDF, [`Drawing::scale`] pixels in PNG. The origin is the
 //! top left corner, y points down.
 
-use super::shapes::{Paint, Point, Rect, Rgb8, Stroke, Text};
+use super::rgb8::Rgb8;
+use super::shapes::{Paint, Point, Rect, Stroke, Text};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -141,7 +142,9 @@ impl Drawing {
             Error::parameter("figure", format!("{}: not a file name", stem.display()))
                 .with_hint("give a name to write to")
         })?;
-        let files = [("svg", self.svg().into_bytes()), ("png", self.png()?), ("pdf", self.pdf())];
+        let svg = self.svg();
+        let (png, pdf) = rayon::join(|| self.paint(&svg), || self.pdf());
+        let files = [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)];
         let mut written = Vec::with_capacity(files.len());
         for (extension, bytes) in files {
             let mut full = name.to_os_string();

@@ -4,7 +4,8 @@ use super::axis::{Axis, Span};
 use super::colourmap;
 use super::drawing::Drawing;
 use super::frame::{self, Sides};
-use super::shapes::{Anchor, Colour, Level, Paint, Rect, Rgb8, Stroke, Text};
+use super::rgb8::Rgb8;
+use super::shapes::{Anchor, Colour, Level, Paint, Rect, Stroke, Text};
 use super::theme;
 use crate::error::{Error, Result};
 

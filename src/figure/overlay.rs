@@ -1,7 +1,8 @@
 //! An image to draw on: marks are placed by the image's own pixels, and the PNG has exactly its size.
 
 use super::drawing::Drawing;
-use super::shapes::{Rect, Rgb8};
+use super::rgb8::Rgb8;
+use super::shapes::Rect;
 
 /// A drawing of the image's size in units, filled by the image; pixel (x, y) covers `[x, x + 1] x [y, y + 1]`.
 #[must_use]

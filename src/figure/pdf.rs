@@ -2,12 +2,12 @@
 
 use super::drawing::{Drawing, Item};
 use super::pdf_font::{self, Subset};
-use super::shapes::{Anchor, Colour, Paint, Point, Rgb8, Text};
+use super::rgb8::Rgb8;
+use super::shapes::{Anchor, Colour, Paint, Point, Text};
 use super::text::{self, Face};
 use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{LineJoinStyle, Predictor};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
 
@@ -27,16 +27,16 @@ impl Drawing {
 }
 
 /// The page's content and the resources that it has asked for so far.
-struct Page<'a> {
+struct Page {
     content: Content,
     fonts: BTreeMap<Face, Subset>,
     /// Pairs of opacities, of fills and of strokes, in the order of their first use.
     opacities: Vec<[u8; 2]>,
     current: [u8; 2],
-    images: Vec<Cow<'a, Rgb8>>,
+    images: Vec<Rgb8>,
 }
 
-impl<'a> Page<'a> {
+impl Page {
     fn new(height: f64) -> Self {
         let mut content = Content::new();
         // From drawing units with y down to points with y up.
@@ -45,7 +45,7 @@ impl<'a> Page<'a> {
         Self { content, fonts: BTreeMap::new(), opacities: Vec::new(), current: [255; 2], images: Vec::new() }
     }
 
-    fn item(&mut self, item: &'a Item) {
+    fn item(&mut self, item: &Item) {
         match item {
             Item::Path { points, closed, paint } => {
                 self.path(points);
@@ -219,22 +219,22 @@ impl<'a> Page<'a> {
 }
 
 /// Viewers blur enlarged images, so those are enlarged here, by a whole factor.
-fn enlarged(image: &Rgb8, width: f64, height: f64) -> Cow<'_, Rgb8> {
+fn enlarged(image: &Rgb8, width: f64, height: f64) -> Rgb8 {
     // As many pixels as can be told apart in print.
     let wanted = 3.0 * (width / image.width() as f64).min(height / image.height() as f64);
     let zoom = wanted.clamp(1.0, 64.0) as usize;
     if zoom < 3 {
-        return Cow::Borrowed(image);
+        return image.clone();
     }
-    Cow::Owned(Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
+    Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
         let i = 3 * (y / zoom * image.width() + x / zoom);
         [image.data()[i], image.data()[i + 1], image.data()[i + 2]]
-    }))
+    })
 }
 
 /// The compressed rows of an image as PNG stores them, which is what PDF's PNG predictors read.
 fn png_stream(image: &Rgb8) -> Vec<u8> {
-    let file = super::png::encode(image);
+    let file = image.png();
     let mut stream = Vec::with_capacity(file.len());
     // Chunks follow the 8-byte signature: length, name, data, checksum.
     let mut rest = &file[8..];

@@ -1,11 +1,9 @@
 //! A drawing as PNG, painted from its own SVG with the embedded fonts: no font of the system is ever asked for.
 
 use super::drawing::Drawing;
-use super::shapes::Rgb8;
+use super::rgb8::Rgb8;
 use super::text::Face;
 use crate::error::{Error, Result};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, fontdb};
 use std::sync::{Arc, LazyLock};
@@ -20,6 +18,11 @@ impl Drawing {
     /// # Errors
     /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
+        self.paint(&self.svg())
+    }
+
+    /// [`Self::png`] from the SVG at hand.
+    pub(super) fn paint(&self, svg: &str) -> Result<Vec<u8>> {
         let (w, h) = ((self.width() * self.scale()).ceil(), (self.height() * self.scale()).ceil());
         let unpaintable = |what: String| {
             Error::parameter("figure size", format!("{w} x {h} pixels: {what}"))
@@ -29,23 +32,16 @@ impl Drawing {
         if !(w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE && w * h <= MAX_PIXELS) {
             return Err(unpaintable("cannot be painted".to_owned()));
         }
-        let tree = usvg::Tree::from_str(&self.svg(), &options()).map_err(|e| unpaintable(e.to_string()))?;
+        let tree = usvg::Tree::from_str(svg, &options()).map_err(|e| unpaintable(e.to_string()))?;
         let mut pixmap = Pixmap::new(w as u32, h as u32).ok_or_else(|| unpaintable("too large".to_owned()))?;
         resvg::render(&tree, Transform::from_scale(self.scale() as f32, self.scale() as f32), &mut pixmap.as_mut());
         // The page is opaque white below everything, so alpha carries nothing.
-        let rgb: Vec<u8> = pixmap.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(encode(&Rgb8::new(w as usize, h as usize, rgb)))
+        let mut rgb = Vec::with_capacity(pixmap.data().len() / 4 * 3);
+        for pixel in pixmap.data().chunks_exact(4) {
+            rgb.extend_from_slice(&pixel[..3]);
+        }
+        Ok(Rgb8::new(w as usize, h as usize, rgb).png().to_vec())
     }
-}
-
-/// An image as a PNG file.
-#[must_use]
-pub fn encode(image: &Rgb8) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
-        .write_image(image.data(), image.width() as u32, image.height() as u32, ExtendedColorType::Rgb8)
-        .expect("a sound image, written to memory");
-    bytes
 }
 
 fn options() -> usvg::Options<'static> {

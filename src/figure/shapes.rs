@@ -1,4 +1,4 @@
-//! What drawings are made of: colours, strokes, rectangles, text, 8-bit images.
+//! What drawings are made of: colours, strokes, rectangles, text.
 
 use super::text;
 
@@ -189,48 +189,5 @@ impl Text {
                 Level::Middle => text::CAP_HEIGHT / 2.0,
                 Level::Top => text::CAP_HEIGHT,
             }
-    }
-}
-
-/// An 8-bit RGB image (sRGB, three bytes a pixel, row 0 at the top).
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rgb8 {
-    width: usize,
-    height: usize,
-    data: Vec<u8>,
-}
-
-impl Rgb8 {
-    /// Wraps `data`.
-    ///
-    /// # Panics
-    /// When a side is 0 or `data.len() != 3 * width * height`: a bug of the caller, never of an input file.
-    #[must_use]
-    pub fn new(width: usize, height: usize, data: Vec<u8>) -> Self {
-        assert!(width > 0 && height > 0 && data.len() == 3 * width * height, "{width}x{height}, {} bytes", data.len());
-        Self { width, height, data }
-    }
-
-    /// Evaluates `f(x, y)` at every pixel.
-    #[must_use]
-    pub fn from_fn(width: usize, height: usize, f: impl Fn(usize, usize) -> [u8; 3]) -> Self {
-        let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| f(x, y)).collect();
-        Self::new(width, height, data)
-    }
-
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// The bytes, row by row from the top.
-    #[must_use]
-    pub fn data(&self) -> &[u8] {
-        &self.data
     }
 }

@@ -1,7 +1,8 @@
 //! Contact sheets: captioned images in a grid, for comparing renders by eye.
 
 use super::drawing::Drawing;
-use super::shapes::{Anchor, Level, Rect, Rgb8, Text};
+use super::rgb8::Rgb8;
+use super::shapes::{Anchor, Level, Rect, Text};
 use super::text;
 use super::theme;
 use image::imageops::{self, FilterType};

@@ -48,7 +48,7 @@ fn write_item(out: &mut String, item: &Item) {
             let (w, h) = (number(rect.width), number(rect.height));
             let sharp = rect.width >= image.width() as f64 && rect.height >= image.height() as f64;
             let style = if sharp { " style=\"image-rendering:pixelated\"" } else { "" };
-            let data = base64(&super::png::encode(image));
+            let data = base64(image.png());
             write!(
                 out,
                 "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\"{style} \

@@ -1,5 +1,6 @@
 //! What the figures of one run share: the map, the scenes, the settings, and results that several of them show.
 
+use super::map::{Display, Look};
 use super::originals::Originals;
 use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
@@ -89,6 +90,7 @@ pub struct Context {
     pub seed: u64,
     quick: bool,
     originals: Option<Originals>,
+    display: OnceLock<Display>,
     pictures: [Picture; 2],
     depths: Memory<(), Depths>,
     statues: Memory<(&'static str, u32), Statue>,
@@ -110,6 +112,7 @@ impl Context {
             seed,
             quick,
             originals,
+            display: OnceLock::new(),
             pictures: sizes.map(Picture::new),
             depths: Memory::new(),
             statues: Memory::new(),
@@ -118,6 +121,11 @@ impl Context {
             stabilities: Memory::new(),
             audits: Memory::new(),
         }
+    }
+
+    /// The map, ready to be drawn on.
+    pub fn display(&self) -> &Display {
+        self.display.get_or_init(|| Display::new(&self.source.map, Look::default()))
     }
 
     /// The sphere at `spp` samples per pixel by a strategy of the error figure, by its number; rendered once.

@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::context::{Context, STRATEGIES, Size};
-use super::map::{Display, Look};
+use super::map::Display;
 use super::registry::{Entry, Made, Picture};
 use super::{fresnel as fresnel_view, output, proposal as proposal_view, sphere as sphere_view};
 use crate::envmap::cut::{SideRule, Split};
@@ -176,7 +176,7 @@ fn samples(
     let result = map_samples::draw(map, Method::Cdf, n, context.seed)?;
     let flux = context.info.flux_rgb.iter().sum::<f64>() / 3.0;
     Ok(Made {
-        drawing: draw(&Display::new(map, Look::default()), &result.rows, WINDOW),
+        drawing: draw(context.display(), &result.rows, WINDOW),
         table: output::table(&result.rows)?,
         picture: None,
         checks: vec![
@@ -212,7 +212,7 @@ fn cut(context: &Context, n: usize, draw: impl Fn(&Display, &[median_cut::Row]) 
     let map = &context.source.map;
     let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::Sphere, Centroid::Energy)?.remove(0);
     Ok(Made {
-        drawing: draw(&Display::new(map, Look::default()), &rows),
+        drawing: draw(context.display(), &rows),
         table: output::table(&rows)?,
         picture: None,
         checks: vec![
