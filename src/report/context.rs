@@ -130,6 +130,8 @@ impl Context {
 
     /// The sphere at `spp` samples per pixel by a strategy of the error figure, by its number; rendered once.
     pub fn shot(&self, size: Size, strategy: usize, spp: u32) -> Result<Arc<Shot>> {
+        // A quick run measures on the picture that it shows.
+        let size = self.size(size, Size::Full);
         let picture = &self.pictures[usize::from(size == Size::Measuring)];
         let scale = f64::from(builtin::SPHERE_ENV_SCALE);
         let exact = picture.exact.get_or_init(|| Exact::new(&self.source.map, scale, picture.size));
