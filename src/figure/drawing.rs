@@ -66,6 +66,19 @@ impl Drawing {
         Self { width, height, scale, items: Vec::new() }
     }
 
+    /// A page of drawings below each other, their left edges in line.
+    #[must_use]
+    pub fn stacked(rows: Vec<Drawing>, scale: f64) -> Self {
+        let width = rows.iter().map(Drawing::width).fold(0.0, f64::max);
+        let mut page = Self::new(width, 0.0, scale);
+        for row in rows {
+            let y = page.height;
+            page.height += row.height;
+            page.append(row, 0.0, y);
+        }
+        page
+    }
+
     #[must_use]
     pub fn width(&self) -> f64 {
         self.width
@@ -182,6 +195,19 @@ mod tests {
         drawing.circle([0.0, f64::INFINITY], 1.0, Colour::BLACK);
         drawing.text(Text::new([f64::NAN, 0.0], 8.0, "a"));
         assert!(drawing.items().is_empty());
+    }
+
+    #[test]
+    fn stacked_drawings_touch_and_start_at_the_left() {
+        let row = |width, height| {
+            let mut drawing = Drawing::new(width, height, 1.0);
+            drawing.rect(Rect::new(1.0, 2.0, 3.0, 4.0), Colour::BLACK);
+            drawing
+        };
+        let page = Drawing::stacked(vec![row(20.0, 10.0), row(30.0, 5.0), row(10.0, 6.0)], 1.5);
+        assert_eq!((page.width(), page.height(), page.scale()), (30.0, 21.0, 1.5));
+        let places = page.items().iter().map(|item| if let Item::Rect { rect, .. } = item { rect.y } else { f64::NAN });
+        assert_eq!(places.collect::<Vec<_>>(), [2.0, 12.0, 17.0]);
     }
 
     #[test]

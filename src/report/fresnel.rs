@@ -48,18 +48,8 @@ pub fn metal(curves: &metal::Curves) -> Drawing {
     let mut panels: Vec<Panel> =
         curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
     panels.push(errors(curves));
-    let rows: Vec<Drawing> =
-        panels.chunks(2).map(|pair| Plot::new(pair.to_vec()).frame_size(350.0, 240.0).draw()).collect();
-    let width = rows.iter().map(Drawing::width).fold(0.0, f64::max);
-    let height = rows.iter().map(Drawing::height).sum();
-    let mut sheet = Drawing::new(width, height, 2.0);
-    let mut y = 0.0;
-    for row in rows {
-        let step = row.height();
-        sheet.append(row, 0.0, y);
-        y += step;
-    }
-    sheet
+    let rows = panels.chunks(2).map(|pair| Plot::new(pair.to_vec()).frame_size(350.0, 240.0).draw());
+    Drawing::stacked(rows.collect(), 2.0)
 }
 
 fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {

@@ -15,22 +15,7 @@ const HEADING: f64 = 20.0;
 /// A row of maps for every grid of the sweeps, each of the relative errors in f32.
 pub fn maps(sweeps: &[Sweep]) -> Result<Drawing> {
     let rows = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |section| row(sweep, section)));
-    Ok(stacked(rows.collect::<Result<_>>()?))
-}
-
-/// Drawings below each other, their left edges in line.
-#[must_use]
-pub fn stacked(rows: Vec<Drawing>) -> Drawing {
-    let width = rows.iter().map(Drawing::width).fold(0.0, f64::max);
-    let height = rows.iter().map(Drawing::height).sum();
-    let mut sheet = Drawing::new(width, height, 1.5);
-    let mut y = 0.0;
-    for row in rows {
-        let step = row.height();
-        sheet.append(row, 0.0, y);
-        y += step;
-    }
-    sheet
+    Ok(Drawing::stacked(rows.collect::<Result<_>>()?, 1.5))
 }
 
 fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
