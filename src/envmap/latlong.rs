@@ -165,6 +165,18 @@ impl LatLong {
         (turns(d.z, d.x) * self.width as f64, theta / PI * self.height() as f64)
     }
 
+    /// The edges between rows and between columns in the chart of directions about +y, where areas are solid angles:
+    /// those of rows as (1 − cos θ)/2, those of columns as turns from +z towards +x, the other way round than φ. Both
+    /// ascend, strictly between 0 and 1.
+    #[must_use]
+    pub fn edges(&self) -> [Vec<f64>; 2] {
+        let (width, height) = (self.width, self.height());
+        let rows = (1..height).map(|y| (0.5 * PI * (y as f64 / height as f64)).sin().powi(2));
+        // Column x starts at ¼ − x/W turns; the least of these that is not negative is (W mod 4)/4W.
+        let columns = (0..width).map(|i| (4 * i + width % 4) as f64 / (4 * width) as f64);
+        [rows.collect(), columns.filter(|turns| *turns > 0.0).collect()]
+    }
+
     /// The texel that a direction falls into.
     #[inline]
     #[must_use]
@@ -357,6 +369,25 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn edges_are_where_the_texels_end() {
+        for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (20, 8), (7, 5), (1024, 512)] {
+            let g = LatLong::new(w, h);
+            let [rows, columns] = g.edges();
+            let below = |y: usize| 0.5 * (1.0 - g.direction(0.0, y as f64).y);
+            let mut around: Vec<f64> = (0..w)
+                .map(|x| g.direction(x as f64, 0.5 * h as f64))
+                .map(|d| (d.x.atan2(d.z) / (2.0 * PI) + 1.0 + 1e-12).fract())
+                .collect();
+            around.sort_by(f64::total_cmp);
+            around.retain(|turns| *turns > 1e-9);
+            let close =
+                |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11);
+            assert!(close(&rows, &(1..h).map(below).collect::<Vec<_>>()), "{w}x{h}: {rows:?}");
+            assert!(close(&columns, &around), "{w}x{h}: {columns:?} and {around:?}");
         }
     }
 

@@ -42,8 +42,7 @@ fn of_floor(y: usize) -> f64 {
 
 /// `pdf` of directions, constant over texels.
 fn by_texel<F: Fn(DVec3) -> f64 + Sync>(pdf: F) -> DensityFn<DVec3, F> {
-    let edges = |n: usize, at: fn(f64) -> f64| (1..n).map(|i| at(i as f64 / n as f64)).collect();
-    density(pdf).with_steps([edges(HEIGHT, |v| (0.5 * PI * v).sin().powi(2)), edges(WIDTH, |u| u)])
+    density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 
 fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case

@@ -1,6 +1,7 @@
 //! A density that is constant on the cells of a grid, from a table or a lat-long image.
 
 use super::lines::Lines;
+use crate::envmap::LatLong;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
@@ -131,16 +132,13 @@ impl GridDensity<Directions> {
             return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
         }
         let domain = Directions::sphere(Pole::Y);
-        // The chart turns the other way, from +z towards +x.
-        let mut turns: Vec<f64> = (0..width).map(|x| (1.25 - x as f64 / width as f64).fract()).collect();
-        turns.sort_by(f64::total_cmp);
-        turns.retain(|&turn| turn > 0.0);
+        let [rows, turns] = LatLong::new(width, height).edges();
         let edges = [&[0.0], &turns[..], &[1.0]].concat();
         let columns: Vec<usize> =
             edges.windows(2).map(|edge| ((1.25 - 0.5 * (edge[0] + edge[1])).fract() * width as f64) as usize).collect();
         let row = |y: usize| columns.iter().map(move |&x| (x, y));
         let values = (0..height).flat_map(row).map(|(x, y)| f64::from(image.get(x.min(width - 1), y).x)).collect();
-        Ok(Self { steps: [divide(height).map(|t| domain.first(t)).collect(), turns], values, domain })
+        Ok(Self { steps: [rows, turns], values, domain })
     }
 }
 

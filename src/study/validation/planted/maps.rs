@@ -23,7 +23,6 @@ struct Scheme {
 
 impl Scheme {
     fn right() -> Self {
-        // A fourth of the columns is a whole number, which keeps the texels' edges on the chart's.
         let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
         Self {
             map: EnvMap::new(Image::from_fn(20, 8, value)),
@@ -41,7 +40,7 @@ impl Scheme {
         let (width, height) = (g.width(), g.height());
         let drawn = Table2::new(width, height, |x, y| weight(&map, x, y));
         let claimed = Table2::new(width, height, |x, y| map.energy(x, y));
-        let steps = steps(&g);
+        let steps = g.edges();
         let geometry = g.clone();
         let draw = move |u: &[f64]| {
             let draw = drawn.draw([u[0], u[1]])?;
@@ -54,12 +53,6 @@ impl Scheme {
         };
         (sampler(2, draw), density(pdf).with_steps(steps))
     }
-}
-
-/// The texels' edges in the chart of directions around +y.
-fn steps(g: &LatLong) -> [Vec<f64>; 2] {
-    let edges = |n: usize, at: fn(f64) -> f64| (1..n).map(|i| at(i as f64 / n as f64)).collect();
-    [edges(g.height(), |v| (0.5 * PI * v).sin().powi(2)), edges(g.width(), |u| u)]
 }
 
 /// The solid angle of a texel by its row's sine, at a height inside the row (0 its upper edge).

@@ -2,14 +2,13 @@
 
 use super::super::shared::Shared;
 use super::Case;
+use crate::envmap::EnvMap;
 use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, SurfaceSampler};
 use crate::envmap::synthetic::Synthetic;
-use crate::envmap::{EnvMap, LatLong};
 use crate::raster::{Image, Rgb};
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
 use glam::DVec3;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A map that is made when it is first needed.
@@ -80,7 +79,7 @@ fn of(source: &Source) -> Vec<Case> {
             let sampler = sampler(2, draw).with_inverse(move |wi| back.invert(wi).to_vec());
             (
                 sampler,
-                density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get())).with_steps(steps(lazy.get().geometry())),
+                density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get())).with_steps(lazy.get().geometry().edges()),
             )
         })
     };
@@ -114,7 +113,7 @@ fn by_light<S: DirectionSampler + 'static>(source: &Source, how: &str, new: fn(A
         let of = by.clone();
         let draw = move |u: &[f64]| by.sample([u[0], u[1]]).map(|s| Draw::with_pdf(s.wi, s.pdf));
         let density = density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get()));
-        (sampler(2, draw), density.with_steps(steps(lazy.get().geometry())))
+        (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
     });
     case.with_preparation(preparation)
 }
@@ -130,18 +129,7 @@ fn cosine(source: &Source, towards: &str, normal: DVec3) -> Case {
         let of = by.clone();
         let draw = move |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Draw::with_pdf(s.wi, s.pdf));
         let density = density(move |wi| of.pdf_for(wi, normal)).with_mass(Mass::AtMostOne);
-        (sampler(2, draw), density.with_steps(steps(lazy.get().geometry())))
+        (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
     });
     case.with_preparation(preparation)
-}
-
-/// The lines of the chart between which a texel lies: densities are constant on texels.
-pub(super) fn steps(geometry: &LatLong) -> [Vec<f64>; 2] {
-    let (width, height) = (geometry.width(), geometry.height());
-    let rows = (1..height).map(|y| (0.5 * PI * y as f64 / height as f64).sin().powi(2)).collect();
-    // The chart turns the other way than the map, and from another axis.
-    let mut columns: Vec<f64> = (0..width).map(|x| (1.25 - x as f64 / width as f64).fract()).collect();
-    columns.retain(|turns| *turns > 0.0);
-    columns.sort_by(f64::total_cmp);
-    [rows, columns]
 }

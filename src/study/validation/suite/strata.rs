@@ -3,7 +3,6 @@
 //! Together these make the map's own density, if the regions tile the map and their energies are right.
 
 use super::Case;
-use super::maps::steps;
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
@@ -53,5 +52,5 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         map.intensity(x, y) / total
     };
     let sphere = Directions::sphere(Pole::Y);
-    examine(&sphere, &sampler(3, draw), &density(pdf).with_steps(steps(g)), protocol, round)
+    examine(&sphere, &sampler(3, draw), &density(pdf).with_steps(g.edges()), protocol, round)
 }
