@@ -7,7 +7,7 @@ use super::domain::Domain;
 use super::draws::{Draws, Tally, corners};
 use super::grid::{Cell, Grid};
 use super::multiple::sidak;
-use super::outcome::{Counts, Outcome, Verdict, decide};
+use super::outcome::{Counts, Outcome, decide};
 use super::power::{POWER, chi_square_tail, detectable, samples_for};
 use super::sampler::Sampler;
 use crate::error::{Error, Result};
@@ -192,11 +192,9 @@ pub fn examine<D: Domain>(
         }
     };
     Ok(Outcome {
-        verdict: Verdict::Inconclusive,
         statistic: test.map_or(0.0, |test| test.statistic),
         dof: test.map_or(0, |test| test.dof),
         p,
-        samples,
         detectable: finds,
         seconds: start.elapsed().as_secs_f64(),
         mass: Some(mass),
@@ -204,10 +202,10 @@ pub fn examine<D: Domain>(
         cells: observed.len(),
         pooled: test.map_or(0, |test| test.dof + 1),
         none,
-        repeated: false,
         fault: density_fault.or(mass_fault).or(corner_fault).or(draw_fault).or_else(|| discrete(domain, &pilot)),
         doubt,
         counts: Some(Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() }),
+        ..Outcome::open(samples)
     })
 }
 

@@ -71,6 +71,29 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Of so many samples, with nothing found yet and no verdict.
+    #[must_use]
+    pub fn open(samples: u64) -> Self {
+        Self {
+            verdict: Verdict::Inconclusive,
+            statistic: 0.0,
+            dof: 0,
+            p: None,
+            samples,
+            detectable: None,
+            seconds: 0.0,
+            mass: None,
+            mass_error: None,
+            cells: 0,
+            pooled: 0,
+            none: 0,
+            repeated: false,
+            fault: None,
+            doubt: None,
+            counts: None,
+        }
+    }
+
     #[must_use]
     pub fn is_accepted(&self) -> bool {
         self.verdict == Verdict::Accept

@@ -95,24 +95,7 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
 
 /// The outcome of a check without chance: `fault` says what it found among so many `samples`.
 fn exact(fault: Option<String>, samples: u64) -> Outcome {
-    Outcome {
-        verdict: Verdict::Inconclusive,
-        statistic: 0.0,
-        dof: 0,
-        p: None,
-        samples,
-        detectable: None,
-        seconds: 0.0,
-        mass: None,
-        mass_error: None,
-        cells: 0,
-        pooled: 0,
-        none: 0,
-        repeated: false,
-        fault,
-        doubt: None,
-        counts: None,
-    }
+    Outcome { fault, ..Outcome::open(samples) }
 }
 
 /// A function at even steps from `from` to `to`, ends included.

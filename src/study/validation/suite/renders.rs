@@ -22,7 +22,7 @@ use crate::scene::{
 };
 use crate::stats::cubature::integrate;
 use crate::stats::welch::{self, Mean, Pictures};
-use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, Verdict, density};
+use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, density};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -122,22 +122,16 @@ impl Picture {
             None
         };
         Outcome {
-            verdict: Verdict::Inconclusive,
             statistic: found.statistic,
             dof: found.dof,
             p: Some(found.p),
-            samples: u64::from(spp) * pixels * pictures,
             detectable: Some(detectable),
             seconds: start.elapsed().as_secs_f64(),
-            mass: None,
-            mass_error: None,
             cells: self.request.width.div_ceil(TILE) * self.request.height.div_ceil(TILE),
             pooled: found.dof,
-            none: 0,
-            repeated: false,
             fault,
             doubt,
-            counts: None,
+            ..Outcome::open(u64::from(spp) * pixels * pictures)
         }
     }
 
