@@ -1,9 +1,10 @@
 //! What a program answers: records of it, read as if the program were there, and actors that make such records.
 
 use super::samplers::BRIEF;
+use etalon::import::sampler::files::Row;
 use etalon::import::sampler::program::{Answer, Client, Peer, Program};
-use etalon::import::sampler::{Coordinates, Space};
-use etalon::stats::{Atom, Density, Directions, Discrete, Domain, Drawn, Line, Mass, Pole, Sampler, Square, examine};
+use etalon::import::sampler::{Coordinates, Visitor};
+use etalon::stats::{Atom, Density, Drawn, Mass, Sampler, examine};
 use etalon::{Error, Result};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,18 +25,18 @@ pub fn read(path: &Path) -> Result<()> {
 /// Tests the sampler of `peer`, over the domain that it names.
 fn test(peer: impl Peer + 'static) -> Result<()> {
     let client = Client::greet(peer, None)?;
-    match client.space() {
-        Space::Sphere => over(Directions::sphere(Pole::Z), client),
-        Space::Hemisphere => over(Directions::hemisphere(Pole::Z), client),
-        Space::Square => over(Square, client),
-        Space::Line => over(Line::UNIT, client),
-        Space::Discrete(outcomes) => over(Discrete { outcomes }, client),
-    }
+    client.space().with(Examined(client))
 }
 
-fn over<D: Domain<Point: Coordinates>>(domain: D, client: Client) -> Result<()> {
-    let few = Few(client.over::<D::Point>()?);
-    examine(&domain, &few, &few, &BRIEF, 0).map(drop)
+struct Examined(Client);
+
+impl Visitor for Examined {
+    type Output = Result<()>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
+        let few = Few(self.0.over::<D::Point>()?);
+        examine(&domain, &few, &few, &BRIEF, 0).map(drop)
+    }
 }
 
 /// A program that said this, whatever it was asked.

@@ -2,7 +2,8 @@
 
 use etalon::Result;
 use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
-use etalon::stats::{Directions, Discrete, Line, Pole, Protocol, Samples, Square, examine};
+use etalon::import::sampler::{Coordinates, Space, Visitor};
+use etalon::stats::{Protocol, Samples, examine};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,18 +20,22 @@ pub fn grid(path: &Path) -> Result<()> {
 
 /// Tests samples against a grid over every domain; good if one of the tests can be done.
 fn files(samples: &Path, grid: &Path) -> Result<()> {
-    let all = [
-        over(Directions::sphere(Pole::Z), samples, grid),
-        over(Directions::hemisphere(Pole::Z), samples, grid),
-        over(Square, samples, grid),
-        over(Line::UNIT, samples, grid),
-        over(Discrete { outcomes: 3 }, samples, grid),
-    ];
+    let spaces = [Space::Sphere, Space::Hemisphere, Space::Square, Space::Line, Space::Discrete(3)];
+    let all = spaces.map(|space| space.with(Files { samples, grid }));
     all.into_iter().reduce(Result::or).unwrap_or(Ok(()))
 }
 
-fn over<D: Row + Send + Sync>(domain: D, samples: &Path, grid: &Path) -> Result<()> {
-    let density = Arc::new(GridDensity::read_csv(domain, grid)?);
-    let sampler = SampleFile::open(samples, Arc::clone(&density))?;
-    examine(&domain, &sampler, &*density, &BRIEF, 0).map(drop)
+struct Files<'a> {
+    samples: &'a Path,
+    grid: &'a Path,
+}
+
+impl Visitor for Files<'_> {
+    type Output = Result<()>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
+        let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
+        let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
+        examine(&domain, &sampler, &*density, &BRIEF, 0).map(drop)
+    }
 }

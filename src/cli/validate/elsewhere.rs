@@ -3,8 +3,8 @@
 use crate::error::{Error, Result};
 use crate::import::sampler::files::{GridDensity, Row, SampleFile};
 use crate::import::sampler::program::Client;
-use crate::import::sampler::{Coordinates, Space};
-use crate::stats::{Directions, Discrete, Domain, Line, Pole, Square, examine};
+use crate::import::sampler::{Coordinates, Space, Visitor};
+use crate::stats::examine;
 use crate::study::validation::Case;
 use clap::Args;
 use std::convert::Infallible;
@@ -73,13 +73,7 @@ impl Elsewhere {
 
     fn program(&self, command: &str, space: Option<Space>) -> Result<Case> {
         let client = Client::start(command, space, self.limit()?)?;
-        match client.space() {
-            Space::Sphere => of_program(Directions::sphere(Pole::Z), client),
-            Space::Hemisphere => of_program(Directions::hemisphere(Pole::Z), client),
-            Space::Square => of_program(Square, client),
-            Space::Line => of_program(Line::UNIT, client),
-            Space::Discrete(outcomes) => of_program(Discrete { outcomes }, client),
-        }
+        client.space().with(OfProgram(client))
     }
 
     fn limit(&self) -> Result<Duration> {
@@ -91,14 +85,17 @@ impl Elsewhere {
     }
 }
 
-/// The test of a program over `domain`.
-fn of_program<D>(domain: D, client: Client) -> Result<Case>
-where
-    D: Domain<Point: Coordinates> + Send + Sync + 'static,
-{
-    let name = client.name().to_owned();
-    let program = client.over::<D::Point>()?;
-    Ok(Case::new(name, move |protocol, round| examine(&domain, &program, &program, protocol, round)))
+/// The test of a program.
+struct OfProgram(Client);
+
+impl Visitor for OfProgram {
+    type Output = Result<Case>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+        let name = self.0.name().to_owned();
+        let program = self.0.over::<D::Point>()?;
+        Ok(Case::new(name, move |protocol, round| examine(&domain, &program, &program, protocol, round)))
+    }
 }
 
 /// The test of samples in a file.
@@ -111,15 +108,25 @@ fn files(samples: &Path, pdf: &Path, space: Option<Space>) -> Result<Case> {
         }
         None => Err(Error::parameter("--domain", "a table does not say what it is a density over")
             .with_hint("--domain sphere, hemisphere, square, line or discrete:N")),
-        Some(Space::Sphere) => of_files(samples, GridDensity::read_csv(Directions::sphere(Pole::Z), pdf)?),
-        Some(Space::Hemisphere) => of_files(samples, GridDensity::read_csv(Directions::hemisphere(Pole::Z), pdf)?),
-        Some(Space::Square) => of_files(samples, GridDensity::read_csv(Square, pdf)?),
-        Some(Space::Line) => of_files(samples, GridDensity::read_csv(Line::UNIT, pdf)?),
-        Some(Space::Discrete(outcomes)) => of_files(samples, GridDensity::read_csv(Discrete { outcomes }, pdf)?),
+        Some(space) => space.with(OfTable { samples, pdf }),
     }
 }
 
-fn of_files<D: Row + Send + Sync + 'static>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
+/// The test of samples against a table.
+struct OfTable<'a> {
+    samples: &'a Path,
+    pdf: &'a Path,
+}
+
+impl Visitor for OfTable<'_> {
+    type Output = Result<Case>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+        of_files(self.samples, GridDensity::read_csv(domain, self.pdf)?)
+    }
+}
+
+fn of_files<D: Row + Send + 'static>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
     let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
     let (domain, density) = (density.domain(), Arc::new(density));
     let sampler = SampleFile::open(samples, Arc::clone(&density))?;

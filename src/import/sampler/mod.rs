@@ -9,4 +9,4 @@ mod space;
 
 pub use coordinates::Coordinates;
 pub use number::{Notation, Words};
-pub use space::Space;
+pub use space::{Space, Visitor};

@@ -1,6 +1,9 @@
 //! Domains by name.
 
+use super::Coordinates;
+use super::files::Row;
 use crate::error::Error;
+use crate::stats::{Directions, Discrete, Line, Pole, Square};
 use std::fmt;
 use std::str::FromStr;
 
@@ -17,6 +20,26 @@ pub enum Space {
     Line,
     /// The whole numbers from 0 to one less than this.
     Discrete(usize),
+}
+
+/// What is done over a domain that is only known when the program runs.
+pub trait Visitor {
+    type Output;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Self::Output;
+}
+
+impl Space {
+    /// Has `visitor` do its work over the domain; the pole of directions is +z.
+    pub fn with<V: Visitor>(self, visitor: V) -> V::Output {
+        match self {
+            Self::Sphere => visitor.visit(Directions::sphere(Pole::Z)),
+            Self::Hemisphere => visitor.visit(Directions::hemisphere(Pole::Z)),
+            Self::Square => visitor.visit(Square),
+            Self::Line => visitor.visit(Line::UNIT),
+            Self::Discrete(outcomes) => visitor.visit(Discrete { outcomes }),
+        }
+    }
 }
 
 /// Most points of a finite set.
@@ -58,6 +81,28 @@ impl fmt::Display for Space {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn visitors_see_the_domain_that_is_named() {
+        struct Measure;
+        impl Visitor for Measure {
+            type Output = (f64, bool, Option<usize>);
+
+            fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Self::Output {
+                (domain.measure(), domain.is_plane(), domain.outcomes())
+            }
+        }
+        let pi = std::f64::consts::PI;
+        for (name, expected) in [
+            ("sphere", (4.0 * pi, true, None)),
+            ("hemisphere", (2.0 * pi, true, None)),
+            ("square", (1.0, true, None)),
+            ("line", (1.0, false, None)),
+        ] {
+            assert_eq!(name.parse::<Space>().unwrap().with(Measure), expected, "{name}");
+        }
+        assert_eq!(Space::Discrete(6).with(Measure).2, Some(6));
+    }
 
     #[test]
     fn names_are_read_and_written() {
