@@ -1,0 +1,170 @@
+//! Distributions over the cells of a grid: a table of rows, and one for each row.
+
+use super::super::batch::{BATCH, Batch};
+use super::super::prefetch::prefetch;
+use super::{Cdf, Draw, PROBES, Table1, bucket, cdf_len, fill, find, guide_len, inside};
+use rayon::prelude::*;
+
+/// A cell of a grid and the position inside it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Draw2 {
+    pub x: Draw,
+    pub y: Draw,
+}
+
+impl Draw2 {
+    /// Probability of the cell: the very product that [`Table2::probability`] returns.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self) -> f64 {
+        self.y.probability * self.x.probability
+    }
+}
+
+/// A distribution over the cells of a grid: the row by the marginal table, then the column by the row's own table.
+#[derive(Debug, Clone)]
+pub struct Table2 {
+    width: usize,
+    rows: Table1,
+    /// Tables of all rows, one after the other, with stride `cdf_len(width)`.
+    cdf: Vec<f64>,
+    /// Their guides, with stride `guide_len(width)`.
+    guide: Vec<u16>,
+}
+
+impl Table2 {
+    /// From `width * height` weights (finite, ≥ 0) given row by row through `weight(x, y)`.
+    #[must_use]
+    pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+        let (stride, guide_stride) = (cdf_len(width), guide_len(width));
+        let mut cdf = vec![0.0; stride * height];
+        let mut guide = vec![0; guide_stride * height];
+        let sums: Vec<f64> = cdf
+            .par_chunks_mut(stride)
+            .zip(guide.par_chunks_mut(guide_stride))
+            .enumerate()
+            .map_init(
+                || vec![0.0; width],
+                |weights, (y, (cdf, guide))| {
+                    for (x, w) in weights.iter_mut().enumerate() {
+                        *w = weight(x, y);
+                    }
+                    fill(weights, cdf, guide)
+                },
+            )
+            .collect();
+        Self { width, rows: Table1::new(&sums), cdf, guide }
+    }
+
+    /// Sum of the weights; when it is 0 nothing can be drawn.
+    #[inline]
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.rows.total()
+    }
+
+    #[inline]
+    fn row(&self, y: usize) -> Cdf<'_> {
+        let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
+        Cdf {
+            cdf: &self.cdf[y * stride..(y + 1) * stride],
+            guide: &self.guide[y * guide_stride..(y + 1) * guide_stride],
+        }
+    }
+
+    /// Draws the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
+    #[inline]
+    #[must_use]
+    pub fn draw(&self, u: [f64; 2]) -> Option<Draw2> {
+        let y = self.rows.draw(u[0])?;
+        Some(Draw2 { x: self.row(y.cell).draw(u[1]), y })
+    }
+
+    /// [`Table2::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
+    /// has one value per cell, row by row; those of the drawn cells are prefetched.
+    ///
+    /// A draw looks into four tables, each look-up depends on the one before, and in a large map each waits for memory.
+    /// So the steps are taken one by one for all draws, each step prefetches for the next, and what is left to compute
+    /// runs over plain arrays.
+    #[inline(always)]
+    pub fn draw_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
+        let n = u.len().min(BATCH);
+        let u = &u[..n];
+        let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
+        let buckets = (guide_stride - 2) as f64;
+        let rows = self.rows.view();
+        let (cell, x, y, bracket) = (&mut out.cell[..n], &mut out.x[..n], &mut out.y[..n], &mut out.bracket[..n]);
+        let (fx, fy) = (&mut out.fx[..n], &mut out.fy[..n]);
+        let (px, py) = (&mut out.column[..n], &mut out.probability[..n]);
+        for i in 0..n {
+            let [v, u] = u[i];
+            let (row, start, probability) = rows.find(v);
+            (y[i], fy[i], py[i]) = (row as u32, v - start, probability);
+            cell[i] = row * guide_stride + bucket(u, buckets);
+            prefetch(&self.guide, cell[i]);
+        }
+        for i in 0..n {
+            bracket[i] = [self.guide[cell[i]], self.guide[cell[i] + 1]];
+            let first = y[i] as usize * stride + usize::from(bracket[i][0]);
+            prefetch(&self.cdf, first);
+            prefetch(&self.cdf, first + PROBES + 1);
+        }
+        for i in 0..n {
+            let u = u[i][1];
+            let row = y[i] as usize;
+            let (column, start, probability) = find(&self.cdf, row * stride, self.width, bracket[i], u);
+            (x[i], fx[i], px[i]) = (column as u32, u - start, probability);
+            cell[i] = row * self.width + column;
+            prefetch(values, cell[i]);
+        }
+        for i in 0..n {
+            fx[i] = inside(fx[i] / px[i]);
+            fy[i] = inside(fy[i] / py[i]);
+            py[i] *= px[i];
+        }
+    }
+
+    /// Probability of a cell (not per area).
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, x: usize, y: usize) -> f64 {
+        self.rows.probability(y) * self.row(y).probability(x)
+    }
+
+    /// The `u` that [`Table2::draw`] maps to this place in cell (x, y).
+    #[must_use]
+    pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
+        [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_can_be_drawn_from_nothing() {
+        assert_eq!(Table2::new(3, 2, |_, _| 0.0).draw([0.1, 0.9]), None);
+    }
+
+    #[test]
+    fn two_dimensions_factor() {
+        let w = |x: usize, y: usize| ((x + 2 * y) % 4) as f64;
+        let table = Table2::new(5, 3, w);
+        let mut sum = 0.0;
+        for y in 0..3 {
+            for x in 0..5 {
+                assert!((table.probability(x, y) - w(x, y) / table.total()).abs() < 1e-15);
+                sum += table.probability(x, y);
+            }
+        }
+        assert!((sum - 1.0).abs() < 1e-14);
+        for i in 0..400 {
+            let u = [(f64::from(i % 20) + 0.3) / 20.0, (f64::from(i / 20) + 0.7) / 20.0];
+            let draw = table.draw(u).unwrap();
+            assert!(w(draw.x.cell, draw.y.cell) > 0.0);
+            let back = table.invert((draw.x.cell, draw.y.cell), (draw.x.offset, draw.y.offset));
+            assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9);
+        }
+    }
+}
