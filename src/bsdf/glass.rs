@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// η seen from `wo`: `eta` is the index inside (z < 0) over that outside.
 #[inline]
-fn eta_from(wo: Vec3, eta: f32) -> f32 {
+pub(super) fn eta_from(wo: Vec3, eta: f32) -> f32 {
     if wo.z < 0.0 { eta.recip() } else { eta }
 }
 

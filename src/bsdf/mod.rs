@@ -108,6 +108,21 @@ impl Bsdf {
             Self::Diffuse(_) | Self::Beckmann(_) | Self::Ggx(_) | Self::ReportConductor(_) => false,
         }
     }
+
+    /// [`Scatter::sample`] of the adjoint f(wi, wo): `wo` points to where the light comes from, `wi` is where it goes, and
+    /// the weight is what its power is multiplied by. Only refraction tells the two apart: it changes the radiance by 1/η²
+    /// but not the power.
+    #[inline]
+    #[must_use]
+    pub fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let sample = self.sample(wo, uc, u)?;
+        let eta = match self {
+            Self::Refraction(refraction) if wo.z * sample.wi.z < 0.0 => glass::eta_from(wo, refraction.eta),
+            Self::Glass(glass) if wo.z * sample.wi.z < 0.0 => glass::eta_from(wo, glass.eta),
+            _ => 1.0,
+        };
+        Some(BsdfSample { weight: sample.weight * (eta * eta), ..sample })
+    }
 }
 
 impl Scatter for Bsdf {

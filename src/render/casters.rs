@@ -3,11 +3,12 @@
 //! Through these a lamp shines as a small bright image, which directions drawn by the cosine alone seldom find: most of
 //! the noise of such scenes. So a share of the directions is drawn from cones: one around each ball, and one around the
 //! place where a ball reflects a lamp to the point. A cone of solid angle Ωⱼ is drawn from in proportion to a weight wⱼ,
-//! the cosine to w₀, and the density of the mixture at a direction is
+//! the cosine to 1, and the density of the mixture at a direction is
 //!
-//! (w₀ cos θ / π + Σ wⱼ/Ωⱼ over the cones that hold it) / (w₀ + Σ wⱼ).
+//! (cos θ / π + Σ wⱼ/Ωⱼ over the cones that hold it) / (1 + Σ wⱼ).
 //!
-//! Whatever the cones, the estimate is right; where they are good, it is quiet.
+//! Whatever the cones, the estimate is right; where they are good, it is quiet. Points to which paths from the lamps bring
+//! these images (see [`super::light_tracing`]) have no use for cones.
 
 use super::diffuse::{self, frame};
 use super::geometry::{at, set};
@@ -21,12 +22,12 @@ use glam::Vec3;
 use pulp::Arch;
 use std::f32::consts::{PI, TAU};
 
-/// The weight of the cosine. That of a ball is its solid angle: a large one is more likely to matter. In the reports'
-/// scenes the noise has a flat minimum here.
-const COSINE_WEIGHT: f32 = 1.2;
+/// The weight of a ball per steradian that it fills, where the cosine has 1: a large one is more likely to matter. In the
+/// reports' scenes the noise has a flat minimum here.
+const BALL_WEIGHT: f32 = 0.83;
 
 /// The weight of the image of a lamp in a mirror.
-const IMAGE_WEIGHT: f32 = 0.2;
+const IMAGE_WEIGHT: f32 = 0.17;
 
 /// Metal of a larger alpha shows no image worth aiming at.
 const BLURRED: f32 = 0.15;
@@ -142,7 +143,7 @@ impl Casters {
         }
         let cones = &cones[..used];
         let mut choice = Choice { axis: points.normal, opening: [0.0; LANES], rest: [0.0; LANES] };
-        let mut total = [COSINE_WEIGHT; LANES];
+        let mut total = [1.0; LANES];
         for cone in cones {
             wide(arch, AddTo { sum: &mut total, cone, count: points.count });
         }
@@ -195,7 +196,7 @@ impl Target for Ball {
         let d2 = to.length_squared();
         let sin2 = self.radius * self.radius / d2;
         let opening = solids::opening(sin2);
-        (to * (1.0 / d2.sqrt()), opening, if sin2 < 1.0 { TAU * opening } else { 0.0 })
+        (to * (1.0 / d2.sqrt()), opening, if sin2 < 1.0 { BALL_WEIGHT * TAU * opening } else { 0.0 })
     }
 }
 
@@ -255,7 +256,7 @@ impl<T: Target> Wide for Aim<'_, T> {
         for i in 0..self.points.count.min(LANES) {
             let (a, o, w) = self.target.cone(at(&position, i));
             set(&mut axis, i, a);
-            (opening[i], weight[i]) = (o, w);
+            (opening[i], weight[i]) = (o, if self.points.caustic[i] == 0 { w } else { 0.0 });
         }
         *self.cone = Cone { axis, opening, weight };
     }
@@ -322,7 +323,7 @@ impl Wide for Direct<'_> {
             let rest = choice.rest[i];
             // 1 − cos, uniform in the cone, or sin² = u for the cosine.
             let below = choice.opening[i];
-            let u = (rest * (1.0 / COSINE_WEIGHT)).clamp(0.0, 1.0 - f32::EPSILON / 2.0);
+            let u = rest.clamp(0.0, 1.0 - f32::EPSILON / 2.0);
             let in_cone = rest < 0.0;
             let sin = if in_cone { below * (2.0 - below) } else { u }.sqrt();
             let cos = if in_cone { 1.0 - below } else { (1.0 - u).sqrt() };
@@ -368,8 +369,7 @@ impl Wide for Weigh<'_> {
         let Self { points, direction, total, density, weight } = self;
         for i in 0..points.count.min(LANES) {
             let cos = at(&points.normal, i).dot(at(direction, i)).max(0.0);
-            let scale: Rgb =
-                Rgb::splat(cos * total[i] / (COSINE_WEIGHT * cos + PI * density[i]).max(f32::MIN_POSITIVE));
+            let scale: Rgb = Rgb::splat(cos * total[i] / (cos + PI * density[i]).max(f32::MIN_POSITIVE));
             set(weight, i, at(&points.weight, i) * scale);
         }
     }

@@ -49,7 +49,8 @@ pub fn carry_on(arch: Arch, points: &Points, u: &[Lane; 2], next: &mut Paths) {
     next.pdf[part.clone()].fill(0.0);
     next.sky[part.clone()].fill(0.0);
     next.slot[part.clone()].copy_from_slice(&points.slot[..points.count]);
-    next.word[part].copy_from_slice(&points.word[..points.count]);
+    next.word[part.clone()].copy_from_slice(&points.word[..points.count]);
+    next.caustic[part].copy_from_slice(&points.caustic[..points.count]);
     next.count += points.count;
 }
 
@@ -67,12 +68,13 @@ impl Wide for CarryOn<'_> {
         for i in 0..points.count.min(LANES - start) {
             let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
             let r = u[0][i].sqrt();
-            let (x, y, z) = (r * cos_phi, r * sin_phi, (1.0 - u[0][i]).sqrt());
+            let z = (1.0 - u[0][i]).sqrt();
             let normal = at(&points.normal, i);
             let (tangent, bitangent) = frame(normal);
             let j = start + i;
             set(&mut next.rays.origin, j, at(&points.position, i));
-            set(&mut next.rays.direction, j, tangent * x + bitangent * y + normal * z);
+            // To the last bit as the cosine's part of a mixture with cones has it.
+            set(&mut next.rays.direction, j, (tangent * cos_phi + bitangent * sin_phi) * r + normal * z);
             set(&mut next.throughput, j, at(&points.weight, i));
         }
     }
@@ -85,6 +87,7 @@ pub fn follow(next: &mut Paths, points: &Points, i: usize, direction: Vec3, thro
     let j = next.count;
     next.push(at(&points.position, i), direction, throughput, points.slot[i], points.word[i]);
     (next.pdf[j], next.sky[j]) = (0.0, 0.0);
+    next.caustic[j] = points.caustic[i];
 }
 
 /// Two unit vectors that make a right-handed frame with a unit normal.

@@ -1,7 +1,7 @@
 //! Light that comes straight to a hit: shadow rays towards lights, and rays in search of light where that is asked for.
 
 use super::geometry::{at, set};
-use super::integrator::{Integrator, power_heuristic};
+use super::integrator::{Integrator, SHORT_OF_LIGHT, power_heuristic};
 use super::lanes::{LANES, NOTHING, ZERO3};
 use super::lights::{self, Kind, LightSamples};
 use super::needs::Needs;
@@ -14,9 +14,6 @@ use crate::scene::Environment;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
-
-/// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
-const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
 
 impl Integrator<'_> {
     /// Whether light `number` is found by shadow rays: always, if nothing else can find it.
@@ -129,7 +126,11 @@ impl Integrator<'_> {
         let slots = &slots[..count];
         let mut light = LightSamples::default();
         if Needs::LAMPS.is_in(NEEDS) {
-            for (number, lamp) in self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i)) {
+            // The hits of a group are alike: paths from the lamps bring their light to all or none.
+            let traced = |number| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(number));
+            let caustic = work.rough[group.start].caustic;
+            let lamps = self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i) && !(caustic && traced(*i)));
+            for (number, lamp) in lamps {
                 let draws = if lamp.has_extent() { samples } else { 1 };
                 for index in 0..draws {
                     work.numbers.fill(self.arch, slots, dimensions.light(number), (index, draws), &mut work.u);
@@ -167,7 +168,8 @@ impl Integrator<'_> {
                     set(&mut light.weight, i, environment.scale * radiance / pdf as f32);
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf as f32);
                 }
-                self.aim(work, group.clone(), bsdf, &light, samples, (self.sampling == Sampling::Mis).then_some(1.0));
+                let rivals = (self.sampling == Sampling::Mis).then_some(1.0);
+                self.aim(work, group.clone(), bsdf, &light, samples, rivals);
                 self.cast::<NEEDS>(work, NOTHING);
             }
         }

@@ -31,6 +31,7 @@ pub struct Geometry<'a> {
     spheres: Vec<(Sphere, u32)>,
     /// Per object, [`Surface::offset`].
     offsets: Vec<f32>,
+    extent: f32,
     /// Those that can stand between two points of the scene: a wall with everything on one side cannot.
     blockers: Vec<Wall>,
     meshes: Option<Meshes>,
@@ -73,12 +74,15 @@ impl<'a> Geometry<'a> {
             }
         }
         let offsets = hulls.iter().map(|hull| 16.0 * f32::EPSILON * extent(hull)).collect();
+        let balls = || hulls.iter().flatten();
+        let low = balls().fold(Vec3::INFINITY, |low, (p, radius)| low.min(p - radius));
+        let high = balls().fold(Vec3::NEG_INFINITY, |high, (p, radius)| high.max(p + radius));
         let meshes = with_meshes.then(|| Meshes {
             bounds: around(mesh_objects.iter().flat_map(|&i| &hulls[i as usize])),
             tree: MeshBvh::build(&meshes),
             object: mesh_objects,
         });
-        Self { objects, walls, spheres, offsets, blockers, meshes, arch: Arch::new() }
+        Self { objects, walls, spheres, offsets, extent: (high - low).length(), blockers, meshes, arch: Arch::new() }
     }
 
     /// The nearest object of the first `count` rays.
@@ -140,6 +144,17 @@ impl<'a> Geometry<'a> {
                 blocked[i] |= u32::from(found[i]);
             }
         }
+    }
+
+    /// The diagonal of the box around all objects.
+    pub fn extent(&self) -> f32 {
+        self.extent
+    }
+
+    /// [`Surface::offset`] of an object.
+    #[inline]
+    pub fn offset(&self, object: u32) -> f32 {
+        self.offsets[object as usize]
     }
 
     /// The surface that ray `i` has hit.
@@ -290,6 +305,9 @@ fn extent(hull: &Hull) -> f32 {
 /// Everything that rays start from or end at; `None` if some go to infinity.
 fn places(scene: &Scene, hulls: &[Hull]) -> Option<Hull> {
     let mut all = hulls.concat();
+    // Of a film that parallel rays start from, the corners.
+    let film = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    all.extend(film.map(|[x, y]| (scene.camera.ray(x, y).origin, 0.0)));
     for light in &scene.lights {
         match light {
             Light::Rectangle { rectangle, .. } => all.extend(rectangle.corners().map(|corner| (corner, 0.0))),

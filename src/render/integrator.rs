@@ -14,6 +14,7 @@ use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
 use super::lanes::{LANES, NOTHING, Paths, ZERO3};
 use super::lens::Lens;
+use super::light_tracing::LightTracing;
 use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
@@ -38,6 +39,9 @@ const ROULETTE_BELOW: f32 = 0.1;
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
 
+/// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
+pub(super) const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
+
 /// A scene made ready for rendering.
 pub struct Integrator<'a> {
     pub(super) scene: &'a Scene,
@@ -46,10 +50,11 @@ pub struct Integrator<'a> {
     pub(super) faces: Vec<Face>,
     pub(super) lights: Vec<Sampled>,
     casters: Casters,
+    pub(super) light_tracing: Option<LightTracing>,
     pub(super) strategies: Strategies,
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
-    classes: Option<Classes>,
+    pub(super) classes: Option<Classes>,
     /// Whether there are lamps that neither light samples nor rays in search of light find.
     left_to_chance: bool,
 }
@@ -67,6 +72,7 @@ impl<'a> Integrator<'a> {
         let lights = Sampled::all(scene, settings)?;
         let faces = Face::all(scene, settings, &lights);
         let unsampled = |face: &Face| face.light.is_none() && face.emission.is_some_and(|e| e.role == Role::Lamp);
+        let light_tracing = LightTracing::new(scene, request, settings, &faces, &lights, &geometry);
         let left_to_chance = settings.sampling.by_light() && faces.iter().any(unsampled);
         Ok(Self {
             scene,
@@ -76,6 +82,7 @@ impl<'a> Integrator<'a> {
             lights,
             // Other strategies are as their name says.
             casters: if settings.sampling == Sampling::Mis { Casters::new(scene) } else { Casters::default() },
+            light_tracing,
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
@@ -109,6 +116,7 @@ impl<'a> Integrator<'a> {
         paths.pdf[..count].fill(f32::INFINITY);
         paths.sky[..count].fill(1.0);
         paths.word[..count].fill(Word::DIRECT);
+        paths.caustic[..count].fill(0);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
         }
@@ -116,12 +124,13 @@ impl<'a> Integrator<'a> {
     }
 
     /// Follows the camera rays to their ends and adds the light that they find to `work.radiance`.
-    pub fn trace<const NEEDS: u32>(&self, work: &mut Workspace) {
+    pub fn trace<const NEEDS: u32>(&self, work: &mut Workspace, lens: &Lens) {
         let mut scatterings = 0;
         while work.paths.count > 0 {
             let count = work.paths.count;
             self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
             self.sort_hits::<NEEDS>(work, scatterings == self.request.max_depth);
+            self.mark_caustics(work, scatterings == 0, lens);
             let dimensions = self.dimensions(scatterings);
             scatterings += 1;
             work.next.count = 0;
@@ -132,7 +141,8 @@ impl<'a> Integrator<'a> {
                 if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.left_to_chance) {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
-                    if self.casters.is_empty() {
+                    let caustics = &work.points.caustic[..work.points.count];
+                    if self.casters.is_empty() || caustics.iter().all(|&c| c != 0) {
                         diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
                         let images = scatterings <= IMAGES_UP_TO;
@@ -153,9 +163,7 @@ impl<'a> Integrator<'a> {
             if Needs::ROUGH.is_in(NEEDS) && !work.rough.is_empty() {
                 self.scatter_rough::<NEEDS>(work, dimensions);
             }
-            if scatterings > ROULETTE_AFTER {
-                roulette(&mut work.next, &work.numbers, dimensions.choice());
-            }
+            roulette(&mut work.next, &work.numbers, dimensions.choice(), scatterings);
             std::mem::swap(&mut work.paths, &mut work.next);
         }
     }
@@ -192,6 +200,17 @@ impl<'a> Integrator<'a> {
         }
     }
 
+    /// Marks the diffuse hits that paths from the lamps bring caustics to: those that the camera sees.
+    fn mark_caustics(&self, work: &mut Workspace, seen: bool, lens: &Lens) {
+        let points = &mut work.points;
+        let Some(tracing) = self.light_tracing.as_ref().filter(|_| seen) else {
+            return points.caustic[..points.count].fill(0);
+        };
+        for i in 0..points.count {
+            points.caustic[i] = u32::from(tracing.reaches(lens.area_at(at(&points.position, i))));
+        }
+    }
+
     /// A ray leaves the scene.
     #[inline]
     fn leave(&self, work: &mut Workspace, i: usize) {
@@ -213,6 +232,10 @@ impl<'a> Integrator<'a> {
             return;
         }
         let pdf = work.paths.pdf[i];
+        let traced = |light| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(light));
+        if work.paths.caustic[i] != 0 && face.light.is_some_and(traced) {
+            return;
+        }
         let share = match (emission.role, face.light) {
             _ if pdf == f32::INFINITY => 1.0,
             (Role::Picture, _) => 0.0,
@@ -242,7 +265,7 @@ impl<'a> Integrator<'a> {
         points.count += 1;
     }
 
-    fn collect_rough(&self, work: &mut Workspace, i: usize) {
+    pub(super) fn collect_rough(&self, work: &mut Workspace, i: usize) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
         let direction = at(&work.paths.rays.direction, i);
         if surface.normal.dot(direction) > 0.0 {
@@ -258,6 +281,8 @@ impl<'a> Integrator<'a> {
             slot: work.paths.slot[i],
             word: work.paths.word[i].then(false),
             object: work.hits.object[i],
+            // Paths from the lamps know only the normal for shading.
+            caustic: work.paths.caustic[i] != 0 && surface.shading.dot(direction) < 0.0,
         });
     }
 
@@ -277,35 +302,39 @@ impl<'a> Integrator<'a> {
             let Some(sample) = bsdf.sample(frame.local(-direction), work.u[0][k], [0.0; 2]) else { continue };
             let wi = frame.world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
+            let j = work.next.count;
             work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
+            let tracing = self.light_tracing.as_ref();
+            let casts = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
+            work.next.caustic[j] = work.paths.caustic[i] & u32::from(casts);
         }
     }
 
     /// Adds the light at the rough hits and scatters their paths, one object after the other.
     fn scatter_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
-        work.rough.sort_by_key(|hit| hit.object);
-        let mut start = 0;
-        while start < work.rough.len() {
-            let object = work.rough[start].object;
-            let group = start..start + work.rough[start..].partition_point(|hit| hit.object == object);
-            start = group.end;
-            if let Kind::Rough(bsdf) = &self.faces[object as usize].kind {
+        for group in work.rough_groups() {
+            if let Kind::Rough(bsdf) = &self.faces[work.rough[group.start].object as usize].kind {
                 self.light_rough::<NEEDS>(work, group.clone(), bsdf, dimensions);
                 self.carry_on_rough(work, group, bsdf, dimensions);
             }
         }
     }
 
-    /// Scatters the paths that have hit one rough object.
-    fn carry_on_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
+    /// Draws directions for the hits on one rough object.
+    pub(super) fn draw_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
         let (mut slots, mut wo) = ([0; LANES], ZERO3);
-        for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+        let count = group.len();
+        for (i, hit) in work.rough[group].iter().enumerate() {
             slots[i] = hit.slot;
             set(&mut wo, i, hit.wo);
         }
-        let count = group.len();
         work.numbers.fill(self.arch, &slots[..count], dimensions.bsdf(), (0, 1), &mut work.u);
         rough::sample_many(self.arch, bsdf, &wo, &work.u, count, &mut work.scattered);
+    }
+
+    /// Scatters the paths that have hit one rough object.
+    fn carry_on_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
+        self.draw_rough(work, group.clone(), bsdf, dimensions);
         let trust = shine::trust(bsdf);
         for (i, hit) in work.rough[group].iter().enumerate() {
             let weight = at(&work.scattered.weight, i);
@@ -315,6 +344,7 @@ impl<'a> Integrator<'a> {
             }
             let j = work.next.count;
             work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
+            work.next.caustic[j] = u32::from(hit.caustic);
             let pdf = work.scattered.pdf[i];
             (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
                 // All light that it finds, but for pictures, which are left to mirrors and glass.
@@ -338,7 +368,7 @@ impl<'a> Integrator<'a> {
 impl Surface {
     /// The frame for shading, seen from `wo`: where the interpolated normal faces away, that of the surface itself.
     #[inline]
-    fn frame(&self, wo: Vec3) -> Frame {
+    pub(super) fn frame(&self, wo: Vec3) -> Frame {
         let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
         Frame::new(if same_side { self.shading } else { self.normal })
     }
@@ -351,8 +381,11 @@ impl Surface {
     }
 }
 
-/// Ends paths at random that carry little light, and lets the others stand for them.
-fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32) {
+/// Ends paths at random that carry little light after so many scatterings, and lets the others stand for them.
+pub(super) fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32, scatterings: u32) {
+    if scatterings <= ROULETTE_AFTER {
+        return;
+    }
     paths.retain(|paths, i| {
         let throughput = at(&paths.throughput, i);
         let survival = (throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);

@@ -5,6 +5,7 @@ use super::geometry::{Geometry, at};
 use super::integrator::Integrator;
 use super::lanes::LANES;
 use super::lens::Lens;
+use super::light_tracing::LightTracing;
 use super::needs::Needs;
 use super::strategies::Strategies;
 use super::workspace::Workspace;
@@ -69,6 +70,7 @@ impl<'a> Job<'a> {
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
         let Request { width, height, spp, .. } = self.integrator.request;
         let exposure = Exposure::new(width, height, self.settings.paths.map(Classes::up_to))?;
+        let exposure = if self.integrator.light_tracing.is_some() { exposure.with_splats()? } else { exposure };
         Ok(Part::new(exposure, spp, self.fingerprint(), metadata))
     }
 
@@ -90,7 +92,8 @@ impl<'a> Job<'a> {
         self.needs.left_out(self.integrator.scene)
     }
 
-    /// Renders those samples of the range that `part` does not have yet, or as many as `control` lets it.
+    /// Renders those samples of the range that `part` does not have yet, or as many as `control` lets it. The part must be
+    /// one of [`Job::part`], or the settings [`camera_paths_only`](Settings::camera_paths_only).
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
         let kernels: [Kernel<'a>; Needs::LEAN.len()] = [
             Self::expose::<{ Needs::LEAN[0] }>,
@@ -120,13 +123,12 @@ impl<'a> Job<'a> {
         let width = self.integrator.request.width;
         for x in 0..width {
             for sample in left(row.samples(x)) {
-                let pixel = row.y() as u64 * width as u64 + x as u64;
-                work.numbers.assign(filled, pixel, sample);
-                work.pixel[filled] = x as u32;
+                work.numbers.assign(filled, self.pixel(row, x), sample);
+                (work.pixel[filled], work.sample[filled]) = (x as u32, sample);
                 filled += 1;
                 if filled == LANES {
                     if control.stop() {
-                        return;
+                        return self.light_paths(&mut work, row, 1);
                     }
                     kernel(self, &mut work, row, filled);
                     done += filled as u64;
@@ -135,18 +137,46 @@ impl<'a> Job<'a> {
             }
         }
         kernel(self, &mut work, row, filled);
+        self.light_paths(&mut work, row, 1);
         control.done(done + filled as u64);
     }
 
     /// Traces the camera samples in the first `count` slots and adds them to the film.
     fn expose<const NEEDS: u32>(&self, work: &mut Workspace, row: &mut Row, count: usize) {
         self.integrator.start(work, count, &self.lens, row.y() as u32);
-        self.integrator.trace::<NEEDS>(work);
+        self.integrator.trace::<NEEDS>(work, &self.lens);
         let classes = work.layers.len() / LANES;
         for slot in 0..count {
             let layers = &work.layers[slot * classes..][..classes];
             row.add(work.pixel[slot] as usize, at(&work.radiance, slot), layers);
         }
+        if self.integrator.light_tracing.is_some() {
+            for slot in 0..count {
+                let pixel = self.pixel(row, work.pixel[slot] as usize);
+                let path = LightTracing::path(self.settings.seed, pixel, work.sample[slot]);
+                work.waiting.extend(path.map(|number| (pixel, number)));
+            }
+            self.light_paths(work, row, LANES);
+        }
+    }
+
+    /// Follows the paths from the lamps that came with the samples so far, as long as at least so many are waiting.
+    fn light_paths(&self, work: &mut Workspace, row: &mut Row, at_least: usize) {
+        while work.waiting.len() >= at_least {
+            let count = work.waiting.len().min(LANES);
+            for slot in 0..count {
+                let (pixel, number) = work.waiting[slot];
+                work.numbers.assign(slot, pixel, number);
+            }
+            work.waiting.drain(..count);
+            self.integrator.trace_from_lamps(work, count, &self.lens);
+            work.splats.drain(..).for_each(|splat| row.splat(splat));
+        }
+    }
+
+    /// The number of a pixel, row by row.
+    fn pixel(&self, row: &Row, x: usize) -> u64 {
+        (row.y() * self.integrator.request.width + x) as u64
     }
 }
 

@@ -81,6 +81,8 @@ pub struct Paths {
     pub slot: [u32; LANES],
     /// What scattered the path so far.
     pub word: [Word; LANES],
+    /// Whether the lamps' light along this path is brought by paths from the lamps (0 or 1).
+    pub caustic: [u32; LANES],
 }
 
 /// Points on surfaces, with the light that their paths still carry.
@@ -94,6 +96,8 @@ pub struct Points {
     pub weight: Lane3,
     pub slot: [u32; LANES],
     pub word: [Word; LANES],
+    /// Whether paths from the lamps bring their light to here (0 or 1).
+    pub caustic: [u32; LANES],
 }
 
 /// Rays towards light samples, and what each brings if nothing is in its way.
@@ -131,13 +135,22 @@ impl Default for Paths {
             sky: [0.0; LANES],
             slot: [0; LANES],
             word: [Word::DIRECT; LANES],
+            caustic: [0; LANES],
         }
     }
 }
 
 impl Default for Points {
     fn default() -> Self {
-        Self { count: 0, position: ZERO3, normal: ZERO3, weight: ZERO3, slot: [0; LANES], word: [Word::DIRECT; LANES] }
+        Self {
+            count: 0,
+            position: ZERO3,
+            normal: ZERO3,
+            weight: ZERO3,
+            slot: [0; LANES],
+            word: [Word::DIRECT; LANES],
+            caustic: [0; LANES],
+        }
     }
 }
 
@@ -166,6 +179,7 @@ impl Paths {
         self.sky[i] = 1.0;
         self.slot[i] = slot;
         self.word[i] = word;
+        self.caustic[i] = 0;
         self.count += 1;
     }
 
@@ -181,7 +195,7 @@ impl Paths {
                         lane[j] = lane[i];
                     }
                     (self.pdf[j], self.sky[j]) = (self.pdf[i], self.sky[i]);
-                    (self.slot[j], self.word[j]) = (self.slot[i], self.word[i]);
+                    (self.slot[j], self.word[j], self.caustic[j]) = (self.slot[i], self.word[i], self.caustic[i]);
                 }
                 self.count += 1;
             }

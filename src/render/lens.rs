@@ -20,6 +20,17 @@ pub struct Lens {
     step: [f32; 2],
 }
 
+/// A point as the camera sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    /// Unit direction towards the camera.
+    pub direction: Vec3,
+    /// Distance to where the camera's ray to the point starts.
+    pub distance: f32,
+    /// Column and row of its pixel.
+    pub pixel: [u32; 2],
+}
+
 impl Lens {
     pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let (half_width, half_height, parallel) = match camera.projection {
@@ -34,6 +45,41 @@ impl Lens {
             parallel,
             step: [2.0 / width as f32, 2.0 / height as f32],
         }
+    }
+
+    /// The area that the whole picture shows at the distance of a point, of surfaces that face the camera.
+    #[inline]
+    pub fn area_at(&self, point: Vec3) -> f32 {
+        // The film's area, one unit of length away, over cos³ θ / d², θ the angle to the axis and d the distance.
+        let film = 4.0 * self.right.length() * self.up.length();
+        if self.parallel {
+            return film;
+        }
+        let to = point - self.position;
+        let depth = to.dot(self.forward).max(0.0);
+        film * depth * depth * depth / to.length()
+    }
+
+    /// How the camera sees a point, if it is on the film; whether something stands in between is not asked.
+    #[inline]
+    pub fn see(&self, point: Vec3) -> Option<View> {
+        let to = point - self.position;
+        let depth = to.dot(self.forward);
+        if depth <= 0.0 {
+            return None;
+        }
+        let (film, direction, distance) = if self.parallel {
+            (to, -self.forward, depth)
+        } else {
+            let distance = to.length();
+            (to / depth, -to / distance, distance)
+        };
+        let across = film.dot(self.right) / self.right.length_squared();
+        let down = -film.dot(self.up) / self.up.length_squared();
+        let [x, y] = [(across + 1.0) / self.step[0], (down + 1.0) / self.step[1]];
+        let [width, height] = self.step.map(|step| (2.0 / step).round());
+        let inside = x >= 0.0 && y >= 0.0 && x < width && y < height;
+        inside.then_some(View { direction, distance, pixel: [x as u32, y as u32] })
     }
 
     /// The rays through row `y` of the film at the given columns, `u` inside each pixel.
@@ -64,6 +110,57 @@ impl Wide for Expose<'_> {
             let direction = if parallel { forward } else { forward + on_film };
             set(&mut rays.origin, i, origin);
             set(&mut rays.direction, i, direction * (1.0 / direction.length()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_point_is_seen_in_the_pixel_whose_rays_meet_it() {
+        let perspective = Projection::Perspective { tan_half_width: 0.8, tan_half_height: 0.3 };
+        let parallel = Projection::Orthographic { half_width: 1.5, half_height: 0.5 };
+        for projection in [perspective, parallel] {
+            let camera = Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
+            let (width, height) = (30, 20);
+            let lens = Lens::new(&camera, width, height);
+            for (x, y) in (0..30).flat_map(|x| (0..20).map(move |y| (x, y))) {
+                let ray = camera.ray((f64::from(x) + 0.3) / 30.0, (f64::from(y) + 0.8) / 20.0);
+                let point = ray.origin + 2.5 * ray.direction;
+                let view = lens.see(point).unwrap();
+                assert_eq!(view.pixel, [x as u32, y as u32]);
+                assert!((view.distance - 2.5).abs() < 1e-5 && (view.direction + ray.direction).length() < 1e-5);
+                assert!(lens.see(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
+            }
+            for (x, y) in [(-0.1, 0.5), (1.1, 0.5), (0.5, -0.1), (0.5, 1.1)] {
+                let ray = camera.ray(x, y);
+                assert!(lens.see(ray.origin + ray.direction).is_none(), "beside the film");
+            }
+        }
+    }
+
+    #[test]
+    fn the_picture_shows_as_much_as_its_pixels_together() {
+        // The area of the plane z = -2 that the picture shows, summed over directions: dA cos / area_at is the share of
+        // the film that dA is seen in.
+        for (projection, half) in [
+            (Projection::Perspective { tan_half_width: 0.8, tan_half_height: 0.3 }, [1.6, 0.6]),
+            (Projection::Orthographic { half_width: 1.5, half_height: 0.5 }, [1.5, 0.5]),
+        ] {
+            let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, projection).unwrap();
+            let lens = Lens::new(&camera, 3, 3);
+            let n = 200;
+            let mut film = 0.0;
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let at = |i: i32, half: f32| half * (2.0 * (i as f32 + 0.5) / n as f32 - 1.0);
+                let point = Vec3::new(at(i, half[0]), at(j, half[1]), -2.0);
+                let cos = lens.see(point).unwrap().direction.z;
+                film += cos / lens.area_at(point) * 4.0 * half[0] * half[1] / (n * n) as f32;
+            }
+            assert!((film - 1.0).abs() < 1e-3, "{film}");
         }
     }
 }

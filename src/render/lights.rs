@@ -14,6 +14,7 @@ use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
+use std::f32::consts::PI;
 
 /// A direction towards a light.
 #[derive(Debug, Clone, Copy)]
@@ -125,6 +126,15 @@ pub enum Kind {
     },
 }
 
+/// A place on a light, drawn with equal density per area.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    pub position: Vec3,
+    /// Unit normal on the side that glows.
+    pub normal: Vec3,
+    pub two_sided: bool,
+}
+
 /// A glowing rectangle in its own axes.
 #[derive(Debug, Clone, Copy)]
 pub struct PanelLight {
@@ -225,7 +235,9 @@ impl SampleLight for BallLight {
         let found = self.sphere.distance(point, wi);
         let nearest = axis.dot(self.sphere.centre - point).max(0.0);
         let distance = if found.is_finite() { found } else { nearest };
-        LightSample { wi, distance, weight: self.radiance * solid_angle, pdf: 1.0 / solid_angle }
+        // Only the outside glows. A point of the sphere itself may by rounding be inside.
+        let scale = if opening < 2.0 { solid_angle } else { 0.0 };
+        LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
     }
 
     #[inline(always)]
@@ -267,6 +279,35 @@ impl Sampled {
             Self { kind, object: super::lanes::NOTHING }
         });
         Ok(lamps.chain(others).collect())
+    }
+
+    /// The radiance and the area of a glowing object, if paths can start there.
+    pub fn glowing(&self) -> Option<(Rgb, f32)> {
+        match &self.kind {
+            _ if self.object == super::lanes::NOTHING => None,
+            Kind::Panel(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
+            Kind::Ball(ball) => Some((ball.radiance, 4.0 * PI * ball.sphere.radius * ball.sphere.radius)),
+            _ => None,
+        }
+    }
+
+    /// A place on a glowing object.
+    pub fn start(&self, u: [f32; 2]) -> Option<Start> {
+        match &self.kind {
+            Kind::Panel(panel) => Some(Start {
+                position: panel.place(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0),
+                normal: panel.axes[2],
+                two_sided: panel.two_sided,
+            }),
+            Kind::Ball(ball) => {
+                let (z, (sin_phi, cos_phi)) = (1.0 - 2.0 * u[0], f32::sin_cos_turns(u[1]));
+                let sin = (1.0 - z * z).max(0.0).sqrt();
+                let normal = Vec3::new(sin * cos_phi, sin * sin_phi, z);
+                let position = ball.sphere.centre + ball.sphere.radius * normal;
+                Some(Start { position, normal, two_sided: false })
+            }
+            _ => None,
+        }
     }
 
     /// Whether its light comes from more than one direction.

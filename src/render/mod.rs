@@ -14,6 +14,7 @@ mod integrator;
 mod job;
 mod lanes;
 mod lens;
+mod light_tracing;
 pub(crate) mod lights;
 mod needs;
 mod numbers;
@@ -97,6 +98,9 @@ pub struct Settings {
     pub model: Model,
     /// Keep the light apart by the class of its path, up to this many scatterings.
     pub paths: Option<u32>,
+    /// Leave caustics to camera paths, too: every sample then belongs to its pixel alone, and some rows of a picture can be
+    /// rendered without the others.
+    pub camera_paths_only: bool,
     /// Run the kernel with nothing left out, for comparison.
     pub general: bool,
 }

@@ -3,19 +3,23 @@
 use super::Settings;
 use super::casters::Cone;
 use super::diffuse;
-use super::exposure::{Classes, Word};
+use super::exposure::{Classes, Splat, Word};
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
 use super::numbers::Numbers;
 use super::rough::Scattered;
 use crate::raster::Rgb;
 use glam::Vec3;
+use std::ops::Range;
 
 /// What one thread works with.
 pub struct Workspace {
     pub numbers: Numbers,
-    /// The pixel column of each slot.
+    /// The pixel column of each slot, and which sample of the pixel.
     pub pixel: [u32; LANES],
+    pub sample: [u32; LANES],
+    /// Paths from the lamps that are still to be followed: pixel and number.
+    pub waiting: Vec<(u64, u32)>,
     /// The light found so far, by slot.
     pub radiance: Lane3,
     /// The same by path class, all classes of a slot side by side; empty if they are not kept apart.
@@ -28,12 +32,18 @@ pub struct Workspace {
     pub(super) found: Hits,
     pub(super) points: Points,
     pub(super) delta: Vec<u32>,
+    /// Hits of paths from the lamps on diffuse surfaces.
+    pub(super) arrived: Vec<u32>,
     pub(super) rough: Vec<RoughHit>,
     pub(super) shadows: Shadows,
     pub(super) scattered: Scattered,
     pub(super) blocked: [u32; LANES],
     pub(super) u: [Lane; 2],
     pub(super) cones: Vec<Cone>,
+    /// Power with which the path from a lamp started, by slot.
+    pub(super) power: Lane3,
+    /// Light that paths from the lamps brought to pixels.
+    pub splats: Vec<Splat>,
 }
 
 /// A hit on a rough surface, in its own frame.
@@ -46,6 +56,8 @@ pub struct RoughHit {
     pub slot: u32,
     pub word: Word,
     pub object: u32,
+    /// Whether paths from the lamps bring their light to here.
+    pub caustic: bool,
 }
 
 /// A local frame: the normal at +z.
@@ -80,6 +92,8 @@ impl Workspace {
         Self {
             numbers: Numbers::new(settings.stream, settings.seed),
             pixel: [0; LANES],
+            sample: [0; LANES],
+            waiting: Vec::new(),
             radiance: [[0.0; LANES]; 3],
             layers: vec![Rgb::ZERO; LANES * classes.map_or(0, Classes::count)],
             classes,
@@ -89,13 +103,28 @@ impl Workspace {
             found: Hits::default(),
             points: Points::default(),
             delta: Vec::with_capacity(LANES),
+            arrived: Vec::with_capacity(LANES),
             rough: Vec::with_capacity(LANES),
             shadows: Shadows::default(),
             scattered: Scattered::default(),
             blocked: [0; LANES],
             u: [[0.0; LANES]; 2],
             cones,
+            power: [[0.0; LANES]; 3],
+            splats: Vec::new(),
         }
+    }
+
+    /// Sorts the rough hits: into those on one object to which paths from the lamps bring their light, or do not.
+    pub(super) fn rough_groups(&mut self) -> Vec<Range<usize>> {
+        let key = |hit: &RoughHit| (hit.object, hit.caustic);
+        self.rough.sort_by_key(key);
+        let sizes = self.rough.chunk_by(|a, b| key(a) == key(b)).map(<[RoughHit]>::len);
+        let ends = sizes.scan(0, |end, size| {
+            *end += size;
+            Some(*end - size..*end)
+        });
+        ends.collect()
     }
 
     /// Light that a path of class `word` has found.
@@ -119,6 +148,11 @@ pub struct Dimensions {
 
 impl Dimensions {
     pub(super) const OTHERS: u32 = 4;
+
+    /// Of paths from the lamps, where they start and after so many scatterings: far from those of camera paths.
+    pub(super) fn from_lamps(scatterings: u32) -> Self {
+        Self { first: (1 << 31) + scatterings * Self::OTHERS }
+    }
 
     /// Where the path goes on.
     pub fn bsdf(self) -> u32 {

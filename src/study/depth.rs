@@ -84,7 +84,8 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and takes the picture apart.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let (layers, dropped) = layers(scene, &request, &Settings { paths: Some(APART), ..*settings })?;
+    let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
+    let (layers, dropped) = layers(scene, &request, &apart)?;
     let seen = Seen::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; seen.pixels.len()]))
         .chain(Kind::ALL.map(|kind| (kind.name(), seen.mask(kind))))

@@ -46,8 +46,8 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
-    let errors = rendered.part.exposure.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
-    let squares = errors.map(|(p, _)| (f64::from(p.standard_error().element_sum()) / 3.0).powi(2));
+    let estimates = rendered.part.exposure.estimates().zip(&mask).filter(|(_, inside)| **inside);
+    let squares = estimates.map(|(e, _)| (f64::from(e.error.element_sum()) / 3.0).powi(2));
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
     let row = Row {

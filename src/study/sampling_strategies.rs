@@ -120,9 +120,9 @@ impl Side {
         let mean = Mean::of(film, mask);
         let mut values = Vec::with_capacity(mean.pixels);
         let mut square = 0.0;
-        for (pixel, _) in film.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
-            values.push(pixel.mean());
-            square += (f64::from(pixel.standard_error().element_sum()) / 3.0).powi(2);
+        for (estimate, _) in film.estimates().zip(mask).filter(|(_, inside)| **inside) {
+            values.push(estimate.mean);
+            square += (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
         }
         if values.is_empty() {
             return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };

@@ -1,6 +1,6 @@
 //! What a picture shows where: the object that the ray through each pixel's centre meets first.
 
-use crate::render::exposure::Exposure;
+use crate::render::exposure::{Exposure, PixelEstimate};
 use crate::scene::{Material, Mesh, MeshBvh, Object, Ray, Rectangle, Request, Scene, Shape};
 use rayon::prelude::*;
 
@@ -139,8 +139,7 @@ impl Mean {
     #[must_use]
     pub fn of(exposure: &Exposure, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
-        for (pixel, _) in exposure.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
-            let (mean, error) = (pixel.mean(), pixel.standard_error());
+        for (PixelEstimate { mean, error }, _) in exposure.estimates().zip(mask).filter(|(_, inside)| **inside) {
             for c in 0..3 {
                 sum[c] += f64::from(mean[c]);
                 square[c] += f64::from(error[c]).powi(2);

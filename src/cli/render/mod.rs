@@ -243,6 +243,7 @@ impl Render {
             model: self.model.model()?,
             paths: self.paths,
             general: self.general,
+            ..Settings::default()
         })
     }
 

@@ -28,6 +28,15 @@ impl Word {
         Self(self.0 + if specular { 2 * marker } else { marker })
     }
 
+    /// The path the other way round: from the eye to the light, if this one was traced from the light to the eye.
+    #[inline]
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        let length = self.scatterings();
+        let letters = self.0 & !(1 << length);
+        Self(1 << length | letters.reverse_bits().unbounded_shr(u32::BITS - length))
+    }
+
     /// The number of letters between L and E.
     #[inline]
     #[must_use]
@@ -111,6 +120,14 @@ mod tests {
         }
         for long in ["DDDD", "SDSD", &"S".repeat(30), &"D".repeat(99), &"SD".repeat(99)] {
             assert_eq!(names[classes.index(word(long))], "rest");
+        }
+    }
+
+    #[test]
+    fn a_path_from_the_light_is_the_same_the_other_way_round() {
+        for letters in ["", "D", "S", "DS", "SSD", "DSDDS", &"SDD".repeat(10)] {
+            let from_the_light: String = letters.chars().rev().collect();
+            assert_eq!(word(&from_the_light).reversed(), word(letters), "{letters}");
         }
     }
 

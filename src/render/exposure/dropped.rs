@@ -1,5 +1,7 @@
 //! Samples that did not count: how many, why, and where the first one was.
 
+use super::fixed::LIMIT;
+use crate::raster::Rgb;
 use serde::Serialize;
 
 /// Samples that did not count because their radiance was impossible.
@@ -14,6 +16,13 @@ pub struct Dropped {
 }
 
 impl Dropped {
+    /// One impossible value at a pixel.
+    pub(super) fn one(value: Rgb, pixel: (usize, usize)) -> Self {
+        let negative = value.is_finite() && value.max_element() < LIMIT;
+        let (negative, nonfinite) = (u64::from(negative), u64::from(!negative));
+        Self { nonfinite, negative, first_pixel: Some(pixel) }
+    }
+
     /// How many samples were dropped in all.
     #[must_use]
     pub fn total(&self) -> u64 {

@@ -24,6 +24,7 @@ impl Part {
     /// | `error` | its standard error (see [`Pixel::standard_error`](super::Pixel::standard_error)) |
     /// | `LE`, `LDE` … `rest` | the light by path class, if it was kept; added up in the order of the attribute `paths` they are the picture |
     /// | `sums`, `squares`, `sums.LDE` … | unless the picture is complete: counts and sums, in words of 32 bits |
+    /// | `splats.sums` … | the same of the light that paths from the lamps brought, if there were any |
     ///
     /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`,
     /// `droppedNonfinite`, `droppedNegative` and `droppedFirst`; metadata must not have these names.
@@ -50,7 +51,7 @@ impl Part {
             [Layer { name: "", image: &image }, Layer { name: "error", image: &error }].into_iter().chain(named);
         let mut channels: Vec<Channel<'_>> = layers.flat_map(|layer| layer.channels(Precision::Float)).collect();
         if keep_sums {
-            channels.extend(slots(film.classes()).into_iter().map(|(name, slot)| Channel {
+            channels.extend(slots(film.classes(), film.splats.is_some()).into_iter().map(|(name, slot)| Channel {
                 name,
                 samples: Samples::Unsigned(Box::new(move |i| slot.get(film, i))),
             }));
@@ -89,7 +90,8 @@ impl Part {
             Some(names) => Some(Classes::parse(names).ok_or_else(|| wrong(PATHS))?),
             None => None,
         };
-        let (names, slots): (Vec<String>, Vec<_>) = slots(classes).into_iter().unzip();
+        let splats = file.counts("splats.sums.R0")?;
+        let (names, slots): (Vec<String>, Vec<_>) = slots(classes, splats).into_iter().unzip();
         if ranges.is_complete() && !file.counts(&names[0])? {
             return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
                 .with_hint("a complete picture keeps no sums, unless it was rendered with --resume"));
@@ -98,7 +100,8 @@ impl Part {
         let (width, height) = file.size()?;
         let film = || {
             let too_large = |e: Error| Error::limit(path, e.to_string());
-            Exposure::new(width, height, classes).map_err(too_large)
+            let film = Exposure::new(width, height, classes);
+            if splats { film.and_then(Exposure::with_splats) } else { film }.map_err(too_large)
         };
         let mut exposure =
             file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;

@@ -1,11 +1,13 @@
 //! The pixels of a film: exposed row by row, turned into pictures, merged.
 
 use super::fixed::Fixed;
+use super::splats::Splats;
 use super::{Classes, Dropped, Pixel, Row};
 use crate::error::{Error, Result};
 use crate::raster::{Image, Rgb};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// All samples of a rectangle of pixels: a picture, or some rows of one.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +19,7 @@ pub struct Exposure {
     pub(super) pixels: Vec<Pixel>,
     pub(super) dropped: Dropped,
     pub(super) paths: Option<Paths>,
+    pub(super) splats: Option<Splats>,
 }
 
 /// The light of each pixel by the class of its path: for each pixel a sum for each class.
@@ -24,6 +27,13 @@ pub struct Exposure {
 pub(super) struct Paths {
     pub classes: Classes,
     pub sums: Vec<[Fixed; 3]>,
+}
+
+/// What is known of a pixel: its mean, and the standard error of that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelEstimate {
+    pub mean: Rgb,
+    pub error: Rgb,
 }
 
 /// More pixels (or pixels times path classes) than these are refused: 7 (or 13) GB.
@@ -59,7 +69,20 @@ impl Exposure {
             None => None,
         };
         let pixels = zeros(count).map_err(out_of_memory)?;
-        Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths })
+        Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths, splats: None })
+    }
+
+    /// The same film with room for [`Row::splat`]: only whole pictures can have it, of which any row may bring light to any
+    /// other.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when there is not enough memory.
+    pub fn with_splats(self) -> Result<Self> {
+        let (width, height) = (self.width, self.height);
+        let out_of_memory = |_| Error::parameter("-r", format!("not enough memory for {width}x{height} pixels"));
+        let classes = self.classes().map_or(0, Classes::count);
+        let splats = Splats::new(self.pixels.len(), classes).map_err(out_of_memory)?;
+        Ok(Self { splats: Some(splats), ..self })
     }
 
     #[must_use]
@@ -101,27 +124,58 @@ impl Exposure {
             sums = rest;
             rows.push(Row::new(self.top + y, pixels, paths));
         }
+        let splats = self.splats.as_mut().map(Mutex::new);
+        let width = self.width;
         let dropped = rows.into_par_iter().map(|mut row| {
             fill(&mut row);
+            if let Some(splats) = &splats {
+                // Sums without rounding: the order of the rows does not matter.
+                let mut splats = splats.lock().unwrap_or_else(PoisonError::into_inner);
+                splats.add(row.splats(), width);
+            }
             row.dropped()
         });
         self.dropped = self.dropped.merge(dropped.reduce(Dropped::default, Dropped::merge));
     }
 
-    /// The mean of the samples of every pixel; black where there are none.
+    /// The mean of the samples of every pixel, and what came from elsewhere; black where there are none.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.picture(Pixel::mean)
+        self.picture(|estimate| estimate.mean)
     }
 
     /// The standard error of every pixel and channel, see [`Pixel::standard_error`].
     #[must_use]
     pub fn standard_error(&self) -> Image {
-        self.picture(Pixel::standard_error)
+        self.picture(|estimate| estimate.error)
     }
 
-    fn picture(&self, value: impl Fn(&Pixel) -> Rgb + Sync + Send) -> Image {
-        Image::from_pixels(self.width, self.height, self.pixels.par_iter().map(value).collect())
+    fn picture(&self, value: impl Fn(PixelEstimate) -> Rgb + Sync + Send) -> Image {
+        let paths = self.paths_per_pixel();
+        let values = (0..self.pixels.len()).into_par_iter().map(|i| value(self.estimate(i, paths)));
+        Image::from_pixels(self.width, self.height, values.collect())
+    }
+
+    /// The mean and its standard error of every pixel, row by row from the top.
+    pub fn estimates(&self) -> impl Iterator<Item = PixelEstimate> {
+        let paths = self.paths_per_pixel();
+        (0..self.pixels.len()).map(move |i| self.estimate(i, paths))
+    }
+
+    /// How many paths from the lamps there were for each pixel: as many as samples, on average over all pixels.
+    pub(super) fn paths_per_pixel(&self) -> f64 {
+        let samples: u64 = self.pixels.iter().map(|pixel| u64::from(pixel.n)).sum();
+        samples as f64 / self.pixels.len() as f64
+    }
+
+    fn estimate(&self, i: usize, paths: f64) -> PixelEstimate {
+        let pixel = &self.pixels[i];
+        let (mean, error) = (pixel.mean(), pixel.standard_error());
+        let Some(splats) = self.splats.as_ref().filter(|_| paths > 0.0) else { return PixelEstimate { mean, error } };
+        let received = &splats.pixels[i];
+        let variance = received.variance(paths, self.pixels.len() as f64);
+        let error = std::array::from_fn(|c| f64::from(error[c]).powi(2) + variance[c]);
+        PixelEstimate { mean: mean + received.mean(paths), error: Rgb::from_array(error.map(|v| v.sqrt() as f32)) }
     }
 
     /// Adds the samples of `other`; the result is the same as if one film had seen them all.
@@ -132,6 +186,11 @@ impl Exposure {
         let shape = |film: &Self| (film.width, film.height, film.top, film.classes());
         if shape(self) != shape(other) {
             return Err(Error::parameter("films", "their sizes or their path classes differ"));
+        }
+        match (&mut self.splats, &other.splats) {
+            (Some(mine), Some(theirs)) => mine.merge(theirs),
+            (mine @ None, Some(theirs)) => *mine = Some(theirs.clone()),
+            (_, None) => {}
         }
         self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.merge(theirs));
         if let (Some(mine), Some(theirs)) = (&mut self.paths, &other.paths) {
@@ -145,7 +204,7 @@ impl Exposure {
 }
 
 /// `count` zeros; running out of memory is an error here, not an abort.
-fn zeros<T: Copy + Default>(count: usize) -> std::result::Result<Vec<T>, std::collections::TryReserveError> {
+pub(super) fn zeros<T: Copy + Default>(count: usize) -> std::result::Result<Vec<T>, std::collections::TryReserveError> {
     let mut values = Vec::new();
     values.try_reserve_exact(count)?;
     values.resize(count, T::default());
@@ -155,6 +214,7 @@ fn zeros<T: Copy + Default>(count: usize) -> std::result::Result<Vec<T>, std::co
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::exposure::Splat;
     use crate::sampling::stream::{Independent, Stream};
 
     const SIZE: (usize, usize) = (7, 5);
@@ -172,11 +232,15 @@ mod tests {
         })
     }
 
-    /// A film with the samples for which `here` says so.
+    /// A film with the samples for which `here` says so, each of which brings light to some other pixel, too.
     fn film(here: impl Fn(usize, usize, u32) -> bool + Sync) -> Exposure {
-        let mut film = Exposure::new(SIZE.0, SIZE.1, Some(Classes::up_to(1))).unwrap();
+        let mut film = without_splats().with_splats().unwrap();
         expose(&mut film, here);
         film
+    }
+
+    fn without_splats() -> Exposure {
+        Exposure::new(SIZE.0, SIZE.1, Some(Classes::up_to(1))).unwrap()
     }
 
     fn expose(film: &mut Exposure, here: impl Fn(usize, usize, u32) -> bool + Sync) {
@@ -185,6 +249,8 @@ mod tests {
                 if here(x, row.y(), s) {
                     let paths = light(x, row.y(), s);
                     row.add(x, paths.iter().sum(), &paths);
+                    let pixel = [(3 * x as u32 + s) % SIZE.0 as u32, (row.y() as u32 + s) % SIZE.1 as u32];
+                    row.splat(Splat { pixel, class: s as usize % 4, value: paths[0] });
                 }
             }
         });
@@ -193,7 +259,7 @@ mod tests {
     #[test]
     fn any_split_and_any_order_give_the_same_bits() {
         let whole = film(|_, _, _| true);
-        assert_eq!(whole.dropped(), Dropped { nonfinite: 1, negative: 2, first_pixel: Some((3, 2)) });
+        assert_eq!(whole.dropped(), Dropped { nonfinite: 2, negative: 4, first_pixel: Some((6, 0)) });
         for round in 0..20 {
             let count = 2 + round % 5;
             let random = |pixel: usize, s: u32| Independent::new(u64::from(round), pixel as u64, s).pair(9)[0];
@@ -227,7 +293,8 @@ mod tests {
 
     #[test]
     fn strips_are_the_rows_of_the_whole() {
-        let whole = film(|_, _, _| true);
+        let mut whole = without_splats();
+        expose(&mut whole, |_, _, _| true);
         let mut dropped = Dropped::default();
         for rows in [0..2, 2..3, 3..5] {
             let mut strip = Exposure::strip(SIZE.0, rows.clone(), whole.classes()).unwrap();
@@ -266,7 +333,8 @@ mod tests {
 
     #[test]
     fn path_layers_leave_the_picture_alone() {
-        let with = film(|_, _, _| true);
+        let mut with = without_splats();
+        expose(&mut with, |_, _, _| true);
         let mut without = Exposure::new(SIZE.0, SIZE.1, None).unwrap();
         without.expose(|row| {
             for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
@@ -275,6 +343,34 @@ mod tests {
         });
         assert_eq!(with.image(), without.image());
         assert!(without.merge(&with).is_err());
+    }
+
+    #[test]
+    fn light_from_elsewhere_is_in_the_picture_its_error_and_its_layers() {
+        // Two pixels of n samples each; light comes to the first one with every other sample of the second.
+        let (n, value) = (1000, Rgb::new(0.5, 2.0, 0.0));
+        let mut film = Exposure::new(2, 1, Some(Classes::up_to(1))).unwrap().with_splats().unwrap();
+        film.expose(|row| {
+            for s in 0..n {
+                row.add(0, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
+                row.add(1, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
+                if s % 2 == 0 {
+                    row.splat(Splat { pixel: [0, 0], class: 2, value });
+                }
+            }
+        });
+        let first = film.estimates().next().unwrap();
+        assert_eq!(first.mean, Rgb::ONE + 0.5 * value);
+        // Of 2n paths a quarter bring the value: variance v² (1/4 − 1/16), and the mean is the sum over n.
+        let expected = value.as_dvec3() * (2.0 * f64::from(n) * (0.25 - 0.0625)).sqrt() / f64::from(n);
+        assert!((first.error.as_dvec3() - expected).abs().max_element() < 1e-6, "{:?} {expected:?}", first.error);
+        assert_eq!(film.estimates().nth(1).unwrap(), PixelEstimate { mean: Rgb::ONE, error: Rgb::ZERO });
+        let layers = film.path_layers();
+        assert_eq!([layers[0].1.get(0, 0), layers[2].1.get(0, 0)], [Rgb::ONE, 0.5 * value]);
+        // A sample that is still to come makes the pixel no darker than the light that came to it so far.
+        film.expose(|row| row.add(1, Rgb::ONE, &[]));
+        let later = film.estimates().next().unwrap().mean;
+        assert!((later - first.mean).abs().max_element() < 2e-3 && later != first.mean);
     }
 
     #[test]

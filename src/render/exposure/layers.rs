@@ -2,6 +2,7 @@
 
 use super::Exposure;
 use super::pixel::mean;
+use super::splats;
 use crate::raster::{Image, Rgb};
 use rayon::prelude::*;
 
@@ -14,6 +15,8 @@ impl Exposure {
     pub fn path_layers(&self) -> Vec<(String, Image)> {
         let Some(paths) = &self.paths else { return Vec::new() };
         let count = paths.classes.count();
+        let per_pixel = self.paths_per_pixel();
+        let picture = self.image();
         let mut layers: Vec<Vec<Rgb>> = vec![vec![Rgb::ZERO; self.pixels.len()]; count];
         // One column of values for each pixel; a group of pixels at a time, so that memory stays in proportion.
         for start in (0..self.pixels.len()).step_by(GROUP) {
@@ -22,9 +25,15 @@ impl Exposure {
             let columns: Vec<Vec<Rgb>> = pixels
                 .par_iter()
                 .zip(sums.par_chunks_exact(count))
-                .map(|(pixel, sums)| {
+                .enumerate()
+                .map(|(i, (pixel, sums))| {
                     let mut column: Vec<Rgb> = sums.iter().map(|sum| mean(sum, pixel.n)).collect();
-                    let total = pixel.mean();
+                    let i = start + i;
+                    if let Some(splats) = &self.splats {
+                        let received = &splats.classes[i * count..][..count];
+                        column.iter_mut().zip(received).for_each(|(v, sum)| *v += splats::mean(sum, per_pixel));
+                    }
+                    let total = picture.pixels()[i];
                     for c in 0..3 {
                         let mut values: Vec<f32> = column.iter().map(|v| v[c]).collect();
                         settle(&mut values, total[c]);

@@ -14,13 +14,15 @@ mod part;
 mod pixel;
 mod ranges;
 mod row;
+mod splats;
 mod sums;
 
 pub use self::classes::{Classes, Word};
 pub use self::dropped::Dropped;
-pub use self::film::Exposure;
+pub use self::film::{Exposure, PixelEstimate};
 pub use self::merge::merge_files;
 pub use self::part::{Part, Task};
 pub use self::pixel::Pixel;
 pub use self::ranges::{Ranges, list, shard};
 pub use self::row::Row;
+pub use self::splats::Splat;

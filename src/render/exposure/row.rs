@@ -1,7 +1,7 @@
 //! A row of the film while samples are added to it: impossible ones are dropped, counted and located.
 
 use super::fixed::{Fixed, LIMIT};
-use super::{Dropped, Pixel};
+use super::{Dropped, Pixel, Splat};
 use crate::raster::Rgb;
 
 /// A row of the film, to add samples to.
@@ -12,12 +12,18 @@ pub struct Row<'a> {
     classes: usize,
     paths: &'a mut [[Fixed; 3]],
     dropped: Dropped,
+    splats: Vec<Splat>,
 }
 
 impl<'a> Row<'a> {
     /// A row of `pixels`, with as many sums for each as there are path classes.
     pub(super) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
-        Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default() }
+        Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default(), splats: Vec::new() }
+    }
+
+    /// The light for pixels of any row that came with the samples of this one.
+    pub(super) fn splats(&self) -> &[Splat] {
+        &self.splats
     }
 
     /// The samples that were dropped so far.
@@ -57,12 +63,20 @@ impl<'a> Row<'a> {
         }
     }
 
+    /// Adds light that came with a sample of this row to a pixel of any row. Impossible light counts as black there.
+    #[inline]
+    pub fn splat(&mut self, splat: Splat) {
+        if is_light(splat.value) {
+            self.splats.push(splat);
+        } else {
+            let [x, y] = splat.pixel.map(|at| at as usize);
+            self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));
+        }
+    }
+
     #[cold]
     fn drop_sample(&mut self, x: usize, value: Rgb) {
-        let negative = value.is_finite() && value.max_element() < LIMIT;
-        let (negative, nonfinite) = (u64::from(negative), u64::from(!negative));
-        let dropped = Dropped { nonfinite, negative, first_pixel: Some((x, self.y)) };
-        self.dropped = self.dropped.merge(dropped);
+        self.dropped = self.dropped.merge(Dropped::one(value, (x, self.y)));
         self.pixels[x].add_black();
     }
 }

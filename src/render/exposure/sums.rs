@@ -14,17 +14,27 @@ pub enum Slot {
     Square(usize, usize),
     /// A word of a path class's sum in a channel.
     Path(usize, usize, usize),
+    /// The same three of what paths from the lamps brought.
+    SplatSum(usize, usize),
+    SplatSquare(usize, usize),
+    SplatPath(usize, usize, usize),
 }
 
-/// All words with the names of their channels: `sums.n`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` ….
+/// All words with the names of their channels: `sums.n`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
+/// `splats`, also `splats.sums.R0` and so on.
 #[must_use]
-pub fn slots(classes: Option<Classes>) -> Vec<(String, Slot)> {
+pub fn slots(classes: Option<Classes>, splats: bool) -> Vec<(String, Slot)> {
+    type Kinds = (fn(usize, usize) -> Slot, fn(usize, usize) -> Slot, fn(usize, usize, usize) -> Slot);
+    let own: Kinds = (Slot::Sum, Slot::Square, Slot::Path);
+    let others: Kinds = (Slot::SplatSum, Slot::SplatSquare, Slot::SplatPath);
     let words = || (0..3).flat_map(|c| (0..4).map(move |k| (c, k, format!("{}{k}", ["R", "G", "B"][c]))));
     let mut slots = vec![("sums.n".to_owned(), Slot::Count)];
-    slots.extend(words().map(|(c, k, word)| (format!("sums.{word}"), Slot::Sum(c, k))));
-    slots.extend(words().map(|(c, k, word)| (format!("squares.{word}"), Slot::Square(c, k))));
-    for (class, name) in classes.into_iter().flat_map(Classes::names).enumerate() {
-        slots.extend(words().map(|(c, k, word)| (format!("sums.{name}.{word}"), Slot::Path(class, c, k))));
+    for (prefix, (sum, square, path)) in [("", own), ("splats.", others)].into_iter().take(1 + usize::from(splats)) {
+        slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{word}"), sum(c, k))));
+        slots.extend(words().map(|(c, k, word)| (format!("{prefix}squares.{word}"), square(c, k))));
+        for (class, name) in classes.into_iter().flat_map(Classes::names).enumerate() {
+            slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{name}.{word}"), path(class, c, k))));
+        }
     }
     slots
 }
@@ -33,29 +43,40 @@ impl Slot {
     /// The word in pixel number `i`.
     #[must_use]
     pub fn get(self, film: &Exposure, i: usize) -> u32 {
-        let word = |number: Fixed, k: usize| (number.bits() >> (32 * k)) as u32;
+        let of = |number: Option<&Fixed>, k: usize| number.map_or(0, |number| (number.bits() >> (32 * k)) as u32);
+        let splats = film.splats.as_ref();
         match self {
             Slot::Count => film.pixels[i].n,
-            Slot::Sum(c, k) => word(film.pixels[i].sum[c], k),
-            Slot::Square(c, k) => word(film.pixels[i].square[c], k),
-            Slot::Path(class, c, k) => {
-                film.paths.as_ref().map_or(0, |p| word(p.sums[i * p.classes.count() + class][c], k))
+            Slot::Sum(c, k) => of(Some(&film.pixels[i].sum[c]), k),
+            Slot::Square(c, k) => of(Some(&film.pixels[i].square[c]), k),
+            Slot::Path(class, c, k) => of(film.paths.as_ref().map(|p| &p.sums[i * p.classes.count() + class][c]), k),
+            Slot::SplatSum(c, k) => of(splats.map(|s| &s.pixels[i].sum[c]), k),
+            Slot::SplatSquare(c, k) => of(splats.map(|s| &s.pixels[i].square[c]), k),
+            Slot::SplatPath(class, c, k) => {
+                of(splats.map(|s| &s.classes[i * film.classes().map_or(0, Classes::count) + class][c]), k)
             }
         }
     }
 
     /// Puts the word into pixel number `i`, where it must have been 0.
     pub fn set(self, film: &mut Exposure, i: usize, value: u32) {
-        let put = |number: &mut Fixed, k: usize| *number += Fixed::from_bits(u128::from(value) << (32 * k));
+        let classes = film.classes().map_or(0, Classes::count);
+        let put = |number: Option<&mut Fixed>, k: usize| {
+            if let Some(number) = number {
+                *number += Fixed::from_bits(u128::from(value) << (32 * k));
+            }
+        };
+        let splats = film.splats.as_mut();
         match self {
             Slot::Count => film.pixels[i].n = value,
-            Slot::Sum(c, k) => put(&mut film.pixels[i].sum[c], k),
-            Slot::Square(c, k) => put(&mut film.pixels[i].square[c], k),
+            Slot::Sum(c, k) => put(Some(&mut film.pixels[i].sum[c]), k),
+            Slot::Square(c, k) => put(Some(&mut film.pixels[i].square[c]), k),
             Slot::Path(class, c, k) => {
-                if let Some(paths) = &mut film.paths {
-                    put(&mut paths.sums[i * paths.classes.count() + class][c], k);
-                }
+                put(film.paths.as_mut().map(|p| &mut p.sums[i * classes + class][c]), k);
             }
+            Slot::SplatSum(c, k) => put(splats.map(|s| &mut s.pixels[i].sum[c]), k),
+            Slot::SplatSquare(c, k) => put(splats.map(|s| &mut s.pixels[i].square[c]), k),
+            Slot::SplatPath(class, c, k) => put(splats.map(|s| &mut s.classes[i * classes + class][c]), k),
         }
     }
 }

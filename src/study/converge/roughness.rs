@@ -69,9 +69,8 @@ pub fn measure(
                 let mut part = job.part(Metadata::default())?;
                 let mut times = Times::default();
                 times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
-                let errors = part.exposure.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
-                let squares: Vec<f64> =
-                    errors.map(|(p, _)| p.standard_error().as_dvec3().length_squared() / 3.0).collect();
+                let estimates = part.exposure.estimates().zip(&mask).filter(|(_, inside)| **inside);
+                let squares: Vec<f64> = estimates.map(|(e, _)| e.error.as_dvec3().length_squared() / 3.0).collect();
                 measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
                 measured[1].push(times.cpu);
                 whole.exposure.merge(&part.exposure)?;

@@ -1,0 +1,102 @@
+//! Light that paths from the lamps bring to pixels that they did not start for.
+//!
+//! A picture of n samples in each of its P pixels has n P such paths, any of which may come to any pixel: the mean of a
+//! pixel is their sum over n, whichever pixels' samples they came with.
+
+use super::fixed::Fixed;
+use crate::raster::Rgb;
+use crate::sampling::prefetch::prefetch;
+use std::collections::TryReserveError;
+
+/// What one path brings to a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Splat {
+    /// Column and row.
+    pub pixel: [u32; 2],
+    /// The number of the path's class; 0 without classes.
+    pub class: usize,
+    pub value: Rgb,
+}
+
+/// The sums of what has come to each pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Splats {
+    pub pixels: Vec<Received>,
+    /// The same by path class, all classes of a pixel side by side; empty without classes.
+    pub classes: Vec<[Fixed; 3]>,
+}
+
+/// What has come to a pixel, and the squares of it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Received {
+    pub sum: [Fixed; 3],
+    pub square: [Fixed; 3],
+}
+
+/// How many are on their way at a time.
+const AHEAD: usize = 8;
+
+impl Splats {
+    pub fn new(pixels: usize, classes: usize) -> Result<Self, TryReserveError> {
+        Ok(Self { pixels: super::film::zeros(pixels)?, classes: super::film::zeros(pixels * classes)? })
+    }
+
+    /// Adds light to the pixels of a film of that width.
+    pub fn add(&mut self, splats: &[Splat], width: usize) {
+        let classes = self.classes.len() / self.pixels.len();
+        let place = |splat: &Splat| splat.pixel[1] as usize * width + splat.pixel[0] as usize;
+        for (k, splat) in splats.iter().enumerate() {
+            // Each pixel is somewhere else: while one is waited for, those after it are fetched.
+            if let Some(later) = splats.get(k + AHEAD) {
+                let i = place(later);
+                prefetch(&self.pixels, i);
+                prefetch(&self.pixels[i].square, 2);
+            }
+            let i = place(splat);
+            let to = &mut self.pixels[i];
+            for (c, v) in splat.value.to_array().into_iter().enumerate() {
+                to.sum[c] += Fixed::of(v);
+                to.square[c] += Fixed::square_of(v);
+                if classes > 0 {
+                    self.classes[i * classes + splat.class][c] += Fixed::of(v);
+                }
+            }
+        }
+    }
+
+    pub fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
+            for c in 0..3 {
+                mine.sum[c] += theirs.sum[c];
+                mine.square[c] += theirs.square[c];
+            }
+        }
+        for (mine, theirs) in self.classes.iter_mut().zip(&other.classes) {
+            (0..3).for_each(|c| mine[c] += theirs[c]);
+        }
+    }
+}
+
+impl Received {
+    /// The light of a pixel after as many `paths` for each pixel.
+    pub fn mean(&self, paths: f64) -> Rgb {
+        mean(&self.sum, paths)
+    }
+
+    /// The variance of [`Received::mean`] in a picture of `pixels`: that of the sum of independent paths, most of which
+    /// bring nothing here.
+    pub fn variance(&self, paths: f64, pixels: f64) -> [f64; 3] {
+        std::array::from_fn(|c| {
+            if self.square[c] == Fixed::MAX {
+                return f64::INFINITY;
+            }
+            let sum = self.sum[c].to_f64();
+            (self.square[c].to_f64() - sum * sum / (paths * pixels)).max(0.0) / (paths * paths)
+        })
+    }
+}
+
+/// A sum over as many `paths` for each pixel; black without any.
+pub(super) fn mean(sum: &[Fixed; 3], paths: f64) -> Rgb {
+    if paths == 0.0 { Rgb::ZERO } else { Rgb::from_array(sum.map(|s| (s.to_f64() / paths) as f32)) }
+}
