@@ -6,6 +6,8 @@
 //! without a line of vector code, and the order of the paths does not matter: every random number is a function of its
 //! pixel, sample and dimension, so a path's light has the same bits in any company.
 //!
+//! Lamps that shine by way of mirrors, glass or metal on what the camera sees are left to [`super::light_tracing`].
+//!
 //! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
 
 use super::casters::{Casters, IMAGES_UP_TO};

@@ -89,7 +89,11 @@ impl<'a> Job<'a> {
     /// What the scene does not need and the kernel hence does not have.
     #[must_use]
     pub fn left_out(&self) -> Vec<&'static str> {
-        self.needs.left_out(self.integrator.scene)
+        let mut list = self.needs.left_out(self.integrator.scene);
+        if self.integrator.light_tracing.is_none() && !self.settings.general {
+            list.push("paths from the lamps");
+        }
+        list
     }
 
     /// Renders those samples of the range that `part` does not have yet, or as many as `control` lets it. The part must be

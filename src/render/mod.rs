@@ -44,7 +44,8 @@ pub enum Sampling {
     /// By the material's density.
     Bsdf,
     /// By both, combined by multiple importance sampling, as far as both are of use: at a diffuse surface a lamp's
-    /// solid angle, or the environment's radiance × cosine, leaves nothing to the material's directions but noise.
+    /// solid angle, or the environment's radiance × cosine, leaves nothing to the material's directions but noise. Caustics
+    /// on what the camera sees are brought by paths from the lamps (`light_tracing.rs`).
     #[default]
     Mis,
     /// Uniformly over the hemisphere.

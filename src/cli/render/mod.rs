@@ -42,7 +42,7 @@ pub struct Render {
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
     /// How directions towards the light are chosen: by the light, by the material, by both (a diffuse surface needs no
-    /// material samples where the light density has the cosine in it), or uniformly
+    /// material samples where the light density has the cosine in it; caustics are traced from the lamps), or uniformly
     #[arg(long, value_enum, default_value_t = SamplingName::Mis)]
     sampling: SamplingName,
     /// The same as --sampling hemisphere

@@ -1,0 +1,178 @@
+//! Caustics, brought by paths from the lamps.
+//!
+//! Light that comes from a lamp by way of mirrors, glass or metal to a diffuse surface is hard to find from there: few
+//! directions lead to where the lamp is seen. From the lamp it is easy: paths start towards the objects that are not
+//! diffuse, and what arrives at a surface that the camera sees is added to the pixel where it is seen. Camera paths leave
+//! this light out ([`Paths::caustic`](super::lanes::Paths::caustic)), so that it counts once.
+//!
+//! Source: Arvo, "Backward ray tracing", SIGGRAPH 1986 course notes; Veach, "Robust Monte Carlo Methods for Light
+//! Transport Simulation", 1997, sections 5.3 (shading normals) and 10.3.4 (light tracing).
+
+mod plan;
+#[cfg(test)]
+mod tests;
+
+use super::exposure::{Splat, Word};
+use super::faces::Kind;
+use super::geometry::{Surface, at, set};
+use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
+use super::lanes::{LANES, NOTHING};
+use super::lens::Lens;
+use super::workspace::{Dimensions, Workspace};
+use crate::raster::Rgb;
+use glam::Vec3;
+use plan::EVERY;
+pub use plan::LightTracing;
+use std::f32::consts::FRAC_1_PI;
+
+impl Integrator<'_> {
+    /// Follows one path from the lamps for each of the first `count` slots and puts the light that it brings to pixels
+    /// into `work.splats`: for [`EVERY`] samples of a pixel.
+    pub fn trace_from_lamps(&self, work: &mut Workspace, count: usize, lens: &Lens) {
+        let Some(tracing) = &self.light_tracing else { return };
+        self.start_at_lamps(work, tracing, count);
+        // The scattering at the diffuse surface counts as well.
+        for scatterings in 1..=self.request.max_depth {
+            let count = work.paths.count;
+            if count == 0 {
+                return;
+            }
+            let last = scatterings == self.request.max_depth;
+            self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
+            work.delta.clear();
+            work.rough.clear();
+            work.arrived.clear();
+            for i in 0..count {
+                let object = work.hits.object[i];
+                if object == NOTHING {
+                    continue;
+                }
+                match self.faces[object as usize].kind {
+                    // What comes straight from a lamp, light samples find.
+                    Kind::Diffuse { .. } if scatterings > 1 => work.arrived.push(i as u32),
+                    _ if last || !tracing.scatters_at(object) => {}
+                    Kind::Delta(_) => work.delta.push(i as u32),
+                    Kind::Rough(_) => self.collect_rough(work, i),
+                    Kind::Black | Kind::Diffuse { .. } => {}
+                }
+            }
+            self.splat(work, tracing, lens);
+            work.next.count = 0;
+            let dimensions = Dimensions::from_lamps(scatterings);
+            self.pass_on_delta(work, dimensions);
+            self.pass_on_rough(work, dimensions);
+            roulette(&mut work.next, &work.numbers, dimensions.choice(), scatterings);
+            std::mem::swap(&mut work.paths, &mut work.next);
+        }
+        work.paths.count = 0;
+    }
+
+    /// Rays from the lamps to the targets.
+    fn start_at_lamps(&self, work: &mut Workspace, tracing: &LightTracing, count: usize) {
+        work.paths.count = 0;
+        let dimensions = Dimensions::from_lamps(0);
+        let slots: [u32; LANES] = std::array::from_fn(|slot| slot as u32);
+        let mut u = [[[0.0; LANES]; 2]; 3];
+        for (u, dimension) in u.iter_mut().zip([dimensions.choice(), dimensions.gather(), dimensions.bsdf()]) {
+            work.numbers.fill(self.arch, &slots[..count], dimension, (0, 1), u);
+        }
+        for slot in 0..count {
+            let [[of_lamp, of_target], place, within] = u.each_ref().map(|[a, b]| [a[slot], b[slot]]);
+            let lamp = tracing.lamp(of_lamp);
+            let light = &self.lights[lamp.light];
+            let Some(start) = light.start(place) else { continue };
+            let (direction, solid_angle) = tracing.direction(start.position, of_target, within);
+            let cos = start.normal.dot(direction);
+            let glow = if start.two_sided { cos.abs() } else { cos.max(0.0) };
+            if glow == 0.0 {
+                continue;
+            }
+            set(&mut work.power, slot, lamp.power * (glow * solid_angle * EVERY as f32));
+            let origin = start.position + start.normal * self.geometry.offset(light.object).copysign(cos);
+            work.paths.push(origin, direction, Rgb::ONE, slot as u32, Word::DIRECT);
+        }
+    }
+
+    /// Adds what has arrived at diffuse surfaces to the pixels where the camera sees them.
+    fn splat(&self, work: &mut Workspace, tracing: &LightTracing, lens: &Lens) {
+        let mut pixel = [[0; 2]; LANES];
+        work.shadows.count = 0;
+        for k in 0..work.arrived.len() {
+            let i = work.arrived[k] as usize;
+            let Kind::Diffuse { albedo } = self.faces[work.hits.object[i] as usize].kind else { continue };
+            let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+            let wi = -at(&work.paths.rays.direction, i);
+            let Some(view) = lens.see(surface.position) else { continue };
+            let side = if surface.normal.dot(view.direction) > 0.0 { 1.0 } else { -1.0 };
+            let (normal, shading) = (surface.normal * side, surface.shading * side);
+            let (cos_geometric, cos) = (normal.dot(wi), shading.dot(wi));
+            let origin = surface.position + normal * surface.offset;
+            let area = lens.area_at(origin);
+            // Camera paths go on above both normals.
+            if cos_geometric <= 0.0 || cos <= 0.0 || !tracing.reaches(area) {
+                continue;
+            }
+            let slot = work.paths.slot[i];
+            let power = at(&work.power, slot as usize) * at(&work.paths.throughput, i);
+            let seen = normal.dot(view.direction) / area;
+            let value = power * albedo * (FRAC_1_PI * cos / cos_geometric * seen);
+            let word = work.paths.word[i].then(false).reversed();
+            pixel[work.shadows.count] = view.pixel;
+            let limit = view.distance * SHORT_OF_LIGHT;
+            work.shadows.push(origin, view.direction, limit, value, slot, word);
+        }
+        let shadows = &work.shadows;
+        self.geometry.occluded(&shadows.rays, shadows.count, &shadows.limit, NOTHING, &mut work.blocked);
+        for k in 0..work.shadows.count {
+            if work.blocked[k] == 0 {
+                let class = self.classes.map_or(0, |classes| classes.index(work.shadows.word[k]));
+                work.splats.push(Splat { pixel: pixel[k], class, value: at(&work.shadows.value, k) });
+            }
+        }
+    }
+
+    /// Scatters the paths that have hit mirrors and glass.
+    fn pass_on_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
+        for k in 0..work.delta.len() {
+            let i = work.delta[k] as usize;
+            let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
+            let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+            let wo = -at(&work.paths.rays.direction, i);
+            let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
+            let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
+            let Some(sample) = bsdf.sample_adjoint(frame.local(wo), uc, [0.0; 2]) else { continue };
+            let wi = frame.world(sample.wi);
+            let throughput = at(&work.paths.throughput, i) * sample.weight;
+            work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
+        }
+    }
+
+    /// Scatters the paths that have hit rough metal, one object after the other.
+    fn pass_on_rough(&self, work: &mut Workspace, dimensions: Dimensions) {
+        for group in work.rough_groups() {
+            let Kind::Rough(bsdf) = &self.faces[work.rough[group.start].object as usize].kind else { continue };
+            self.draw_rough(work, group.clone(), bsdf, dimensions);
+            for (i, hit) in work.rough[group].iter().enumerate() {
+                let weight = at(&work.scattered.weight, i);
+                let wi = hit.frame.world(at(&work.scattered.wi, i));
+                if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
+                    continue;
+                }
+                let Some(factor) = adjoint_of_shading(&hit.surface, hit.frame.world(hit.wo), wi) else { continue };
+                work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight * factor, hit.slot, hit.word);
+            }
+        }
+    }
+}
+
+/// What a path from a lamp is multiplied by where the normal for shading is not that of the surface, so that it brings the
+/// light that a camera path finds; `None` where that finds none. `wo` points to the lamp, `wi` to the camera.
+#[inline]
+fn adjoint_of_shading(surface: &Surface, wo: Vec3, wi: Vec3) -> Option<f32> {
+    if surface.shading == surface.normal {
+        return Some(1.0);
+    }
+    let [normal, shading] = [surface.normal, surface.shading].map(|n| [n.dot(wo), n.dot(wi)]);
+    let sound = [normal, shading].into_iter().flatten().all(|cos| cos > 0.0);
+    sound.then(|| shading[0] * normal[1] / (normal[0] * shading[1]))
+}

@@ -1,0 +1,195 @@
+//! Where paths from the lamps start, what they aim at, and where they are worth it.
+
+use crate::bsdf::Bsdf;
+use crate::raster::Rgb;
+use crate::render::faces::{Face, Kind};
+use crate::render::geometry::Geometry;
+use crate::render::lights::Sampled;
+use crate::render::{Sampling, Settings, solids};
+use crate::sampling::circular::Circular;
+use crate::sampling::hash::mix64;
+use crate::scene::{Request, Scene, Shape};
+use glam::Vec3;
+use std::f32::consts::TAU;
+
+/// Paths from the lamps reach what is so far from the camera that the whole picture shows this much of it, as a share
+/// of the square of the scene's extent. Nearer to the camera few of them come to any one pixel, and each is a speck.
+const NEAREST: f32 = 0.05;
+
+/// Of so many samples of a pixel one comes with a path from a lamp.
+pub const EVERY: u32 = 5;
+
+/// Of more targets than these all are taken as one.
+const MOST_TARGETS: usize = 8;
+
+/// What paths from the lamps need.
+pub struct LightTracing {
+    lamps: Vec<Lamp>,
+    targets: Vec<Target>,
+    /// Per object, whether these paths scatter there.
+    casts: Vec<bool>,
+    /// [`Lens::area_at`](crate::render::lens::Lens::area_at) from which on these paths bring the light.
+    nearest: f32,
+}
+
+/// A lamp that paths start from.
+pub struct Lamp {
+    /// Number of the light.
+    pub light: usize,
+    /// Radiance times area over the probability of this lamp.
+    pub power: Rgb,
+    /// The probability of this lamp and those before it.
+    up_to: f32,
+}
+
+/// A ball around an object that is not diffuse.
+#[derive(Clone, Copy)]
+struct Target {
+    centre: Vec3,
+    radius: f32,
+}
+
+impl LightTracing {
+    /// Looks at a scene once; `None` where there are no such paths, or the settings ask for the light to be found in other
+    /// ways.
+    pub fn new(
+        scene: &Scene,
+        request: &Request,
+        settings: &Settings,
+        faces: &[Face],
+        lights: &[Sampled],
+        geometry: &Geometry<'_>,
+    ) -> Option<Self> {
+        if settings.sampling != Sampling::Mis || settings.camera_paths_only || request.max_depth < 2 {
+            return None;
+        }
+        let casts: Vec<bool> = faces.iter().zip(&scene.objects).map(|(face, o)| casts(face, &o.shape)).collect();
+        let targets = targets(scene.objects.iter().zip(&casts).filter(|(_, casts)| **casts).map(|(o, _)| &o.shape));
+        let seen = faces.iter().any(|face| matches!(face.kind, Kind::Diffuse { .. }));
+        let lamps = lamps(lights);
+        let nearest = NEAREST * geometry.extent().powi(2);
+        (seen && !targets.is_empty() && !lamps.is_empty()).then_some(Self { lamps, targets, casts, nearest })
+    }
+
+    /// Whether these paths bring the light of light number `light`.
+    #[inline]
+    pub fn starts_at(&self, light: usize) -> bool {
+        self.lamps.iter().any(|lamp| lamp.light == light)
+    }
+
+    /// Whether these paths scatter at an object.
+    #[inline]
+    pub fn scatters_at(&self, object: u32) -> bool {
+        self.casts[object as usize]
+    }
+
+    /// Whether these paths bring light to a diffuse surface that the camera sees, where the picture shows this much
+    /// ([`Lens::area_at`](crate::render::lens::Lens::area_at)).
+    #[inline]
+    pub fn reaches(&self, area: f32) -> bool {
+        area > self.nearest
+    }
+
+    /// The number of the path from a lamp that comes with a sample of a pixel, if one does. The first of a pixel comes with
+    /// any of [`EVERY`] samples, so that there are as many paths as there should be, however few samples.
+    #[inline]
+    pub fn path(seed: u64, pixel: u64, sample: u32) -> Option<u32> {
+        let phase = mix64(seed ^ mix64(pixel)) as u32 % EVERY;
+        (sample % EVERY == phase).then_some(sample / EVERY)
+    }
+
+    /// A lamp at random.
+    #[inline]
+    pub fn lamp(&self, u: f32) -> &Lamp {
+        let number = self.lamps.partition_point(|lamp| lamp.up_to <= u);
+        &self.lamps[number.min(self.lamps.len() - 1)]
+    }
+
+    /// A direction from a point to one of the targets, evenly over the solid angle of each, and 1 over its density.
+    #[inline]
+    pub fn direction(&self, point: Vec3, choice: f32, u: [f32; 2]) -> (Vec3, f32) {
+        let total: f32 = self.targets.iter().map(|target| target.cone(point).1).sum();
+        let mut rest = choice * total;
+        let (mut axis, mut opening) = (Vec3::Y, 2.0);
+        for target in &self.targets {
+            (axis, opening) = target.cone(point);
+            if rest < opening {
+                break;
+            }
+            rest -= opening;
+        }
+        let below = u[0] * opening;
+        let (sin, cos) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
+        let (x, y) = axis.any_orthonormal_pair();
+        let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
+        let direction = (x * cos_phi + y * sin_phi) * sin + axis * cos;
+        let holding = self.targets.iter().filter(|target| target.holds(point, direction)).count();
+        // Rounding at the rim may leave out the one that it was drawn for.
+        (direction, TAU * total / holding.max(1) as f32)
+    }
+}
+
+impl Target {
+    /// The cone around the ball: its axis, and 1 − cos of half its angle; 2, all directions, from inside.
+    #[inline]
+    fn cone(&self, point: Vec3) -> (Vec3, f32) {
+        let to = self.centre - point;
+        let d2 = to.length_squared();
+        let sin2 = self.radius * self.radius / d2;
+        if sin2 < 1.0 { (to / d2.sqrt(), solids::opening(sin2)) } else { (Vec3::Y, 2.0) }
+    }
+
+    #[inline]
+    fn holds(&self, point: Vec3, direction: Vec3) -> bool {
+        let (axis, opening) = self.cone(point);
+        0.5 * (direction - axis).length_squared() <= opening
+    }
+}
+
+/// Whether paths from the lamps scatter at a face: at rough metal of any shape; in mirrors and glass only where the normal
+/// for shading is that of the surface, which is the same from either end of a path. The reports' materials are not the same
+/// from both ends.
+fn casts(face: &Face, shape: &Shape) -> bool {
+    match face.kind {
+        Kind::Rough(Bsdf::ReportConductor(_)) | Kind::Delta(Bsdf::ReportGlass(_)) => false,
+        Kind::Black | Kind::Diffuse { .. } => false,
+        Kind::Rough(_) => true,
+        Kind::Delta(_) => !matches!(shape, Shape::Mesh(_)),
+    }
+}
+
+fn targets<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<Target> {
+    let ball = |shape: &Shape| match shape {
+        Shape::Sphere(s) => Target { centre: s.centre, radius: s.radius },
+        Shape::Rectangle(r) => Target { centre: r.centre(), radius: (r.corners()[0] - r.centre()).length() },
+        Shape::Mesh(mesh) => {
+            let [low, high] = mesh.bounds().unwrap_or_default();
+            let centre = 0.5 * (low + high);
+            let radius2 = mesh.positions.iter().map(|p| p.distance_squared(centre)).fold(0.0, f32::max);
+            Target { centre, radius: radius2.sqrt() }
+        }
+    };
+    // A hair larger, so that rounding leaves nothing outside.
+    let grown = |target: Target| Target { radius: target.radius * 1.000_01, ..target };
+    let all: Vec<Target> = shapes.map(|shape| grown(ball(shape))).collect();
+    if all.len() <= MOST_TARGETS {
+        return all;
+    }
+    let centre = all.iter().map(|target| target.centre).sum::<Vec3>() / all.len() as f32;
+    let radius = all.iter().map(|target| target.centre.distance(centre) + target.radius).fold(0.0, f32::max);
+    vec![Target { centre, radius }]
+}
+
+/// The lamps, chosen in proportion to their power.
+fn lamps(lights: &[Sampled]) -> Vec<Lamp> {
+    let glowing = || lights.iter().enumerate().filter_map(|(i, light)| light.glowing().map(|(r, area)| (i, r * area)));
+    let total: f32 = glowing().map(|(_, power)| power.element_sum()).sum();
+    let mut up_to = 0.0;
+    glowing()
+        .map(|(light, power)| {
+            let probability = power.element_sum() / total;
+            up_to += probability;
+            Lamp { light, power: power / probability, up_to }
+        })
+        .collect()
+}

@@ -1,0 +1,135 @@
+//! Light from the lamps and light found from the camera is the same light.
+
+use super::plan::EVERY;
+use super::*;
+use crate::render::Settings;
+use crate::render::{Silent, render};
+use crate::sampling::stream::StreamKind;
+use crate::scene::{
+    Camera, Conductor, Distribution, Emission, Material, Mesh, Object, Projection, Rectangle, Request, Role, Scene,
+    Shape, Sphere,
+};
+use crate::stats::estimate::Estimate;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A camera above the middle of a diffuse floor of 4 by 4, and a lamp to the left of it.
+fn room(objects: Vec<Object>, projection: Projection) -> Scene {
+    let camera = Camera::look_at(DVec3::new(0.0, 3.0, 2.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
+    let floor = Rectangle::new(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X).unwrap();
+    let lamp = Rectangle::new(Vec3::new(-1.5, 2.0, 0.0), 0.3 * Vec3::X, 0.3 * Vec3::Z).unwrap();
+    let black = Material::Diffuse { albedo: Rgb::ZERO };
+    let mut all = vec![
+        Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(0.5) }),
+        Object { emission: Some(glow(10.0)), ..Object::new(Shape::Rectangle(lamp), black) },
+    ];
+    all.extend(objects);
+    Scene { name: "room".into(), camera, objects: all, lights: Vec::new(), environment: None }
+}
+
+fn glow(radiance: f32) -> Emission {
+    Emission { radiance: Rgb::splat(radiance), two_sided: false, role: Role::Lamp }
+}
+
+const WIDE: Projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
+
+fn ball(material: Material) -> Object {
+    Object::new(Shape::Sphere(Sphere { centre: Vec3::new(0.2, 0.6, 0.0), radius: 0.5 }), material)
+}
+
+fn metal(alpha: f32) -> Material {
+    let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
+    Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann })
+}
+
+/// Few triangles and normals far from theirs.
+fn rounded() -> Shape {
+    let corners = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+    let mut faces = Vec::new();
+    for (x, y, z) in (0..8).map(|i| (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2))) {
+        let upright = (x + y + z) % 2 == 0;
+        faces.push(if upright { [x, y, z] } else { [x, z, y] });
+    }
+    let at = corners.map(|c| Vec3::new(0.2, 0.6, 0.0) + 0.55 * c);
+    Shape::Mesh(Arc::new(Mesh::new(at.to_vec(), corners.to_vec(), faces).unwrap()))
+}
+
+/// The mean difference between the pictures by both kinds of paths and by camera paths alone, in standard errors.
+///
+/// Light that is found by camera paths anyway has the same noise in both and drops out.
+fn bias(scene: &Scene, spp: u32, max_depth: u32) -> f64 {
+    const ROUNDS: u32 = 16;
+    let request = Request { width: 8, height: 8, spp: spp / ROUNDS, light_samples: 1, max_depth };
+    let differences: Vec<f64> = (0..ROUNDS)
+        .map(|seed| {
+            let mean = |camera_paths_only: bool| {
+                let stream = StreamKind::Independent;
+                let settings = Settings { camera_paths_only, stream, seed: seed.into(), ..Settings::default() };
+                let image = render(scene, &request, &settings, &Silent).unwrap().image;
+                image.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>()
+            };
+            mean(false) - mean(true)
+        })
+        .collect();
+    let Estimate { value, standard_error, .. } = Estimate::mean(&differences);
+    assert!(standard_error > 0.0, "there must be something to compare");
+    value / standard_error
+}
+
+#[test]
+fn camera_paths_alone_have_the_same_mean() {
+    let parallel = Projection::Orthographic { half_width: 1.5, half_height: 1.5 };
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
+    let upright = Rectangle::new(Vec3::new(1.0, 0.5, 0.0), 0.5 * Vec3::Y, 0.5 * Vec3::Z).unwrap();
+    for (name, object, projection, spp) in [
+        ("glass", ball(glass), WIDE, 1 << 14),
+        ("mirror", ball(mirror), WIDE, 1 << 14),
+        ("flat mirror", Object::new(Shape::Rectangle(upright), mirror), WIDE, 1 << 12),
+        ("broad metal", ball(metal(0.4)), WIDE, 1 << 12),
+        ("sharp metal, parallel rays", ball(metal(0.05)), parallel, 1 << 14),
+        ("metal with normals of its own", Object::new(rounded(), metal(0.4)), WIDE, 1 << 14),
+    ] {
+        let z = bias(&room(vec![object], projection), spp, 4);
+        assert!(z.abs() < 5.0, "{name}: {z} standard errors");
+    }
+}
+
+#[test]
+fn light_that_comes_into_glass_is_squeezed() {
+    // The camera and the floor are in the ball, the lamp is not.
+    let inside = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let around = Object::new(Shape::Sphere(Sphere { centre: Vec3::Y, radius: 3.1 }), inside);
+    let mut scene = room(vec![around], WIDE);
+    let lamp = Sphere { centre: Vec3::new(0.0, 7.0, 0.0), radius: 2.0 };
+    scene.objects[1].shape = Shape::Sphere(lamp);
+    let z = bias(&scene, 1 << 13, 3);
+    assert!(z.abs() < 5.0, "{z} standard errors");
+}
+
+#[test]
+fn many_lamps_and_targets_share_the_paths() {
+    let small = |i: i32| {
+        let centre = Vec3::new(-1.5 + 0.3 * i as f32, 0.3, -0.5);
+        Object::new(Shape::Sphere(Sphere { centre, radius: 0.12 }), metal(0.3))
+    };
+    for balls in [3, 11] {
+        let mut scene = room((0..balls).map(small).collect(), WIDE);
+        let bulb = Shape::Sphere(Sphere { centre: Vec3::new(1.0, 1.5, -1.0), radius: 0.2 });
+        scene.objects.push(Object { emission: Some(glow(30.0)), ..Object::new(bulb, metal(0.5)) });
+        let z = bias(&scene, 1 << 12, 3);
+        assert!(z.abs() < 5.0, "{balls} balls: {z} standard errors");
+    }
+}
+
+#[test]
+fn there_are_as_many_paths_as_there_should_be() {
+    for samples in [1, 3, 4, 7, 64] {
+        let of = |pixel| (0..samples).filter_map(move |sample| LightTracing::path(3, pixel, sample));
+        let numbers: Vec<u32> = of(5).collect();
+        assert_eq!(numbers, (0..numbers.len() as u32).collect::<Vec<_>>(), "each number once");
+        let count = (0..4000).map(|pixel| of(pixel).count()).sum::<usize>() as f64;
+        let expected = 4000.0 * f64::from(samples) / f64::from(EVERY);
+        assert!((count - expected).abs() < 4.0 * 4000f64.sqrt(), "{samples}: {count}, not {expected}");
+    }
+}
