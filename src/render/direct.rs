@@ -3,6 +3,7 @@
 use super::geometry::{at, set};
 use super::integrator::{Integrator, SHORT_OF_LIGHT, power_heuristic};
 use super::lanes::{LANES, NOTHING, ZERO3};
+use super::light_tracing::faithful_to_lamp;
 use super::lights::{self, Kind, LightSamples};
 use super::needs::Needs;
 use super::strategies::Scatter as Blind;
@@ -126,10 +127,10 @@ impl Integrator<'_> {
         let slots = &slots[..count];
         let mut light = LightSamples::default();
         if Needs::LAMPS.is_in(NEEDS) {
-            // The hits of a group are alike: paths from the lamps bring their light to all or none.
+            // The hits of a group are alike: paths from the lamps bring all their light to all or none.
             let traced = |number| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(number));
-            let caustic = work.rough[group.start].caustic;
-            let lamps = self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i) && !(caustic && traced(*i)));
+            let lit = work.rough[group.start].lit();
+            let lamps = self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i) && !(lit && traced(*i)));
             for (number, lamp) in lamps {
                 let draws = if lamp.has_extent() { samples } else { 1 };
                 for index in 0..draws {
@@ -149,6 +150,13 @@ impl Integrator<'_> {
                     if bent.is_some() {
                         for weight in &mut light.weight {
                             (0..count).for_each(|i| weight[i] /= density[i]);
+                        }
+                    }
+                    if traced(number) {
+                        for (i, hit) in work.rough[group.clone()].iter().enumerate() {
+                            if hit.caustic && faithful_to_lamp(&hit.surface, at(&light.wi, i)) {
+                                set(&mut light.weight, i, Rgb::ZERO);
+                            }
                         }
                     }
                     self.aim(work, group.clone(), bsdf, &light, draws, rivals.then_some(trust));

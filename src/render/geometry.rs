@@ -24,6 +24,14 @@ pub struct Surface {
     pub offset: f32,
 }
 
+impl Surface {
+    /// Whether the normal for shading is that of the surface.
+    #[inline(always)]
+    pub fn is_flat(&self) -> bool {
+        self.shading == self.normal
+    }
+}
+
 /// The prepared shapes.
 pub struct Geometry<'a> {
     objects: &'a [Object],

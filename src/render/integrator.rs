@@ -16,7 +16,7 @@ use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
 use super::lanes::{LANES, NOTHING, Paths, ZERO3};
 use super::lens::Lens;
-use super::light_tracing::LightTracing;
+use super::light_tracing::{LightTracing, faithful_to_camera, faithful_to_lamp};
 use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
@@ -209,7 +209,7 @@ impl<'a> Integrator<'a> {
             return points.caustic[..points.count].fill(0);
         };
         for i in 0..points.count {
-            points.caustic[i] = u32::from(tracing.reaches(lens.area_at(at(&points.position, i))));
+            points.caustic[i] &= u32::from(tracing.reaches(lens.area_at(at(&points.position, i))));
         }
     }
 
@@ -264,6 +264,8 @@ impl<'a> Integrator<'a> {
         set(&mut points.weight, j, at(&work.paths.throughput, i) * albedo);
         points.slot[j] = work.paths.slot[i];
         points.word[j] = work.paths.word[i].then(false);
+        // What becomes of it see `mark_caustics`.
+        points.caustic[j] = u32::from(surface.is_flat());
         points.count += 1;
     }
 
@@ -283,8 +285,7 @@ impl<'a> Integrator<'a> {
             slot: work.paths.slot[i],
             word: work.paths.word[i].then(false),
             object: work.hits.object[i],
-            // Paths from the lamps know only the normal for shading.
-            caustic: work.paths.caustic[i] != 0 && surface.shading.dot(direction) < 0.0,
+            caustic: work.paths.caustic[i] != 0 && faithful_to_camera(&surface, -direction),
         });
     }
 
@@ -346,7 +347,7 @@ impl<'a> Integrator<'a> {
             }
             let j = work.next.count;
             work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
-            work.next.caustic[j] = u32::from(hit.caustic);
+            work.next.caustic[j] = u32::from(hit.caustic && faithful_to_lamp(&hit.surface, wi));
             let pdf = work.scattered.pdf[i];
             (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
                 // All light that it finds, but for pictures, which are left to mirrors and glass.

@@ -56,8 +56,15 @@ pub struct RoughHit {
     pub slot: u32,
     pub word: Word,
     pub object: u32,
-    /// Whether paths from the lamps bring their light to here.
+    /// Whether paths from the lamps bring their light to here, apart from directions where the normals disagree.
     pub caustic: bool,
+}
+
+impl RoughHit {
+    /// Whether paths from the lamps bring all their light to here.
+    pub fn lit(&self) -> bool {
+        self.caustic && self.surface.is_flat()
+    }
 }
 
 /// A local frame: the normal at +z.
@@ -115,9 +122,9 @@ impl Workspace {
         }
     }
 
-    /// Sorts the rough hits: into those on one object to which paths from the lamps bring their light, or do not.
+    /// Sorts the rough hits by object, and those to which paths from the lamps bring all their light from the others.
     pub(super) fn rough_groups(&mut self) -> Vec<Range<usize>> {
-        let key = |hit: &RoughHit| (hit.object, hit.caustic);
+        let key = |hit: &RoughHit| (hit.object, hit.lit());
         self.rough.sort_by_key(key);
         let sizes = self.rough.chunk_by(|a, b| key(a) == key(b)).map(<[RoughHit]>::len);
         let ends = sizes.scan(0, |end, size| {

@@ -104,18 +104,16 @@ impl Integrator<'_> {
             let wi = -at(&work.paths.rays.direction, i);
             let Some(view) = lens.see(surface.position) else { continue };
             let side = if surface.normal.dot(view.direction) > 0.0 { 1.0 } else { -1.0 };
-            let (normal, shading) = (surface.normal * side, surface.shading * side);
-            let (cos_geometric, cos) = (normal.dot(wi), shading.dot(wi));
+            let normal = surface.normal * side;
             let origin = surface.position + normal * surface.offset;
             let area = lens.area_at(origin);
-            // Camera paths go on above both normals.
-            if cos_geometric <= 0.0 || cos <= 0.0 || !tracing.reaches(area) {
+            if normal.dot(wi) <= 0.0 || !surface.is_flat() || !tracing.reaches(area) {
                 continue;
             }
             let slot = work.paths.slot[i];
             let power = at(&work.power, slot as usize) * at(&work.paths.throughput, i);
             let seen = normal.dot(view.direction) / area;
-            let value = power * albedo * (FRAC_1_PI * cos / cos_geometric * seen);
+            let value = power * albedo * (FRAC_1_PI * seen);
             let word = work.paths.word[i].then(false).reversed();
             pixel[work.shadows.count] = view.pixel;
             let limit = view.distance * SHORT_OF_LIGHT;
@@ -166,13 +164,30 @@ impl Integrator<'_> {
 }
 
 /// What a path from a lamp is multiplied by where the normal for shading is not that of the surface, so that it brings the
-/// light that a camera path finds; `None` where that finds none. `wo` points to the lamp, `wi` to the camera.
+/// light that a camera path finds; `None` for light that is left to those. `wo` points to the lamp, `wi` to the camera.
 #[inline]
 fn adjoint_of_shading(surface: &Surface, wo: Vec3, wi: Vec3) -> Option<f32> {
-    if surface.shading == surface.normal {
+    if surface.is_flat() {
         return Some(1.0);
     }
-    let [normal, shading] = [surface.normal, surface.shading].map(|n| [n.dot(wo), n.dot(wi)]);
-    let sound = [normal, shading].into_iter().flatten().all(|cos| cos > 0.0);
-    sound.then(|| shading[0] * normal[1] / (normal[0] * shading[1]))
+    let ratio = |w: Vec3| surface.shading.dot(w) / surface.normal.dot(w);
+    (faithful_to_camera(surface, wi) && faithful_to_lamp(surface, wo)).then(|| ratio(wo) / ratio(wi))
+}
+
+/// How different the cosines to the two normals of a surface may be. Where one of them is near 0 alone, a path from a lamp
+/// would be a speck of light.
+const FAITHFUL: f32 = 0.5;
+
+/// Whether paths from the lamps may leave a surface to `wi`, in the camera's direction.
+#[inline]
+pub fn faithful_to_camera(surface: &Surface, wi: Vec3) -> bool {
+    let (normal, shading) = (surface.normal.dot(wi), surface.shading.dot(wi));
+    shading > 0.0 && shading >= FAITHFUL * normal
+}
+
+/// Whether paths from the lamps may come to a surface from `wo`, in the lamps' direction.
+#[inline]
+pub fn faithful_to_lamp(surface: &Surface, wo: Vec3) -> bool {
+    let (normal, shading) = (surface.normal.dot(wo), surface.shading.dot(wo));
+    shading > 0.0 && normal > 0.0 && normal >= FAITHFUL * shading
 }
