@@ -12,7 +12,7 @@
 
 use super::diffuse::{self, frame};
 use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3, caustic};
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::raster::Rgb;
@@ -256,7 +256,7 @@ impl<T: Target> Wide for Aim<'_, T> {
         for i in 0..self.points.count.min(LANES) {
             let (a, o, w) = self.target.cone(at(&position, i));
             set(&mut axis, i, a);
-            (opening[i], weight[i]) = (o, if self.points.caustic[i] == 0 { w } else { 0.0 });
+            (opening[i], weight[i]) = (o, if self.points.caustic[i] == caustic::NONE { w } else { 0.0 });
         }
         *self.cone = Cone { axis, opening, weight };
     }

@@ -14,7 +14,7 @@ use super::casters::{Casters, IMAGES_UP_TO};
 use super::diffuse;
 use super::faces::{Face, Kind};
 use super::geometry::{Geometry, Surface, at, set};
-use super::lanes::{LANES, NOTHING, Paths, ZERO3};
+use super::lanes::{LANES, NOTHING, Paths, ZERO3, caustic};
 use super::lens::Lens;
 use super::light_tracing::{LightTracing, faithful_to_camera, faithful_to_lamp};
 use super::lights::{SampleLight, Sampled};
@@ -118,7 +118,8 @@ impl<'a> Integrator<'a> {
         paths.pdf[..count].fill(f32::INFINITY);
         paths.sky[..count].fill(1.0);
         paths.word[..count].fill(Word::DIRECT);
-        paths.caustic[..count].fill(0);
+        let start = if self.light_tracing.is_some() { caustic::NEW } else { caustic::NONE };
+        paths.caustic[..count].fill(start);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
         }
@@ -132,7 +133,9 @@ impl<'a> Integrator<'a> {
             let count = work.paths.count;
             self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
             self.sort_hits::<NEEDS>(work, scatterings == self.request.max_depth);
-            self.mark_caustics(work, scatterings == 0, lens);
+            if scatterings == 0 {
+                self.unmark_near(work, lens);
+            }
             let dimensions = self.dimensions(scatterings);
             scatterings += 1;
             work.next.count = 0;
@@ -144,7 +147,7 @@ impl<'a> Integrator<'a> {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     let caustics = &work.points.caustic[..work.points.count];
-                    if self.casters.is_empty() || caustics.iter().all(|&c| c != 0) {
+                    if self.casters.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
                         diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
                         let images = scatterings <= IMAGES_UP_TO;
@@ -202,14 +205,15 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Marks the diffuse hits that paths from the lamps bring caustics to: those that the camera sees.
-    fn mark_caustics(&self, work: &mut Workspace, seen: bool, lens: &Lens) {
+    /// Unmarks those of the diffuse hits that the camera sees from too near for paths from the lamps.
+    fn unmark_near(&self, work: &mut Workspace, lens: &Lens) {
         let points = &mut work.points;
-        let Some(tracing) = self.light_tracing.as_ref().filter(|_| seen) else {
-            return points.caustic[..points.count].fill(0);
-        };
-        for i in 0..points.count {
-            points.caustic[i] &= u32::from(tracing.reaches(lens.area_at(at(&points.position, i))));
+        if let Some(tracing) = &self.light_tracing {
+            for i in 0..points.count {
+                if !tracing.reaches(lens.area_at(at(&points.position, i))) {
+                    points.caustic[i] = caustic::NONE;
+                }
+            }
         }
     }
 
@@ -235,7 +239,7 @@ impl<'a> Integrator<'a> {
         }
         let pdf = work.paths.pdf[i];
         let traced = |light| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(light));
-        if work.paths.caustic[i] != 0 && face.light.is_some_and(traced) {
+        if caustic::is_brought(work.paths.caustic[i]) && face.light.is_some_and(traced) {
             return;
         }
         let share = match (emission.role, face.light) {
@@ -254,7 +258,7 @@ impl<'a> Integrator<'a> {
 
     /// Puts a diffuse hit with the others.
     #[inline]
-    fn collect(&self, work: &mut Workspace, i: usize, albedo: Rgb) {
+    pub(super) fn collect(&self, work: &mut Workspace, i: usize, albedo: Rgb) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
         let side = if surface.normal.dot(at(&work.paths.rays.direction, i)) > 0.0 { -1.0 } else { 1.0 };
         let points = &mut work.points;
@@ -264,8 +268,8 @@ impl<'a> Integrator<'a> {
         set(&mut points.weight, j, at(&work.paths.throughput, i) * albedo);
         points.slot[j] = work.paths.slot[i];
         points.word[j] = work.paths.word[i].then(false);
-        // What becomes of it see `mark_caustics`.
-        points.caustic[j] = u32::from(surface.is_flat());
+        let caustic = caustic::after_diffuse(work.paths.caustic[i]);
+        points.caustic[j] = if surface.is_flat() { caustic } else { caustic::NONE };
         points.count += 1;
     }
 
@@ -285,7 +289,7 @@ impl<'a> Integrator<'a> {
             slot: work.paths.slot[i],
             word: work.paths.word[i].then(false),
             object: work.hits.object[i],
-            caustic: work.paths.caustic[i] != 0 && faithful_to_camera(&surface, -direction),
+            caustic: caustic::is_brought(work.paths.caustic[i]) && faithful_to_camera(&surface, -direction),
         });
     }
 
@@ -309,7 +313,7 @@ impl<'a> Integrator<'a> {
             work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
             let tracing = self.light_tracing.as_ref();
             let casts = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
-            work.next.caustic[j] = work.paths.caustic[i] & u32::from(casts);
+            work.next.caustic[j] = if casts { caustic::after_other(work.paths.caustic[i]) } else { caustic::NONE };
         }
     }
 
@@ -347,7 +351,8 @@ impl<'a> Integrator<'a> {
             }
             let j = work.next.count;
             work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
-            work.next.caustic[j] = u32::from(hit.caustic && faithful_to_lamp(&hit.surface, wi));
+            let brought = hit.caustic && faithful_to_lamp(&hit.surface, wi);
+            work.next.caustic[j] = if brought { caustic::CHAIN } else { caustic::NONE };
             let pdf = work.scattered.pdf[i];
             (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
                 // All light that it finds, but for pictures, which are left to mirrors and glass.

@@ -45,6 +45,37 @@ pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[Block;
     }
 }
 
+/// States of a camera path while paths from the lamps may bring the light along it: by way of surfaces that are not
+/// diffuse to one that the camera sees, or to one that is seen from there.
+pub mod caustic {
+    /// It has met nothing.
+    pub const NEW: u32 = 3;
+    /// It comes from the diffuse surface that the camera sees.
+    pub const SEEN: u32 = 2;
+    /// It comes from the second one, or from surfaces that are not diffuse after either: these bring the lamps' light.
+    pub const CHAIN: u32 = 1;
+    /// Paths from the lamps bring none of its light.
+    pub const NONE: u32 = 0;
+
+    /// After a diffuse surface.
+    #[inline(always)]
+    pub fn after_diffuse(state: u32) -> u32 {
+        state.saturating_sub(1)
+    }
+
+    /// After another one.
+    #[inline(always)]
+    pub fn after_other(state: u32) -> u32 {
+        if is_brought(state) { CHAIN } else { NONE }
+    }
+
+    /// Whether light of the lamps that the path meets next is brought.
+    #[inline(always)]
+    pub fn is_brought(state: u32) -> bool {
+        state == SEEN || state == CHAIN
+    }
+}
+
 /// No object: the ray left the scene.
 pub const NOTHING: u32 = u32::MAX;
 
@@ -81,7 +112,8 @@ pub struct Paths {
     pub slot: [u32; LANES],
     /// What scattered the path so far.
     pub word: [Word; LANES],
-    /// Whether the lamps' light along this path is brought by paths from the lamps (0 or 1).
+    /// Whether the lamps' light along this path is brought by paths from the lamps, see [`caustic`]. Of those themselves:
+    /// whether a diffuse surface has scattered them.
     pub caustic: [u32; LANES],
 }
 
@@ -96,7 +128,7 @@ pub struct Points {
     pub weight: Lane3,
     pub slot: [u32; LANES],
     pub word: [Word; LANES],
-    /// Whether paths from the lamps bring their light to here (0 or 1).
+    /// [`Paths::caustic`] of the paths that go on from here.
     pub caustic: [u32; LANES],
 }
 

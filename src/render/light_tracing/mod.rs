@@ -2,8 +2,9 @@
 //!
 //! Light that comes from a lamp by way of mirrors, glass or metal to a diffuse surface is hard to find from there: few
 //! directions lead to where the lamp is seen. From the lamp it is easy: paths start towards the objects that are not
-//! diffuse, and what arrives at a surface that the camera sees is added to the pixel where it is seen. Camera paths leave
-//! this light out ([`Paths::caustic`](super::lanes::Paths::caustic)), so that it counts once.
+//! diffuse, and what arrives at a surface that the camera sees is added to the pixel where it is seen; so is what one more
+//! diffuse surface scatters there. Camera paths leave this light out ([`caustic`](super::lanes::caustic)), so that it
+//! counts once.
 //!
 //! Source: Arvo, "Backward ray tracing", SIGGRAPH 1986 course notes; Veach, "Robust Monte Carlo Methods for Light
 //! Transport Simulation", 1997, sections 5.3 (shading normals) and 10.3.4 (light tracing).
@@ -12,6 +13,7 @@ mod plan;
 #[cfg(test)]
 mod tests;
 
+use super::diffuse;
 use super::exposure::{Splat, Word};
 use super::faces::Kind;
 use super::geometry::{Surface, at, set};
@@ -42,14 +44,23 @@ impl Integrator<'_> {
             work.delta.clear();
             work.rough.clear();
             work.arrived.clear();
+            work.points.count = 0;
             for i in 0..count {
                 let object = work.hits.object[i];
                 if object == NOTHING {
                     continue;
                 }
+                let scattered = work.paths.caustic[i] != 0;
                 match self.faces[object as usize].kind {
                     // What comes straight from a lamp, light samples find.
-                    Kind::Diffuse { .. } if scatterings > 1 => work.arrived.push(i as u32),
+                    Kind::Diffuse { albedo } if scatterings > 1 => {
+                        work.arrived.push(i as u32);
+                        let flat = || self.geometry.surface(&work.paths.rays, &work.hits, i).is_flat();
+                        if !scattered && !last && flat() {
+                            self.collect(work, i, albedo);
+                        }
+                    }
+                    _ if scattered => {}
                     _ if last || !tracing.scatters_at(object) => {}
                     Kind::Delta(_) => work.delta.push(i as u32),
                     Kind::Rough(_) => self.collect_rough(work, i),
@@ -59,6 +70,7 @@ impl Integrator<'_> {
             self.splat(work, tracing, lens);
             work.next.count = 0;
             let dimensions = Dimensions::from_lamps(scatterings);
+            self.pass_on_diffuse(work, dimensions);
             self.pass_on_delta(work, dimensions);
             self.pass_on_rough(work, dimensions);
             roulette(&mut work.next, &work.numbers, dimensions.choice(), scatterings);
@@ -127,6 +139,14 @@ impl Integrator<'_> {
                 work.splats.push(Splat { pixel: pixel[k], class, value: at(&work.shadows.value, k) });
             }
         }
+    }
+
+    /// Scatters the paths that have hit diffuse surfaces, for one to which they are seen.
+    fn pass_on_diffuse(&self, work: &mut Workspace, dimensions: Dimensions) {
+        let count = work.points.count;
+        work.numbers.fill(self.arch, &work.points.slot[..count], dimensions.bsdf(), (0, 1), &mut work.u);
+        diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+        work.next.caustic[..count].fill(1);
     }
 
     /// Scatters the paths that have hit mirrors and glass.

@@ -13,7 +13,7 @@ use crate::stats::estimate::Estimate;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A camera above the middle of a diffuse floor of 4 by 4, and a lamp to the left of it.
+/// A camera above the middle of a diffuse floor of 4 by 4 with a wall behind it, and a lamp to the left.
 fn room(objects: Vec<Object>, projection: Projection) -> Scene {
     let camera = Camera::look_at(DVec3::new(0.0, 3.0, 2.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
     let floor = Rectangle::new(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X).unwrap();
@@ -23,6 +23,8 @@ fn room(objects: Vec<Object>, projection: Projection) -> Scene {
         Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(0.5) }),
         Object { emission: Some(glow(10.0)), ..Object::new(Shape::Rectangle(lamp), black) },
     ];
+    let wall = Rectangle::new(Vec3::new(0.0, 2.0, -2.0), 2.0 * Vec3::X, 2.0 * Vec3::Y).unwrap();
+    all.push(Object::new(Shape::Rectangle(wall), Material::Diffuse { albedo: Rgb::splat(0.8) }));
     all.extend(objects);
     Scene { name: "room".into(), camera, objects: all, lights: Vec::new(), environment: None }
 }
@@ -43,14 +45,14 @@ fn metal(alpha: f32) -> Material {
 }
 
 /// Few triangles and normals far from theirs.
-fn rounded() -> Shape {
+fn rounded(x: f32) -> Shape {
     let corners = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
     let mut faces = Vec::new();
-    for (x, y, z) in (0..8).map(|i| (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2))) {
-        let upright = (x + y + z) % 2 == 0;
-        faces.push(if upright { [x, y, z] } else { [x, z, y] });
+    for (a, b, c) in (0..8).map(|i| (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2))) {
+        let upright = (a + b + c) % 2 == 0;
+        faces.push(if upright { [a, b, c] } else { [a, c, b] });
     }
-    let at = corners.map(|c| Vec3::new(0.2, 0.6, 0.0) + 0.55 * c);
+    let at = corners.map(|c| Vec3::new(x, 0.6, 0.0) + 0.55 * c);
     Shape::Mesh(Arc::new(Mesh::new(at.to_vec(), corners.to_vec(), faces).unwrap()))
 }
 
@@ -82,15 +84,17 @@ fn camera_paths_alone_have_the_same_mean() {
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
     let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
     let upright = Rectangle::new(Vec3::new(1.0, 0.5, 0.0), 0.5 * Vec3::Y, 0.5 * Vec3::Z).unwrap();
-    for (name, object, projection, spp) in [
-        ("glass", ball(glass), WIDE, 1 << 14),
-        ("mirror", ball(mirror), WIDE, 1 << 14),
-        ("flat mirror", Object::new(Shape::Rectangle(upright), mirror), WIDE, 1 << 12),
-        ("broad metal", ball(metal(0.4)), WIDE, 1 << 12),
-        ("sharp metal, parallel rays", ball(metal(0.05)), parallel, 1 << 14),
-        ("metal with normals of its own", Object::new(rounded(), metal(0.4)), WIDE, 1 << 14),
+    let white = Material::Diffuse { albedo: Rgb::splat(0.8) };
+    for (name, objects, projection, spp) in [
+        ("glass", vec![ball(glass)], WIDE, 1 << 14),
+        ("mirror", vec![ball(mirror)], WIDE, 1 << 14),
+        ("flat mirror", vec![Object::new(Shape::Rectangle(upright), mirror)], WIDE, 1 << 12),
+        ("broad metal", vec![ball(metal(0.4))], WIDE, 1 << 12),
+        ("sharp metal, parallel rays", vec![ball(metal(0.05))], parallel, 1 << 14),
+        ("metal with normals of its own", vec![Object::new(rounded(0.2), metal(0.4))], WIDE, 1 << 14),
+        ("plaster with normals of its own", vec![Object::new(rounded(-0.8), white), ball(metal(0.4))], WIDE, 1 << 14),
     ] {
-        let z = bias(&room(vec![object], projection), spp, 4);
+        let z = bias(&room(objects, projection), spp, 4);
         assert!(z.abs() < 5.0, "{name}: {z} standard errors");
     }
 }
