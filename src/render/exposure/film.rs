@@ -36,7 +36,7 @@ pub struct PixelEstimate {
     pub error: Rgb,
 }
 
-/// More pixels (or pixels times path classes) than these are refused: 7 (or 13) GB.
+/// More pixels (or pixels times path classes) than these are refused: 7 (or 13) GB, twice that with splats.
 const MAX_PIXELS: usize = 1 << 26;
 const MAX_SUMS: usize = 1 << 28;
 

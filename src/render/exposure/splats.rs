@@ -1,7 +1,7 @@
 //! Light that paths from the lamps bring to pixels that they did not start for.
 //!
-//! A picture of n samples in each of its P pixels has n P such paths, any of which may come to any pixel: the mean of a
-//! pixel is their sum over n, whichever pixels' samples they came with.
+//! Paths come with samples, and any may bring light to any pixel, so much that the mean of a pixel is the sum of what comes
+//! to it over the number of samples per pixel, whichever pixels' samples it came with.
 
 use super::fixed::Fixed;
 use crate::raster::Rgb;
