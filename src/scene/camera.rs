@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 /// A half-line. The direction has unit length.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Ray {
     pub origin: Vec3,
     pub direction: Vec3,

@@ -16,8 +16,10 @@ use glam::Vec3;
 /// Most of a step's time goes into waiting for what it reads, so several rays take turns: see [`super::trace_each`].
 #[derive(Default)]
 pub struct Search<const ANY: bool> {
+    ray: Ray,
     slabs: Slabs,
-    shear: Shear,
+    /// Of the ray, once it has come to triangles: many never do.
+    shear: Option<Shear>,
     best: MeshHit,
     found: bool,
     stack: Stack,
@@ -35,7 +37,7 @@ impl<const ANY: bool> Search<ANY> {
             return false;
         }
         self.slabs = Slabs::new(ray, tree.extent);
-        self.shear = Shear::new(ray);
+        (self.ray, self.shear) = (*ray, None);
         self.best = MeshHit { t: t_max, ..MeshHit::default() };
         self.stack.waiting.clear();
         (self.found, self.current) = (false, 0);
@@ -54,7 +56,11 @@ impl<const ANY: bool> Search<ANY> {
             }
         } else {
             let number = self.current & !LEAF;
-            self.found |= self.shear.hit(l, &tree.packs[number as usize], number, &mut self.best);
+            let shear = self.shear.get_or_insert_with(
+                #[inline(always)]
+                || Shear::new(&self.ray),
+            );
+            self.found |= shear.hit(l, &tree.packs[number as usize], number, &mut self.best);
             if ANY && self.found {
                 return false;
             }
