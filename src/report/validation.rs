@@ -1,8 +1,8 @@
 //! A run of tests as a table and as a drawing of its p-values.
 
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::stats::Verdict;
 use crate::stats::multiple::sidak;
+use crate::stats::{Bound, Verdict};
 use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -19,7 +19,9 @@ pub struct Row<'a> {
     /// Relative density error (root mean square) that would be found with 90 % probability.
     pub detectable: Option<f64>,
     pub mass: Option<f64>,
+    /// The bound of the mass's error, and whether it is rigorous or statistical.
     pub mass_error: Option<f64>,
+    pub mass_bound: Option<Bound>,
     pub cells: usize,
     pub pooled: usize,
     pub none: u64,
@@ -38,8 +40,9 @@ impl<'a> From<&'a Tested> for Row<'a> {
             p: outcome.p,
             samples: outcome.samples,
             detectable: outcome.detectable,
-            mass: outcome.mass,
-            mass_error: outcome.mass_error,
+            mass: outcome.mass.map(|mass| mass.value),
+            mass_error: outcome.mass.map(|mass| mass.error),
+            mass_bound: outcome.mass.map(|mass| mass.bound),
             cells: outcome.cells,
             pooled: outcome.pooled,
             none: outcome.none,

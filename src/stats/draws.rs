@@ -1,7 +1,9 @@
 //! Samples drawn, checked one by one, and counted.
 
+use super::cubature::{Integration, Place};
 use super::density::{Atom, Density};
 use super::domain::Domain;
+use super::fixed::{Share, add};
 use super::grid::Grid;
 use super::sampler::{Draw, Drawn, Sampler};
 use crate::error::Result;
@@ -10,7 +12,9 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 /// Samples drawn at a time: many enough for a program in another process, few enough to stay in the cache.
-const BATCH: u64 = 1 << 13;
+pub(super) const BATCH: u64 = 1 << 13;
+/// Most places that are remembered because the density there is not what its surroundings lead to expect.
+pub(super) const FOUND: usize = 1 << 12;
 /// Samples of every round whose inverse is tried.
 const INVERTED: usize = 256;
 /// How far an inverse may be from the numbers that it should give back.
@@ -33,6 +37,11 @@ pub struct Tally {
     pub none: u64,
     /// Samples where the density is 0.
     pub impossible: u64,
+    /// The share of the density at each sample that the integration did not see, summed over the samples and over those in
+    /// each cell; some of the places where it is not 0.
+    pub unseen: Share,
+    pub unseen_in: Vec<Share>,
+    pub found: Vec<Place>,
     /// The first sample that breaks the contract.
     pub fault: Option<String>,
 }
@@ -42,6 +51,10 @@ impl Tally {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.none += other.none;
         self.impossible += other.impossible;
+        self.unseen += other.unseen;
+        add(&mut self.unseen_in, &other.unseen_in);
+        self.found.extend(other.found);
+        self.found.truncate(FOUND);
         self.fault = self.fault.or(other.fault);
         self
     }
@@ -59,24 +72,39 @@ impl<D: Domain> Draws<'_, D> {
         Ok((u, out))
     }
 
-    /// The places of samples that have one.
-    pub fn places(&self, stream: u64, count: u64) -> Result<Vec<[f64; 2]>> {
+    /// The places of samples that have one, with the density there.
+    pub fn places(&self, stream: u64, count: u64) -> Result<Vec<Place>> {
         let of_batch = |batch| {
             let (_, drawn) = self.batch(stream, batch, count)?;
-            let spread = drawn.into_iter().flatten().filter(|draw| !draw.atom);
-            Ok(spread.filter_map(|draw| self.domain.place(draw.point)).collect::<Vec<_>>())
+            let spread = drawn.into_iter().flatten().filter(|draw| !draw.atom).map(|draw| draw.point);
+            let (points, places): (Vec<D::Point>, Vec<[f64; 2]>) =
+                spread.filter_map(|point| Some((point, self.domain.place(point)?))).unzip();
+            let mut pdfs = Vec::with_capacity(points.len());
+            self.density.pdf(&points, &mut pdfs)?;
+            Ok(places.into_iter().zip(pdfs).map(|(at, pdf)| Place { at, pdf }).collect::<Vec<_>>())
         };
         let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Counts samples in the cells of `grid` and at `atoms`.
-    pub fn tally(&self, stream: u64, count: u64, grid: &Grid, atoms: &[Atom<D::Point>]) -> Result<Tally> {
-        let empty = || Tally { observed: vec![0; grid.len() + atoms.len()], ..Tally::default() };
+    /// Counts samples in the cells of `grid` and at `atoms`, and what `integration` does not see at them.
+    pub fn tally(
+        &self,
+        stream: u64,
+        count: u64,
+        grid: &Grid,
+        atoms: &[Atom<D::Point>],
+        integration: &Integration<D>,
+    ) -> Result<Tally> {
+        let empty = || Tally {
+            observed: vec![0; grid.len() + atoms.len()],
+            unseen_in: vec![Share::default(); grid.len()],
+            ..Tally::default()
+        };
         let of_batch = |batch| {
             let (u, drawn) = self.batch(stream, batch, count)?;
             let mut tally = empty();
-            self.count(&drawn, grid, atoms, &mut tally)?;
+            self.count(&drawn, grid, atoms, integration, &mut tally)?;
             if batch == 0 && tally.fault.is_none() {
                 tally.fault = self.inverse_fault(&u, &drawn)?;
             }
@@ -91,6 +119,7 @@ impl<D: Domain> Draws<'_, D> {
         drawn: &[Option<Draw<D::Point>>],
         grid: &Grid,
         atoms: &[Atom<D::Point>],
+        integration: &Integration<D>,
         tally: &mut Tally,
     ) -> Result<()> {
         tally.none += drawn.iter().filter(|draw| draw.is_none()).count() as u64;
@@ -99,7 +128,7 @@ impl<D: Domain> Draws<'_, D> {
         let mut pdfs = Vec::with_capacity(points.len());
         self.density.pdf(&points, &mut pdfs)?;
         for (draw, pdf) in spread.iter().zip(pdfs) {
-            let Some(place) = self.domain.place(draw.point) else {
+            let Some(at) = self.domain.place(draw.point) else {
                 tally.fault.get_or_insert_with(|| format!("the sample {:?} is outside of the domain", draw.point));
                 continue;
             };
@@ -107,7 +136,19 @@ impl<D: Domain> Draws<'_, D> {
                 tally.fault.get_or_insert(fault);
             }
             tally.impossible += u64::from(pdf == 0.0);
-            tally.observed[grid.find(place)] += 1;
+            let (cell, place) = (grid.find(at), Place { at, pdf });
+            tally.observed[cell] += 1;
+            let seen = match integration {
+                Integration::Exact(_) => 1.0,
+                Integration::Refined(refinement) => refinement.seen(&place),
+            };
+            if seen < 1.0 {
+                tally.unseen += Share::new(1.0 - seen);
+                tally.unseen_in[cell] += Share::new(1.0 - seen);
+                if tally.found.len() < FOUND {
+                    tally.found.push(place);
+                }
+            }
         }
         for draw in drawn.iter().flatten().filter(|draw| draw.atom) {
             match atoms.iter().position(|atom| self.domain.same(atom.point, draw.point)) {

@@ -1,7 +1,8 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
 use super::chi_square::chi_square;
-use super::cubature::{Fault, Integrals, integrate};
+use super::counting::{Counted, Counting, streams};
+use super::cubature::{Fault, Place};
 use super::density::{Density, Mass};
 use super::domain::Domain;
 use super::draws::{Draws, Tally, corners};
@@ -49,11 +50,10 @@ const MOST: u64 = 1 << 34;
 const MASS: f64 = 1e-4;
 /// Share of samples that rounding may carry over an edge of the support.
 const ROUNDING: f64 = 1e-7;
-/// Share of the square root of an expected count that the error of the count's integral may have. The statistic then
-/// grows by 0.0025 per cell at most.
-const SLACK: f64 = 0.05;
 /// Samples that decide on the cells, apart from those that are counted.
 const PILOT: u64 = 1 << 14;
+/// The share of a test's level that the bound of the mass may fail with.
+const RISK: f64 = 0.1;
 
 impl Protocol {
     /// Refuses values that no test can be done with.
@@ -133,26 +133,25 @@ pub fn examine<D: Domain>(
     let corner_fault = if supply.is_none() { corners(domain, sampler, density)? } else { None };
     let pilots = supply.map_or(PILOT, |supply| PILOT.min(supply / 4));
     let count = |dof| supply.map_or_else(|| protocol.count(dof), |supply| supply - pilots);
-    let pilot = draws.places(2 * round, pilots)?;
+    let pilot = draws.places(streams(round, 0)[0], pilots)?;
     let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
     let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
-    let Integrals { values, errors, fault } = integrate(domain, density, &grid, &pilot)?;
-
     let samples = count(grid.len() + atoms.len());
     let n = samples as f64;
-    let tally = draws.tally(2 * round + 1, samples, &grid, &atoms)?;
+    let counting = Counting { draws: &draws, grid: &grid, atoms: &atoms, samples, risk: RISK * protocol.own_level() };
+    let Counted { values, integral, uncertain, fault, tally } = counting.run(&pilot, round)?;
 
-    let mut mass: f64 = values.iter().sum();
-    let mass_error: f64 = errors.iter().sum();
-    mass += atoms.iter().map(|atom| atom.probability).sum::<f64>();
+    let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
+    let mass = integral.plus(at_atoms);
+    let tolerated = MASS + mass.error;
     let (none_expected, mass_fault) = match density.mass() {
-        Mass::Exactly(m) => (1.0 - m, (mass - m).abs() > MASS + mass_error),
-        Mass::AtMostOne => (1.0 - mass, mass > 1.0 + MASS + mass_error),
+        Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs() > tolerated),
+        Mass::AtMostOne => (1.0 - at_atoms - values.iter().sum::<f64>(), mass.value > 1.0 + tolerated),
     };
     let mass_fault = mass_fault.then(|| match density.mass() {
-        Mass::Exactly(m) => format!("the density integrates to {mass:.6} ± {mass_error:.1e} instead of {m}"),
-        Mass::AtMostOne => format!("the density integrates to {mass:.6} ± {mass_error:.1e}, which is more than 1"),
+        Mass::Exactly(m) => format!("the density integrates to {mass} instead of {m}"),
+        Mass::AtMostOne => format!("the density integrates to {mass}, which is more than 1"),
     });
     let density_fault = fault.map(|Fault { point, value }| format!("the density at {point:?} is {value}"));
 
@@ -164,7 +163,7 @@ pub fn examine<D: Domain>(
         .map(|share| (n * share).max(f64::MIN_POSITIVE))
         .chain([none_expected.max(f64::MIN_POSITIVE)])
         .collect();
-    let Tally { mut observed, none, impossible, fault: draw_fault } = tally;
+    let Tally { mut observed, none, impossible, fault: draw_fault, .. } = tally;
     // No sample where there must always be one is as impossible as a sample of density 0.
     let impossible = impossible + if none_expected == 0.0 { none } else { 0 };
     observed.push(none);
@@ -172,7 +171,6 @@ pub fn examine<D: Domain>(
     // A claim that leaves nothing to chance (a mirror, a black map): what is left to find are impossible samples.
     let certain =
         expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
-    let uncertain = values.iter().zip(&errors).any(|(value, error)| error * n > SLACK * (value * n).max(1.0).sqrt());
     let test = chi_square(&observed, &expected);
     let chance = if certain { Some(1.0) } else { test.map(|test| test.p) };
     let p = chance.filter(|_| !uncertain && density_fault.is_none()).map(|p| both(p, impossible, n * ROUNDING));
@@ -198,7 +196,6 @@ pub fn examine<D: Domain>(
         detectable: finds,
         seconds: start.elapsed().as_secs_f64(),
         mass: Some(mass),
-        mass_error: Some(mass_error),
         cells: observed.len(),
         pooled: test.map_or(0, |test| test.dof + 1),
         none,
@@ -212,11 +209,11 @@ pub fn examine<D: Domain>(
 /// What is wrong with samples of a continuous set that keep coming back to the same few places.
 ///
 /// Every fourth may be new: numbers of 13 bits, or of four digits, still count as continuous.
-fn discrete<D: Domain>(domain: &D, pilot: &[[f64; 2]]) -> Option<String> {
+fn discrete<D: Domain>(domain: &D, pilot: &[Place]) -> Option<String> {
     if domain.outcomes().is_some() || pilot.len() < 1000 {
         return None;
     }
-    let mut places: Vec<[u64; 2]> = pilot.iter().map(|place| place.map(f64::to_bits)).collect();
+    let mut places: Vec<[u64; 2]> = pilot.iter().map(|place| place.at.map(f64::to_bits)).collect();
     places.sort_unstable();
     places.dedup();
     let (points, samples) = (places.len(), pilot.len());
@@ -237,15 +234,16 @@ fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
 }
 
 /// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
-fn cells<D: Domain>(domain: &D, pilot: &[[f64; 2]], shape: [usize; 2], samples: u64) -> Grid {
+fn cells<D: Domain>(domain: &D, pilot: &[Place], shape: [usize; 2], samples: u64) -> Grid {
     // What chi_square wants a cell to expect before it stands alone.
     const FEWEST: f64 = 5.0;
     let equal = Grid::equal(shape, domain.outcomes());
     let mut seen = vec![0u64; equal.len()];
-    pilot.iter().for_each(|&place| seen[equal.find(place)] += 1);
+    let pilot: Vec<[f64; 2]> = pilot.iter().map(|place| place.at).collect();
+    pilot.iter().for_each(|&at| seen[equal.find(at)] += 1);
     let enough = FEWEST * pilot.len() as f64 / samples as f64;
     let filled = seen.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
-    if 2 * filled >= equal.len() { equal } else { Grid::adapted(pilot, shape, Cell::WHOLE, domain.outcomes()) }
+    if 2 * filled >= equal.len() { equal } else { Grid::adapted(&pilot, shape, Cell::WHOLE, domain.outcomes()) }
 }
 
 /// The share of impossible samples that is found with probability [`POWER`] among `n`, one being enough to reject.

@@ -98,16 +98,31 @@ impl Grid {
         self.first[row] + index(&self.columns[row], y)
     }
 
-    /// The cells with the edges inside them that grade their size to that of their neighbours: see [`graded`].
-    pub(super) fn graded_cells(&self) -> impl Iterator<Item = Vec<Cell>> + '_ {
-        let rows = graded(&self.rows);
-        rows.into_iter().zip(&self.columns).flat_map(|(xs, columns)| {
-            graded(columns).into_iter().map(move |ys| {
-                let of_x =
-                    |x: &[f64]| ys.windows(2).map(|y| Cell { x: [x[0], x[1]], y: [y[0], y[1]] }).collect::<Vec<_>>();
-                xs.windows(2).flat_map(of_x).collect()
-            })
-        })
+    /// The same cells, cut where they are far wider than a neighbour: see [`graded`].
+    #[must_use]
+    pub(super) fn graded(&self) -> Self {
+        let (mut rows, mut columns) = (vec![self.rows[0]], Vec::new());
+        for (xs, ys) in graded(&self.rows).iter().zip(&self.columns) {
+            let mut edges = vec![ys[0]];
+            graded(ys).iter().for_each(|inner| edges.extend(&inner[1..]));
+            rows.extend(&xs[1..]);
+            columns.extend(std::iter::repeat_n(edges, xs.len() - 1));
+        }
+        Self::new(rows, columns)
+    }
+
+    /// The rectangle cut in the middle along each of `axes`; `None` where numbers are too coarse for that.
+    pub(super) fn halved(at: Cell, axes: [bool; 2]) -> Option<Self> {
+        let edges = |[from, to]: [f64; 2], cut: bool| {
+            let middle = 0.5 * (from + to);
+            if !cut {
+                return Some(vec![from, to]);
+            }
+            (from < middle && middle < to).then(|| vec![from, middle, to])
+        };
+        let (rows, columns) = (edges(at.x, axes[0])?, edges(at.y, axes[1])?);
+        let columns = vec![columns; rows.len() - 1];
+        Some(Self::new(rows, columns))
     }
 }
 
@@ -191,11 +206,18 @@ mod tests {
 
     #[test]
     fn wide_cells_grow_away_from_narrow_ones() {
-        let grid = Grid::adapted(&[[1e-6, 0.5], [3e-6, 0.5]], [2, 1], Cell::WHOLE, None);
-        let pieces: Vec<Vec<Cell>> = grid.graded_cells().collect();
-        assert_eq!(pieces[0].len(), 1);
-        assert!(pieces[1].len() > 5);
-        assert!((pieces[1].iter().map(Cell::area).sum::<f64>() - (1.0 - 2e-6)).abs() < 1e-12);
-        assert!(pieces[1].windows(2).all(|p| p[1].area() < 20.0 * p[0].area()));
+        let grid = Grid::adapted(&[[1e-6, 0.5], [3e-6, 0.5]], [2, 1], Cell::WHOLE, None).graded();
+        let cells: Vec<Cell> = grid.cells().collect();
+        assert!(cells.len() > 6 && (cells.iter().map(Cell::area).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(cells.windows(2).all(|p| p[1].area() < 20.0 * p[0].area()));
+        assert!(cells.iter().enumerate().all(|(i, at)| grid.find([0.5 * (at.x[0] + at.x[1]), 0.5]) == i));
+    }
+
+    #[test]
+    fn halves_of_a_rectangle() {
+        let at = Cell { x: [0.0, 0.5], y: [0.5, 1.0] };
+        assert_eq!(Grid::halved(at, [true, true]).unwrap().len(), 4);
+        assert_eq!(Grid::halved(at, [false, true]).unwrap().find([0.25, 0.8]), 1);
+        assert_eq!(Grid::halved(Cell { x: [1.0, 1f64.next_up()], ..at }, [true, false]), None);
     }
 }

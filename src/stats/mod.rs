@@ -35,7 +35,9 @@
 //! # Ok::<(), etalon::Error>(())
 //! ```
 
+mod bounded;
 pub mod chi_square;
+mod counting;
 pub mod cubature;
 mod density;
 mod domain;
@@ -43,8 +45,10 @@ mod draws;
 pub mod estimate;
 mod examine;
 pub mod fit;
+mod fixed;
 mod grid;
 pub mod kolmogorov;
+mod mass;
 pub mod multiple;
 mod outcome;
 pub mod power;
@@ -55,6 +59,7 @@ pub use density::{Atom, Density, DensityFn, Mass, density};
 pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};
 pub use examine::{Protocol, Samples, examine, validate};
 pub use grid::{Cell, Grid};
+pub use mass::{Bound, Integral};
 pub use outcome::{Counts, Outcome, Verdict, decide};
 pub use sampler::{Draw, Drawn, Sampler, SamplerFn, sampler};
 

@@ -1,6 +1,7 @@
 //! What a test found, and the verdict on it among the others of a run.
 
 use super::grid::Grid;
+use super::mass::Integral;
 use super::multiple::{fisher, holm};
 use crate::error::Result;
 use serde::Serialize;
@@ -52,9 +53,8 @@ pub struct Outcome {
     /// The smallest relative density error (root mean square over the cells) that is found with 90 % probability.
     pub detectable: Option<f64>,
     pub seconds: f64,
-    /// The integral of the density and its atoms, and the bound of its error.
-    pub mass: Option<f64>,
-    pub mass_error: Option<f64>,
+    /// The integral of the density and its atoms.
+    pub mass: Option<Integral>,
     /// Cells, and groups of them after pooling.
     pub cells: usize,
     pub pooled: usize,
@@ -83,7 +83,6 @@ impl Outcome {
             detectable: None,
             seconds: 0.0,
             mass: None,
-            mass_error: None,
             cells: 0,
             pooled: 0,
             none: 0,

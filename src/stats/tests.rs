@@ -33,7 +33,7 @@ fn right_samplers_are_accepted() -> Result<()> {
     for alpha in [1e-4, 0.01, 0.3, 1.0] {
         let outcome = validate(&sphere, &lobe(alpha), &density(lobe_pdf(alpha)), &protocol())?;
         assert!(outcome.is_accepted(), "{alpha}: {outcome}");
-        assert!((outcome.mass.unwrap() - 1.0).abs() < 2e-5, "{outcome:?}");
+        assert!((outcome.mass.unwrap().value - 1.0).abs() < 2e-5, "{outcome:?}");
         assert!(outcome.dof > 150 && outcome.detectable.unwrap() < 0.0202, "{outcome}");
     }
     let triangular = sampler(1, |u: &[f64]| Some(Draw::with_pdf(u[0].sqrt(), 2.0 * u[0].sqrt())));
@@ -101,7 +101,7 @@ fn atoms_and_no_sample_are_counted() -> Result<()> {
     };
     for mass in [Mass::Exactly(0.9), Mass::AtMostOne] {
         let outcome = validate(&half, &mixed(0.2), &claim(mass), &protocol())?;
-        assert!(outcome.is_accepted() && (outcome.mass.unwrap() - 0.9).abs() < 1e-9, "{outcome}");
+        assert!(outcome.is_accepted() && (outcome.mass.unwrap().value - 0.9).abs() < 1e-9, "{outcome}");
         assert_eq!(validate(&half, &mixed(0.21), &claim(mass), &protocol())?.verdict, Verdict::Reject);
     }
     assert!(validate(&half, &mixed(0.2), &claim(Mass::Exactly(1.0)), &protocol())?.fault.is_some());

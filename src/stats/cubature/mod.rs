@@ -1,11 +1,18 @@
-//! Integrals of a density over cells, in f64 with error bounds.
+//! Integrals of a density over cells, in f64.
 //!
 //! Smooth densities: the tensor product of the Gauss–Kronrod rule (7, 15), bisected where the two rules of an axis
 //! disagree, for all cells at once and round by round, so that a density in another process is asked in large batches.
+//! No rule sees a spike or a gap between its nodes, so the rule is told of places: where the density at one of them is not
+//! what the nodes around it predict, the rectangle is cut further. [`Check`] measures what is still not seen.
 //! Densities that are constant between lines of the chart: exact sums.
 
+mod check;
+mod pieces;
 mod refine;
 mod rule;
+
+pub use check::Check;
+pub use refine::Refinement;
 
 use super::density::Density;
 use super::domain::Domain;
@@ -17,7 +24,8 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Integrals<P> {
     pub values: Vec<f64>,
-    /// Bounds of the errors: Σ |K − G| over a cell's pieces, 0 for exact sums.
+    /// Estimates of the errors: Σ |K − G| over a cell's pieces, or more where the density is known to differ from what the
+    /// nodes predict; 0 for exact sums.
     pub errors: Vec<f64>,
     /// The first value of the density that is negative or not finite.
     pub fault: Option<Fault<P>>,
@@ -30,21 +38,47 @@ pub struct Fault<P> {
     pub value: f64,
 }
 
-/// Integrates `density` over the cells of `grid`.
-///
-/// `pilot` are places of samples: a cell that they find fuller or emptier than its integral says is split at them and
-/// integrated again, for no rule sees a lobe between its nodes.
+/// A place of the chart and the density there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    pub at: [f64; 2],
+    pub pdf: f64,
+}
+
+/// How the integrals of a density are computed.
+pub enum Integration<'a, D: Domain> {
+    /// Exact sums, from declared lines between which the density is constant.
+    Exact(Integrals<D::Point>),
+    /// Rules on pieces of the cells.
+    Refined(Refinement<'a, D>),
+}
+
+impl<'a, D: Domain> Integration<'a, D> {
+    /// Integrates `density` over the cells of `grid`, knowing its values at `places`.
+    pub fn new(domain: &'a D, density: &'a dyn Density<D::Point>, grid: &'a Grid, places: &[Place]) -> Result<Self> {
+        let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
+        Ok(match outcomes.or_else(|| density.steps()) {
+            Some(steps) => Self::Exact(sums(domain, density, grid, &steps)?),
+            None => Self::Refined(Refinement::new(domain, density, grid, places)?),
+        })
+    }
+
+    pub fn integrals(&self) -> Integrals<D::Point> {
+        match self {
+            Self::Exact(integrals) => integrals.clone(),
+            Self::Refined(refinement) => refinement.integrals(),
+        }
+    }
+}
+
+/// The integrals of `density` over the cells of `grid`.
 pub fn integrate<D: Domain>(
     domain: &D,
     density: &dyn Density<D::Point>,
     grid: &Grid,
-    pilot: &[[f64; 2]],
+    places: &[Place],
 ) -> Result<Integrals<D::Point>> {
-    let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
-    if let Some(steps) = outcomes.or_else(|| density.steps()) {
-        return sums(domain, density, grid, &steps);
-    }
-    refine::integrals(domain, density, grid, pilot)
+    Ok(Integration::new(domain, density, grid, places)?.integrals())
 }
 
 /// Sums over the rectangles between the lines of `steps`, on each of which the density is constant.
@@ -100,6 +134,14 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
+    /// Places of the chart with the density there.
+    fn known<D: Domain>(domain: &D, density: &dyn Density<D::Point>, at: Vec<[f64; 2]>) -> Vec<Place> {
+        let points: Vec<D::Point> = at.iter().map(|&at| domain.point(at)).collect();
+        let mut pdfs = Vec::new();
+        density.pdf(&points, &mut pdfs).unwrap();
+        at.into_iter().zip(pdfs).map(|(at, pdf)| Place { at, pdf }).collect()
+    }
+
     fn total<P>(integrals: &Integrals<P>) -> (f64, f64) {
         (integrals.values.iter().sum(), integrals.errors.iter().sum())
     }
@@ -148,10 +190,11 @@ mod tests {
                 domain.place((axis + r * (phi.cos() * t + phi.sin() * b)).normalize()).unwrap()
             })
             .collect();
+        let places = known(&domain, &lobe, pilot.clone());
         let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None), &[]).unwrap()).0;
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
-            let (value, error) = total(&integrate(&domain, &lobe, &grid, &pilot).unwrap());
+            let (value, error) = total(&integrate(&domain, &lobe, &grid, &places).unwrap());
             assert!((value - 1.0).abs() < 1e-6 + error && error < 1e-4, "{value} {error}");
         }
     }
@@ -170,7 +213,8 @@ mod tests {
                 .map(|u| domain.place(DVec3::from_array(ggx.sample_visible(wo, u))).unwrap())
                 .collect();
             let visible = density(|wm: DVec3| ggx.pdf_visible(wo, wm.to_array()));
-            let (value, error) = total(&integrate(&domain, &visible, &Grid::equal([10, 20], None), &pilot).unwrap());
+            let places = known(&domain, &visible, pilot);
+            let (value, error) = total(&integrate(&domain, &visible, &Grid::equal([10, 20], None), &places).unwrap());
             // What fewer than four places of the pilot lie in may still be missed.
             assert!((value - 1.0).abs() < 5e-5 && error < 5e-5, "{alpha}: {value} {error}");
         }

@@ -1,176 +1,197 @@
-//! Cutting cells into pieces until the rule agrees with itself on each.
+//! Cutting cells into pieces until the rules agree with each other and with what is known of the density.
 
 use super::super::density::Density;
 use super::super::domain::Domain;
 use super::super::grid::{Cell, Grid};
-use super::rule::{KRONROD, nodes, rules};
-use super::{Fault, Integrals, first_fault};
+use super::pieces::{Piece, Tree};
+use super::rule::{KRONROD, nodes};
+use super::{Fault, Integrals, Place, first_fault};
 use crate::error::Result;
 use rayon::prelude::*;
 
-/// Evaluations of the density after which refinement stops.
-const BUDGET: usize = 1 << 23;
+/// Evaluations of the density after which refinement stops, each time that places are learned.
+const BUDGET: usize = 1 << 22;
 /// The share of a cell's integral, or of an average cell's, that its error should stay below. 200 cells then leave the whole
 /// uncertain by 5·10⁻⁵ at most.
 const PRECISION: f64 = 2.5e-5;
 
-/// The integrals over the cells of `grid`, with `pilot` as in [`super::integrate`].
-pub(super) fn integrals<D: Domain>(
-    domain: &D,
-    density: &dyn Density<D::Point>,
-    grid: &Grid,
-    pilot: &[[f64; 2]],
-) -> Result<Integrals<D::Point>> {
-    let mut work = Refinement { domain, density, pieces: Vec::new(), evaluations: 0, fault: None };
-    let inside = sorted_into(grid, pilot);
-    let pieces = |(cell, pieces): (usize, Vec<Cell>)| {
-        let places = &inside[cell];
-        pieces.into_iter().flat_map(|at| parts(at, places, domain.is_plane())).map(move |piece| (cell, piece))
-    };
-    work.add(grid.graded_cells().enumerate().flat_map(pieces))?;
-    work.refine(grid.len())?;
-    let split = work.split_at_pilot(grid, &inside, pilot.len());
-    if !split.is_empty() {
-        work.add(split.into_iter())?;
-        work.refine(grid.len())?;
-    }
-    let (values, errors) = work.totals(grid.len());
-    Ok(Integrals { values, errors, fault: work.fault })
-}
-
-/// The pilot's places in each cell.
-fn sorted_into(grid: &Grid, pilot: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
-    let mut inside = vec![Vec::new(); grid.len()];
-    pilot.iter().for_each(|&place| inside[grid.find(place)].push(place));
-    inside
-}
-
-/// The first pieces of a rectangle: cut across every axis in use where the pilot's places in it are halved, and graded from
-/// there, so that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
-fn parts(at: Cell, places: &[[f64; 2]], plane: bool) -> Vec<Cell> {
-    const FEWEST: usize = 4;
-    let within = |[x, y]: &[f64; 2]| at.x[0] <= *x && *x < at.x[1] && at.y[0] <= *y && *y < at.y[1];
-    let places: Vec<[f64; 2]> = places.iter().filter(|place| within(place)).copied().collect();
-    if places.len() >= FEWEST {
-        let shape = if plane { [2, 2] } else { [2, 1] };
-        return Grid::adapted(&places, shape, at, None).graded_cells().flatten().collect();
-    }
-    let ys = if plane { halves(at.y).into() } else { vec![at.y] };
-    halves(at.x).into_iter().flat_map(|x| ys.iter().map(move |&y| Cell { x, y }).collect::<Vec<_>>()).collect()
-}
-
-fn halves([from, to]: [f64; 2]) -> [[f64; 2]; 2] {
-    let middle = 0.5 * (from + to);
-    [[from, middle], [middle, to]]
-}
-
-/// A rectangle that one rule is applied to.
-#[derive(Debug, Clone, Copy)]
-struct Piece {
-    cell: usize,
-    at: Cell,
-    integral: f64,
-    /// |K − G| for each axis.
-    errors: [f64; 2],
-}
-
-impl Piece {
-    fn error(&self) -> f64 {
-        self.errors[0] + self.errors[1]
-    }
-
-    /// The halves along the axis that needs it more.
-    fn halves(&self) -> [Cell; 2] {
-        let Cell { x, y } = self.at;
-        if self.errors[0] >= self.errors[1] {
-            halves(x).map(|x| Cell { x, y })
-        } else {
-            halves(y).map(|y| Cell { x, y })
-        }
-    }
-}
-
-struct Refinement<'a, D: Domain> {
-    domain: &'a D,
-    density: &'a dyn Density<D::Point>,
-    pieces: Vec<Piece>,
+/// A density's integrals over the cells of a grid, which become better with every place that is learned.
+pub struct Refinement<'a, D: Domain> {
+    pub(super) domain: &'a D,
+    pub(super) density: &'a dyn Density<D::Point>,
+    pub(super) grid: &'a Grid,
+    pub(super) pieces: Vec<Piece>,
+    tree: Tree,
+    places: Vec<Place>,
     evaluations: usize,
     fault: Option<Fault<D::Point>>,
 }
 
-impl<D: Domain> Refinement<'_, D> {
-    /// Applies the rules to new pieces, given with the number of their cell.
-    fn add(&mut self, pieces: impl Iterator<Item = (usize, Cell)>) -> Result<()> {
-        // Enough points for a batch, few enough to share out.
-        const PIECES: usize = 16;
-        let pieces: Vec<(usize, Cell)> = pieces.collect();
-        let plane = self.domain.is_plane();
-        let apply = |batch: &[(usize, Cell)]| {
-            let points: Vec<D::Point> =
-                batch.iter().flat_map(|(_, at)| nodes(at, plane)).map(|place| self.domain.point(place)).collect();
-            let mut values = Vec::with_capacity(points.len());
-            self.density.pdf(&points, &mut values)?;
-            let per_piece = points.len() / batch.len();
-            let made = batch.iter().zip(values.chunks(per_piece)).map(|(&(cell, at), values)| {
-                let scale = 0.25 * at.area() * self.domain.measure();
-                let [k, gx, gy] = rules(values).map(|sum| sum * scale);
-                Piece { cell, at, integral: k, errors: [(gx - k).abs(), (gy - k).abs()] }
-            });
-            Ok((made.collect::<Vec<_>>(), first_fault(&points, &values)))
-        };
-        self.evaluations += pieces.len() * if plane { KRONROD * KRONROD } else { KRONROD };
-        for made in pieces.par_chunks(PIECES).map(apply).collect::<Result<Vec<_>>>()? {
-            self.pieces.extend(made.0);
-            self.fault = self.fault.or(made.1);
-        }
-        Ok(())
-    }
+/// A rectangle still to be integrated: its leaf of the tree, its cell, and the known places in it.
+struct Part {
+    leaf: usize,
+    cell: usize,
+    at: Cell,
+    places: Vec<u32>,
+}
 
-    /// Halves pieces until every cell is precise enough, or the budget is spent, or the density is at fault.
-    fn refine(&mut self, cells: usize) -> Result<()> {
-        while self.evaluations < BUDGET && self.fault.is_none() {
-            let (values, errors) = self.totals(cells);
-            let mut counts = vec![0usize; cells];
-            self.pieces.iter().for_each(|piece| counts[piece.cell] += 1);
-            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
-            let (coarse, fine): (Vec<Piece>, Vec<Piece>) = self.pieces.iter().partition(|piece| {
-                let cell = piece.cell;
-                errors[cell] > allowed[cell] && piece.error() > 0.5 * allowed[cell] / counts[cell] as f64
-            });
-            if coarse.is_empty() {
-                break;
-            }
-            self.pieces = fine;
-            self.add(coarse.iter().flat_map(|piece| piece.halves().map(|half| (piece.cell, half))))?;
+impl<'a, D: Domain> Refinement<'a, D> {
+    /// Integrates over the cells of `grid`, knowing the density at `places`.
+    pub fn new(domain: &'a D, density: &'a dyn Density<D::Point>, grid: &'a Grid, places: &[Place]) -> Result<Self> {
+        let (pieces, tree) = (Vec::new(), Tree::new());
+        let mut work =
+            Self { domain, density, grid, pieces, tree, places: places.to_vec(), evaluations: 0, fault: None };
+        let all = (0..places.len() as u32).collect();
+        let whole = Part { leaf: 0, cell: 0, at: Cell::WHOLE, places: all };
+        let mut parts = work.cut(whole, grid.graded());
+        for part in &mut parts {
+            let [x, y] = [part.at.x, part.at.y].map(|[from, to]| 0.5 * (from + to));
+            part.cell = grid.find([x, y]);
         }
-        Ok(())
-    }
-
-    /// The new pieces of cells whose share of the pilot contradicts their integral; their old ones are removed.
-    fn split_at_pilot(&mut self, grid: &Grid, inside: &[Vec<[f64; 2]>], pilot: usize) -> Vec<(usize, Cell)> {
-        let (values, _) = self.totals(grid.len());
-        let contradicts = |cell: usize| {
-            let (seen, expected) = (inside[cell].len() as f64, values[cell] * pilot as f64);
-            seen > 0.0 && (seen - expected).abs() > 5.0 + 5.0 * expected.sqrt()
-        };
-        let doubtful: Vec<bool> = (0..grid.len()).map(contradicts).collect();
-        self.pieces.retain(|piece| !doubtful[piece.cell]);
-        let cells = grid.cells().zip(inside).enumerate().filter(|(cell, _)| doubtful[*cell]);
-        cells
-            .flat_map(|(cell, (at, places))| {
-                let parts = if self.domain.is_plane() { [8, 8] } else { [64, 1] };
-                let pieces: Vec<Cell> = Grid::adapted(places, parts, at, None).graded_cells().flatten().collect();
-                pieces.into_iter().map(move |piece| (cell, piece))
+        let parts: Vec<Part> = parts
+            .into_iter()
+            .flat_map(|part| match work.first_cut(&part) {
+                Some(grid) => work.cut(part, grid),
+                None => vec![part],
             })
-            .collect()
+            .collect();
+        work.add(parts)?;
+        work.refine()?;
+        Ok(work)
     }
 
-    fn totals(&self, cells: usize) -> (Vec<f64>, Vec<f64>) {
-        let (mut values, mut errors) = (vec![0.0; cells], vec![0.0; cells]);
+    /// Takes the density at more places into account.
+    pub fn learn(&mut self, places: &[Place]) -> Result<()> {
+        let measure = self.domain.measure();
+        for place in places {
+            let piece = &mut self.pieces[self.tree.find(place.at)];
+            piece.places.push(self.places.len() as u32);
+            piece.learn(place, measure);
+            self.places.push(*place);
+        }
+        self.refine()
+    }
+
+    pub fn integrals(&self) -> Integrals<D::Point> {
+        let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
         for piece in &self.pieces {
             values[piece.cell] += piece.integral;
             errors[piece.cell] += piece.error();
         }
-        (values, errors)
+        Integrals { values, errors, fault: self.fault }
+    }
+
+    /// The share of the density at a place that the nodes around it lead to expect: less than 1 for a spike.
+    pub fn seen(&self, place: &Place) -> f64 {
+        self.piece_at(place.at).seen(place.pdf)
+    }
+
+    pub(super) fn piece_at(&self, at: [f64; 2]) -> &Piece {
+        &self.pieces[self.tree.find(at)]
+    }
+
+    /// Where a rectangle is cut before any rule is applied: where its known places are halved, and graded from there, so
+    /// that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
+    fn first_cut(&self, part: &Part) -> Option<Grid> {
+        const FEWEST: usize = 4;
+        let plane = self.domain.is_plane();
+        if part.places.len() < FEWEST {
+            return Grid::halved(part.at, [true, plane]);
+        }
+        let places: Vec<[f64; 2]> = part.places.iter().map(|&place| self.places[place as usize].at).collect();
+        let shape = if plane { [2, 2] } else { [2, 1] };
+        Some(Grid::adapted(&places, shape, part.at, None).graded())
+    }
+
+    /// The parts of a rectangle between the lines of `grid`, with the places in each.
+    fn cut(&mut self, whole: Part, grid: Grid) -> Vec<Part> {
+        let mut inside = vec![Vec::new(); grid.len()];
+        for place in whole.places {
+            inside[grid.find(self.places[place as usize].at)].push(place);
+        }
+        let cells: Vec<Cell> = grid.cells().collect();
+        let leaves = self.tree.cut(whole.leaf, grid);
+        let parts = leaves.zip(cells).zip(inside);
+        parts.map(|((leaf, at), places)| Part { leaf, cell: whole.cell, at, places }).collect()
+    }
+
+    /// Applies the rules to `parts`.
+    fn add(&mut self, parts: Vec<Part>) -> Result<()> {
+        // Enough points for a batch, few enough to share out.
+        const PARTS: usize = 16;
+        let (plane, measure, known) = (self.domain.is_plane(), self.domain.measure(), &self.places);
+        let apply = |batch: &[Part]| {
+            let points: Vec<D::Point> =
+                batch.iter().flat_map(|part| nodes(&part.at, plane)).map(|place| self.domain.point(place)).collect();
+            let mut values = Vec::with_capacity(points.len());
+            self.density.pdf(&points, &mut values)?;
+            let per_part = points.len() / batch.len();
+            let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
+                let mut piece = Piece::new(part.leaf, part.cell, part.at, values, measure);
+                part.places.iter().for_each(|&place| piece.learn(&known[place as usize], measure));
+                piece
+            });
+            Ok((made.collect::<Vec<_>>(), first_fault(&points, &values)))
+        };
+        let made = parts.par_chunks(PARTS).map(apply).collect::<Result<Vec<_>>>()?;
+        self.evaluations += parts.len() * if plane { KRONROD * KRONROD } else { KRONROD };
+        let (pieces, faults): (Vec<Vec<Piece>>, Vec<_>) = made.into_iter().unzip();
+        self.fault = faults.into_iter().flatten().next().or(self.fault);
+        for (mut piece, part) in pieces.into_iter().flatten().zip(parts) {
+            piece.places = part.places;
+            self.tree.set(piece.leaf, self.pieces.len());
+            self.pieces.push(piece);
+        }
+        Ok(())
+    }
+
+    /// Cuts pieces until every cell is precise enough, or the budget is spent, or the density is at fault.
+    fn refine(&mut self) -> Result<()> {
+        let cells = self.grid.len();
+        self.evaluations = 0;
+        while self.evaluations < BUDGET && self.fault.is_none() {
+            let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0; cells], vec![0usize; cells]);
+            for piece in &self.pieces {
+                values[piece.cell] += piece.integral;
+                counts[piece.cell] += 1;
+                errors[piece.cell] += piece.error();
+            }
+            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
+            // Spikes are cut out first: until they are seen, errors mean nothing.
+            let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
+            let is_coarse = |piece: &Piece| {
+                let (cell, error) = (piece.cell, piece.error());
+                let large = errors[cell] > allowed[cell] && error > 0.5 * allowed[cell] / counts[cell] as f64;
+                if spikes { error.is_infinite() } else { large }
+            };
+            let plane = self.domain.is_plane();
+            let (coarse, mut fine): (Vec<Piece>, Vec<Piece>) =
+                std::mem::take(&mut self.pieces).into_iter().partition(is_coarse);
+            if coarse.is_empty() {
+                self.pieces = fine;
+                break;
+            }
+            let mut cuts = Vec::new();
+            for mut piece in coarse {
+                match piece.parts(plane) {
+                    Some(grid) => cuts.push((grid, piece)),
+                    // Coordinates are too coarse for a cut: nothing more is to be known here.
+                    None => {
+                        (piece.errors, piece.doubt) = ([0.0; 2], 0.0);
+                        fine.push(piece);
+                    }
+                }
+            }
+            self.pieces = fine;
+            for (number, piece) in self.pieces.iter().enumerate() {
+                self.tree.set(piece.leaf, number);
+            }
+            let mut parts = Vec::new();
+            for (grid, Piece { leaf, cell, at, places, .. }) in cuts {
+                parts.extend(self.cut(Part { leaf, cell, at, places }, grid));
+            }
+            self.add(parts)?;
+        }
+        Ok(())
     }
 }

@@ -54,3 +54,51 @@ pub(super) fn rules(values: &[f64]) -> [f64; 3] {
     }
     sums
 }
+
+/// Weights of the Kronrod rule's nodes in barycentric interpolation: 1 / ∏ (xᵢ − xⱼ), scaled.
+///
+/// Source: Berrut & Trefethen, "Barycentric Lagrange Interpolation", SIAM Review 46(3), 2004.
+const BARYCENTRIC: [f64; KRONROD] = {
+    let mut weights = [1.0; KRONROD];
+    let mut i = 0;
+    while i < KRONROD {
+        let mut j = 0;
+        while j < KRONROD {
+            if i != j {
+                // The factor 2 keeps the products, of the order of 2⁻¹⁴, near 1.
+                weights[i] /= 2.0 * (RULE[i].0 - RULE[j].0);
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    weights
+};
+
+/// Values at `x` in \[−1, 1\] of the 15 polynomials that are 1 at one node and 0 at the others.
+fn lagrange(x: f64) -> [f64; KRONROD] {
+    let mut basis = [0.0; KRONROD];
+    if let Some(at) = RULE.iter().position(|node| node.0 == x) {
+        basis[at] = 1.0;
+        return basis;
+    }
+    for (value, (node, weight)) in basis.iter_mut().zip(RULE.iter().zip(BARYCENTRIC)) {
+        *value = weight / (x - node.0);
+    }
+    let sum: f64 = basis.iter().sum();
+    basis.map(|value| value / sum)
+}
+
+/// The polynomial through `values` at the [`nodes`] of `at`, whose integral is what Kronrod's rule returns.
+pub(super) fn interpolate(values: &[f64], at: &Cell, [x, y]: [f64; 2]) -> f64 {
+    let local = |v: f64, [from, to]: [f64; 2]| ((2.0 * v - from - to) / (to - from)).clamp(-1.0, 1.0);
+    let along_x = lagrange(local(x, at.x));
+    let sum = |basis: &[f64; KRONROD], values: &[f64]| {
+        basis.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>()
+    };
+    if values.len() == KRONROD {
+        return sum(&along_x, values);
+    }
+    let along_y = lagrange(local(y, at.y));
+    along_x.iter().zip(values.chunks(KRONROD)).map(|(weight, row)| weight * sum(&along_y, row)).sum()
+}

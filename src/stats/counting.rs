@@ -1,0 +1,110 @@
+//! Samples counted in cells against a density's integrals, which are made better until their errors do not show.
+
+use super::cubature::{Fault, Integration, Place};
+use super::density::Atom;
+use super::domain::Domain;
+use super::draws::{Draws, Tally};
+use super::grid::Grid;
+use super::mass::Integral;
+use crate::error::Result;
+
+/// Fewest and most random places at which integrals are checked; between these as many as samples.
+const CHECKS: [u64; 2] = [1 << 16, 1 << 20];
+/// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
+/// moves by 0.025 standard deviations.
+const SLACK: f64 = 0.0025;
+/// Attempts at counting, each with fresh samples.
+const ATTEMPTS: u64 = 3;
+
+/// The numbers of the random streams of an attempt: of its samples and of its checks. Attempt 0 is the pilot.
+pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
+    let first = 2 * (round * (ATTEMPTS + 1) + attempt);
+    [first, first + 1]
+}
+
+/// What is to be counted.
+pub struct Counting<'a, D: Domain> {
+    pub draws: &'a Draws<'a, D>,
+    pub grid: &'a Grid,
+    pub atoms: &'a [Atom<D::Point>],
+    pub samples: u64,
+    /// The probability with which the bound of the integral may fail.
+    pub risk: f64,
+}
+
+/// Counts and integrals.
+pub struct Counted<P> {
+    /// The integral over each cell.
+    pub values: Vec<f64>,
+    /// The integral over all cells.
+    pub integral: Integral,
+    /// Whether errors of the cells' integrals would show in the chi-square test.
+    pub uncertain: bool,
+    pub fault: Option<Fault<P>>,
+    pub tally: Tally,
+}
+
+/// What is added to each cell's integral, and the standard error of that.
+type Correction = [f64; 2];
+
+impl<D: Domain> Counting<'_, D> {
+    /// Integrates and counts.
+    ///
+    /// Where the first samples show that the integrals are too uncertain, the density is integrated again with what they
+    /// found. Where the second still do, what the integrals lack is estimated from them and added. Counts are always
+    /// of fresh samples that had no part in the integrals that they are compared with.
+    pub fn run(&self, pilot: &[Place], round: u64) -> Result<Counted<D::Point>> {
+        let Draws { domain, sampler, density, seed } = *self.draws;
+        let mut integration = Integration::new(domain, density, self.grid, pilot)?;
+        if let Integration::Refined(refinement) = &mut integration {
+            let [_, checks] = streams(round, 0);
+            let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
+            refinement.learn(&found)?;
+        }
+        let attempts = if sampler.supply().is_some() { 1 } else { ATTEMPTS };
+        let mut corrections: Option<Vec<Correction>> = None;
+        let mut attempt = 1;
+        loop {
+            let [stream, checks] = streams(round, attempt);
+            let tally = self.draws.tally(stream, self.samples, self.grid, self.atoms, &integration)?;
+            let mut integrals = integration.integrals();
+            let Integration::Refined(refinement) = &mut integration else {
+                let (integral, values) = (Integral::exact(&integrals), integrals.values);
+                return Ok(Counted { values, integral, uncertain: false, fault: integrals.fault, tally });
+            };
+            let check = refinement.check(self.samples.clamp(CHECKS[0], CHECKS[1]), seed, checks)?;
+            let integral = Integral::measured(&integrals, &check, &tally, self.risk);
+            let fault = integrals.fault.or(check.fault);
+
+            let unseen = |cell: usize| tally.unseen_in[cell].sum() / self.samples as f64;
+            let error = |cell: usize| match &corrections {
+                Some(corrections) => corrections[cell][1],
+                None => integrals.errors[cell] + check.difference(cell)[0].abs() + unseen(cell),
+            };
+            let uncertain = self.is_uncertain(&integrals.values, error);
+            if !uncertain || attempt == attempts || fault.is_some() {
+                for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
+                    *value = (*value + more).max(0.0);
+                }
+                return Ok(Counted { values: integrals.values, integral, uncertain, fault, tally });
+            }
+            attempt += 1;
+            if attempt < attempts {
+                refinement.learn(&[check.found, tally.found].concat())?;
+            } else {
+                let correction = |cell: usize| {
+                    let ([within_reach, error], unseen) = (check.difference(cell), unseen(cell));
+                    [within_reach + unseen, error.hypot((unseen / self.samples as f64).sqrt())]
+                };
+                corrections = Some((0..self.grid.len()).map(correction).collect());
+            }
+        }
+    }
+
+    /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic.
+    fn is_uncertain(&self, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
+        let n = self.samples as f64;
+        let terms = values.iter().enumerate().map(|(cell, value)| (n * error(cell)).powi(2) / (n * value).max(1.0));
+        terms.sum::<f64>() > SLACK * values.len() as f64
+    }
+}

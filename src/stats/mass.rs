@@ -1,0 +1,83 @@
+//! What a density integrates to, with a bound of the error that says what it rests on.
+
+use super::bounded::mean_interval;
+use super::cubature::{Check, Integrals};
+use super::draws::Tally;
+use serde::Serialize;
+use std::fmt;
+
+/// What the bound of an error rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Bound {
+    /// On declared structure: the integral is an exact sum.
+    Rigorous,
+    /// On random numbers: it fails with a small probability, if the samples follow the density.
+    Statistical,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Rigorous => "rigorous",
+            Self::Statistical => "statistical",
+        })
+    }
+}
+
+/// An integral and the bound of its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Integral {
+    pub value: f64,
+    pub error: f64,
+    pub bound: Bound,
+}
+
+impl Integral {
+    /// The sum over the cells where every cell's integral is exact.
+    #[must_use]
+    pub fn exact<P>(integrals: &Integrals<P>) -> Self {
+        Self { value: integrals.values.iter().sum(), error: 0.0, bound: Bound::Rigorous }
+    }
+
+    /// The integral of a density that the rules do not see whole; its bound fails with probability `risk` at most.
+    ///
+    /// Let q be the density p cut off at what each piece of the cells is expected to reach. The polynomials that the rules
+    /// integrate exactly have the integral of q but for the mean difference at random places (`check`). For samples x of p,
+    /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike as often as its mass says, however narrow it is.
+    #[must_use]
+    pub fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
+        let polynomials: f64 = integrals.values.iter().sum();
+        let (cells, risk) = (integrals.values.len(), risk / 3.0);
+        let samples = tally.observed[..cells].iter().sum::<u64>();
+        let interval = |sum: f64, n: u64| {
+            let mean = if n > 0 { sum / n as f64 } else { 0.0 };
+            let [low, high] = mean_interval(mean, n, risk);
+            [low, mean, high]
+        };
+        let above = interval(check.above.sum(), check.count);
+        let below = interval(check.below.sum(), check.count);
+        let unseen = interval(tally.unseen.sum(), samples);
+        // The three ends that make the integral least, the three means, the three ends that make it largest.
+        let [least, value, most] = [0, 1, 2].map(|i| {
+            let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).max(0.0);
+            if within_reach > 0.0 { within_reach / (1.0 - unseen[i]) } else { 0.0 }
+        });
+        Self { value, error: (most - value).max(value - least), bound: Bound::Statistical }
+    }
+
+    /// The integral with something added that is known exactly.
+    #[must_use]
+    pub fn plus(self, known: f64) -> Self {
+        Self { value: self.value + known, ..self }
+    }
+}
+
+impl fmt::Display for Integral {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.bound {
+            Bound::Rigorous => write!(f, "{:.6} (exact sum)", self.value),
+            Bound::Statistical => write!(f, "{:.6} ± {:.1e} (statistical bound)", self.value, self.error),
+        }
+    }
+}
