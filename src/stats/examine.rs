@@ -150,8 +150,8 @@ pub fn examine<D: Domain>(
         Mass::AtMostOne => (1.0 - at_atoms - values.iter().sum::<f64>(), mass.value > 1.0 + tolerated),
     };
     let mass_fault = mass_fault.then(|| match density.mass() {
-        Mass::Exactly(m) => format!("the density integrates to {mass} instead of {m}"),
-        Mass::AtMostOne => format!("the density integrates to {mass}, which is more than 1"),
+        Mass::Exactly(m) => format!("the density integrates to {mass}, not to {m}"),
+        Mass::AtMostOne => format!("the density integrates to {mass}, more than 1"),
     });
     let density_fault = fault.map(|Fault { point, value }| format!("the density at {point:?} is {value}"));
 

@@ -76,8 +76,8 @@ impl Integral {
 impl fmt::Display for Integral {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.bound {
-            Bound::Rigorous => write!(f, "{:.6} (exact sum)", self.value),
-            Bound::Statistical => write!(f, "{:.6} ± {:.1e} (statistical bound)", self.value, self.error),
+            Bound::Rigorous => f.pad(&format!("{:.6} rigorous", self.value)),
+            Bound::Statistical => f.pad(&format!("{:.6} ± {:.1e} statistical", self.value, self.error)),
         }
     }
 }

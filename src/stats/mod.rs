@@ -4,11 +4,16 @@
 //! [`Sampler`] turns uniform numbers into its points. A [`Density`] says how likely they are, with respect to the domain's
 //! measure; it may have atoms (a mirror's one direction) and fall short of 1 (no sample).
 //!
-//! [`validate`] first does the checks that need no luck: the density is finite and not negative and integrates to its declared
-//! mass; samples are inside the domain, also for numbers at the edges of the unit cube; the density that a sample carries is the
-//! one that the density returns, to the last bit; an inverse gives back the numbers. Then it counts samples in cells
-//! and compares with the density's integrals over them by Pearson's chi-square. "No sample" and every atom have cells of
-//! their own, so that all samples are counted. The verdict may be that nothing can be said: too few samples never pass.
+//! [`validate`] first does the deterministic checks: the pdf is finite and not negative; samples are inside the domain, also for
+//! random numbers at the edges of the unit cube; the pdf that a sample carries is the one that the density returns, to the last
+//! bit; an inverse gives back the random numbers. Then it counts samples in cells and compares the counts with the density's
+//! integrals over them by Pearson's chi-square. "No sample" and every atom have cells of their own, so that all samples are
+//! counted. The verdict may be that nothing can be said: too few samples never pass.
+//!
+//! The pdf must also integrate to its declared mass. The [`Integral`] has a bound of its error. It is rigorous where the density
+//! declares lines between which it is constant. Otherwise it is statistical: quadrature alone has no bound, because any
+//! rule misses a lobe between its nodes. Random places show what quadrature misses where the density is about as high as its
+//! nodes say; the samples themselves fall into every narrow lobe and show the rest.
 //!
 //! ```
 //! use etalon::stats::{Directions, Draw, Pole, Protocol, density, sampler, validate};

@@ -36,14 +36,18 @@ pub fn text(validation: &Validation, files: &[PathBuf]) -> String {
 /// One line for each test, and its remark below it.
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
-    let mut text = format!("{:<width$}  verdict            p   finds    samples  seconds\n", "test");
+    let mut text = format!(
+        "{:<width$}  verdict            p   finds    samples  integral of the density         seconds\n",
+        "test"
+    );
     for Tested { name, outcome } in tests {
         text += &format!(
-            "{name:<width$}  {:<12} {:>8} {:>7} {:>10} {:>8.2}\n",
+            "{name:<width$}  {:<12} {:>8} {:>7} {:>10}  {:<31} {:>7.2}\n",
             outcome.verdict,
             p_value(outcome.p),
             percent(outcome.detectable),
             outcome.samples,
+            outcome.mass.map_or("-".into(), |mass| mass.to_string()),
             outcome.seconds
         );
         if let Some(remark) = outcome.remark() {

@@ -1,0 +1,42 @@
+//! The examples of the book run as they stand there.
+
+mod program;
+
+use std::path::Path;
+
+/// Every line of a `sh` block that starts with `etalon`, with the exit code that it should have.
+fn examples(page: &str) -> Vec<(String, i32)> {
+    let mut runs = false;
+    let mut lines = Vec::new();
+    for line in page.lines() {
+        if let Some(info) = line.strip_prefix("```") {
+            runs = info == "sh";
+        } else if runs && line.starts_with("etalon ") {
+            let (command, comment) = line.split_once(" #").unwrap_or((line, ""));
+            let code = comment.trim().strip_prefix("exit ").map_or(0, |code| code.trim().parse().unwrap());
+            lines.push((command.trim().to_owned(), code));
+        }
+    }
+    lines
+}
+
+#[test]
+fn examples_run() {
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
+    let summary = std::fs::read_to_string(book.join("SUMMARY.md")).unwrap();
+    let mut count = 0;
+    for page in std::fs::read_dir(&book).unwrap().map(|entry| entry.unwrap().path()) {
+        let name = page.file_name().unwrap().to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&page).unwrap();
+        assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name} is not in the summary");
+        let folder = tempfile::tempdir().unwrap();
+        for (command, code) in examples(&text) {
+            let words = shlex::split(&command).unwrap();
+            let arguments: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+            let ran = program::etalon(folder.path(), &arguments);
+            assert_eq!(ran.code, code, "{name}: {command}\n{}", ran.stderr);
+            count += 1;
+        }
+    }
+    assert!(count > 10, "{count} examples");
+}
