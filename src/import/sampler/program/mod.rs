@@ -16,6 +16,7 @@
 //! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
 mod answer;
+mod group;
 mod hello;
 mod peer;
 mod process;
