@@ -4,7 +4,7 @@
 //! [`Sampler`] turns uniform numbers into its points. A [`Density`] says how likely they are, with respect to the domain's
 //! measure; it may have atoms (a mirror's one direction) and fall short of 1 (no sample).
 //!
-//! [`validate`] first does the checks that need no luck: the density is finite and not negative and integrates to its declared
+//! [`validate`] first does the checks that need no luck: the density is the same when asked again, finite and not negative, and integrates to its declared
 //! mass; samples are inside the domain, also for numbers at the edges of the unit cube; the density that a sample carries is the
 //! one that the density returns, to the last bit; an inverse gives back the numbers. Then it counts samples in cells
 //! and compares with the density's integrals over them by Pearson's chi-square. "No sample" and every atom have cells of
@@ -48,6 +48,7 @@ pub mod kolmogorov;
 pub mod multiple;
 mod outcome;
 pub mod power;
+mod repeatable;
 mod sampler;
 pub mod welch;
 
