@@ -17,21 +17,21 @@ WI = mi.Vector3f(float(np.sin(ANGLE)), 0, float(np.cos(ANGLE)))
 
 
 def numbers(count):
-    """The next lines of the input, a row of numbers for each."""
-    lines = "".join(islice(sys.stdin, count))
-    return np.frombuffer(bytes.fromhex(lines), ">f8").reshape(count, -1).astype(np.float32).T
+    """The next lines of the input, a column of single-precision numbers for each."""
+    rows = np.array("".join(islice(sys.stdin, count)).split(), dtype=float).reshape(count, -1)
+    return rows.astype(np.float32).T
 
 
 def answer(columns):
-    """Prints columns of numbers, the bits of a row on a line."""
-    rows = np.stack([np.asarray(column) for column in columns], axis=1).astype(">f8")
-    print(rows.tobytes().hex("\n", 8 * rows.shape[1]))
+    """Prints columns of numbers in hexadecimal, which is exact."""
+    columns = [map(float.hex, np.asarray(column, dtype=float).tolist()) for column in columns]
+    print("\n".join(map(" ".join, zip(*columns))))
 
 
 for line in sys.stdin:
     request = line.split()
     if request[0] == "etalon":
-        print(f"etalon 1 name=mitsuba/{TYPE}/{KIND} domain=sphere dimension=2 numbers=bits")
+        print(f"etalon 1 name=mitsuba/{TYPE}/{KIND} domain=sphere dimension=2")
     elif request[0] == "sample":
         # A number next to 1 must not become 1 in single precision.
         u = np.minimum(numbers(int(request[1])), np.float32(1 - 2**-24))

@@ -79,6 +79,12 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A text without the byte order mark that some programs begin it with.
+#[must_use]
+pub fn without_bom(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
 /// A pipe that a shell has opened, or what else stands for one.
 #[cfg(unix)]
 fn is_shell_pipe(path: &Path, there: &std::fs::Metadata) -> bool {

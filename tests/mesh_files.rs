@@ -90,6 +90,8 @@ fn every_encoding_gives_the_same_mesh() {
     for (old, new) in [("\n", "\r\n"), ("\n", "\r"), ("float ", "float32 "), ("vertex_indices", "vertex_index")] {
         assert_eq!(read("a.PLY", ascii().replace(old, new).as_bytes()).unwrap(), expected(true), "{new:?}");
     }
+    let bom = |text: &str| [b"\xef\xbb\xbf", text.as_bytes()].concat();
+    assert_eq!(read("a.ply", &bom(&ascii())).unwrap(), expected(true));
     for big in [false, true] {
         assert_eq!(read("a.ply", &binary(big)).unwrap(), expected(true), "big endian: {big}");
     }
@@ -99,6 +101,7 @@ fn every_encoding_gives_the_same_mesh() {
     assert_eq!(read("a.ply", empty_rows.as_bytes()).unwrap(), expected(true));
     let obj = "# a test\no box\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1 2/1 3 -1\nv 0 2.5 \\\n -0.5\ns 1\nf 4 3 5";
     assert_eq!(read("a.obj", obj.as_bytes()).unwrap(), expected(false));
+    assert_eq!(read("a.obj", &bom(&obj.replace("# a test\n", ""))).unwrap(), expected(false));
 }
 
 #[test]

@@ -50,7 +50,7 @@ pub fn input(seeds: &[Vec<u8>], stream: Independent) -> Vec<u8> {
 
 /// Changes one place; `other` gives what is put in.
 fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
-    match random.below(12) {
+    match random.below(13) {
         0 => {
             if let Some(byte) = random.place(bytes) {
                 *byte ^= 1 << random.below(8);
@@ -98,6 +98,13 @@ fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
                     let start = bytes[..at].iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
                     replace(bytes, start..start, &text);
                 }
+            }
+        }
+        // A word and what separates it from the next, once more: a key or a column too many.
+        11 => {
+            if let Some(word) = run(bytes, |byte| !byte.is_ascii_whitespace() && byte != b',', random) {
+                let text = bytes[word.start..(word.end + 1).min(bytes.len())].to_vec();
+                replace(bytes, word.start..word.start, &text);
             }
         }
         // One name for another.

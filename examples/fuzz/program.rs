@@ -91,8 +91,9 @@ impl Peer for Recorded {
         };
         // The number in a greeting is a version, 1.
         let count: usize = words.next().and_then(|count| count.parse().ok()).unwrap_or_default();
-        let answer: String =
-            (self.lines..self.lines + count).map(|i| format!("{}\n", script[i % script.len()])).collect();
+        // A density has to be the same when asked again.
+        let first = if request.starts_with("pdf") { request.bytes().map(usize::from).sum() } else { self.lines };
+        let answer: String = (first..first + count).map(|i| format!("{}\n", script[i % script.len()])).collect();
         self.lines += count;
         self.said.lock().unwrap_or_else(PoisonError::into_inner).push(format!("{answer}end\n"));
         Ok(answer)
@@ -123,6 +124,10 @@ impl<P: Coordinates> Sampler<P> for Few<P> {
 
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()> {
         self.0.draw(u, out)
+    }
+
+    fn draw_seeded(&self, count: usize, seed: u32, out: &mut Drawn<P>) -> Result<()> {
+        self.0.draw_seeded(count, seed, out)
     }
 
     fn supply(&self) -> Option<u64> {

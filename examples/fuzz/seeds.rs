@@ -159,8 +159,13 @@ pub fn settings() -> Vec<Vec<u8>> {
 }
 
 pub fn samples() -> Vec<Vec<u8>> {
-    let angles = b"phi,theta\n0.1,0.2\n-3,1.5\n1e1,3.1\n0,0\n1,2\n2,1\n3,0.5\n0.5,0.7\n";
-    vec![include_bytes!("seeds/samples.csv").to_vec(), angles.to_vec()]
+    let others: [&[u8]; 4] = [
+        b"\xef\xbb\xbfphi,theta\r\n0.1,0.2\r\n-3,1.5\r\n1e1,3.1\r\n0,0\r\n1,2\r\n2,1\r\n3,0.5\r\n0.5,0.7\r\n",
+        b"x, y, z, pdf\n0.5, 0.25, 0.8291562, 1\n1.0, 0, 0, 0.5\n0x1.8p-1, 0.125, -0.6495191, 1.5\n0, -1, 0, 1\n",
+        b"pdf,i\n0.2,0\n0.5,1\n0.3,2\n0.2,0\n",
+        b"X\n0.5\n1\n\n0x1p-3\n6e-1\n",
+    ];
+    std::iter::once(&include_bytes!("seeds/samples.csv")[..]).chain(others).map(<[u8]>::to_vec).collect()
 }
 
 pub fn grid() -> Vec<Vec<u8>> {
@@ -173,16 +178,16 @@ pub fn grid() -> Vec<Vec<u8>> {
 pub fn protocol() -> Vec<Vec<u8>> {
     let actors = [
         Actor {
-            greeting: "etalon 1 domain=line dimension=1 invert=yes mass=0x1p0\n0.25 0.125",
+            greeting: "\u{feff}etalon 1 domain=line dimension=1 invert=yes mass=0x1p0\r\n0.25 0.125\r",
             sample: &["0.5 0.875", "atom 0.25", "0.1", "0x1p-1 8.75e-1"],
             pdf: &["0.875", " 0x1.cp-1\r"],
             invert: &["none", "none", "none", "0.25"],
         },
         Actor {
-            greeting: "etalon 1 domain=square invert=yes numbers=bits name=bits",
-            sample: &["3fe00000000000003fc0000000000000", "3fe0000000000000 3fd0000000000000 3ff0000000000000"],
-            pdf: &["3ff0000000000000"],
-            invert: &["none", "3fe00000000000003fc0000000000000"],
+            greeting: "etalon 1 domain=square invert=yes name=hex",
+            sample: &["0x1p-1\t0x1p-3\r", "0x1p-1 0x1p-2 0x1p+0\r"],
+            pdf: &["0x1p+0\r"],
+            invert: &["none\r", "0x1p-1 0x1p-3\r"],
         },
         Actor {
             greeting: "etalon 1 domain=hemisphere dimension=0 mass=at-most-1\n0 0 1 0.5",

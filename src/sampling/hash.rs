@@ -11,6 +11,17 @@ pub fn mix64(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// A bijection of 32-bit words in which every input bit reaches every output bit.
+///
+/// Source: Wellons, "Prospecting for hash functions", 2018 (`lowbias32`).
+#[inline]
+#[must_use]
+pub fn mix32(mut x: u32) -> u32 {
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
 /// 2⁶⁴ divided by the golden ratio: steps of a counter that [`mix64`] turns into a generator.
 pub const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 

@@ -7,6 +7,7 @@ use super::fixed::{Share, add};
 use super::grid::Grid;
 use super::sampler::{Draw, Drawn, Sampler};
 use crate::error::Result;
+use crate::sampling::hash::{mix32, mix64};
 use crate::sampling::stream::CounterRng;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -63,11 +64,17 @@ impl Tally {
 impl<D: Domain> Draws<'_, D> {
     /// Batch number `batch` of the first `count` samples of stream number `stream`: their numbers, and what was drawn.
     fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<(Vec<f64>, Drawn<D::Point>)> {
-        let size = BATCH.min(count - batch * BATCH);
-        // Streams are fewer than 2⁸, batches than 2⁵⁶.
-        let mut rng = CounterRng::new(self.seed, batch << 8 | stream);
-        let u: Vec<f64> = (0..size * self.sampler.dimension() as u64).map(|_| rng.random::<f64>()).collect();
-        let mut out = Vec::with_capacity(size as usize);
+        let size = BATCH.min(count - batch * BATCH) as usize;
+        // Streams are fewer than 2⁸, batches than 2²⁴.
+        let counter = batch << 8 | stream;
+        let mut out = Vec::with_capacity(size);
+        let dimension = self.sampler.dimension();
+        if dimension == 0 {
+            self.sampler.draw_seeded(size, batch_seed(self.seed, counter as u32), &mut out)?;
+            return Ok((Vec::new(), out));
+        }
+        let mut rng = CounterRng::new(self.seed, counter);
+        let u: Vec<f64> = (0..size * dimension).map(|_| rng.random::<f64>()).collect();
         self.sampler.draw(&u, &mut out)?;
         Ok((u, out))
     }
@@ -176,6 +183,13 @@ impl<D: Domain> Draws<'_, D> {
     }
 }
 
+/// The seed of a batch for a sampler with random numbers of its own: no two batches of a run have the same, since for each
+/// `seed` of a run this is a bijection of their numbers.
+fn batch_seed(seed: u64, number: u32) -> u32 {
+    let key = mix64(seed);
+    mix32(number ^ key as u32) ^ (key >> 32) as u32
+}
+
 /// What is wrong with the density that a sample claims, where `pdf` is the one at its point.
 fn claim_fault<P: std::fmt::Debug>(draw: &Draw<P>, pdf: f64) -> Option<String> {
     if !(pdf.is_finite() && pdf >= 0.0) {
@@ -194,6 +208,9 @@ pub fn corners<D: Domain>(
 ) -> Result<Option<String>> {
     const EDGES: [f64; 4] = [0.0, 0.5, 1.0 / (1u64 << 53) as f64, 1.0 - 1.0 / (1u64 << 53) as f64];
     let dimension = sampler.dimension();
+    if dimension == 0 {
+        return Ok(None);
+    }
     // All corners of few numbers; of many, those where all but one number are ½.
     let corner = |i: usize| -> Vec<f64> {
         if dimension <= 4 {

@@ -10,6 +10,7 @@ use super::grid::{Cell, Grid};
 use super::multiple::sidak;
 use super::outcome::{Counts, Outcome, decide};
 use super::power::{POWER, chi_square_tail, detectable, samples_for};
+use super::repeatable;
 use super::sampler::Sampler;
 use crate::error::{Error, Result};
 use std::time::Instant;
@@ -134,6 +135,10 @@ pub fn examine<D: Domain>(
     let pilots = supply.map_or(PILOT, |supply| PILOT.min(supply / 4));
     let count = |dof| supply.map_or_else(|| protocol.count(dof), |supply| supply - pilots);
     let pilot = draws.places(streams(round, 0)[0], pilots)?;
+    // Nothing can be said of integrals and counts then.
+    if let Some(fault) = repeatable::changes(domain, density, &pilot)? {
+        return Ok(Outcome { fault: Some(fault), seconds: start.elapsed().as_secs_f64(), ..Outcome::open(pilots) });
+    }
     let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
     let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));

@@ -4,7 +4,8 @@
 //! [`Sampler`] turns uniform numbers into its points. A [`Density`] says how likely they are, with respect to the domain's
 //! measure; it may have atoms (a mirror's one direction) and fall short of 1 (no sample).
 //!
-//! [`validate`] first does the deterministic checks: the pdf is finite and not negative; samples are inside the domain, also for
+//! [`validate`] first does the deterministic checks: the pdf is the same when asked again, finite and
+//! not negative; samples are inside the domain, also for
 //! random numbers at the edges of the unit cube; the pdf that a sample carries is the one that the density returns, to the last
 //! bit; an inverse gives back the random numbers. Then it counts samples in cells and compares the counts with the density's
 //! integrals over them by Pearson's chi-square. "No sample" and every atom have cells of their own, so that all samples are
@@ -57,6 +58,7 @@ mod mass;
 pub mod multiple;
 mod outcome;
 pub mod power;
+mod repeatable;
 mod sampler;
 pub mod welch;
 

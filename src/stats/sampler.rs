@@ -1,6 +1,6 @@
 //! What draws samples: the thing under test.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// A sample as its sampler hands it out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,13 +35,20 @@ pub type Drawn<P> = Vec<Option<Draw<P>>>;
 
 /// Draws points of a domain from uniform numbers.
 pub trait Sampler<P>: Sync {
-    /// Uniform numbers that one sample takes.
+    /// Uniform numbers that one sample takes; 0 for a sampler with random numbers of its own, which is then asked by
+    /// [`draw_seeded`](Self::draw_seeded) alone.
     fn dimension(&self) -> usize;
 
     /// Appends one entry to `out` for every [`dimension`](Self::dimension) numbers of `u`, which are in \[0, 1).
     ///
     /// Fails only where sampling itself can: in another process.
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()>;
+
+    /// Appends `count` entries to `out`, from random numbers of its own that `seed` starts: the same seed gives the same
+    /// samples. All batches of a run have different seeds.
+    fn draw_seeded(&self, _count: usize, _seed: u32, _out: &mut Drawn<P>) -> Result<()> {
+        Err(Error::parameter("dimension", "a sampler without uniform numbers has to implement draw_seeded"))
+    }
 
     /// How many samples are left, of a sampler that only has so many: a file. All of them are then
     /// used, once, whatever the protocol says, and the uniform numbers mean nothing.

@@ -2,9 +2,12 @@
 
 use super::*;
 use crate::error::Result;
+use crate::sampling::stream::CounterRng;
 use crate::sampling::warp;
 use glam::DVec3;
+use rand::RngExt;
 use std::f64::consts::{PI, TAU};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 fn protocol() -> Protocol {
@@ -238,4 +241,66 @@ fn what_leaves_nothing_to_chance_is_tested_exactly() -> Result<()> {
     let leaking = sampler(1, |u: &[f64]| (u[0] < 1e-3).then(|| Draw::new(DVec3::Z)));
     assert_eq!(validate(&half, &leaking, &dark, &protocol())?.verdict, Verdict::Reject);
     Ok(())
+}
+
+#[test]
+fn a_density_that_changes_when_asked_again_is_rejected() -> Result<()> {
+    let even = sampler(2, |u: &[f64]| Some(Draw::new([u[0], u[1]])));
+    let asked = AtomicU64::new(0);
+    // Its mean is 1 everywhere, so that no integral would tell.
+    let noise = density(|_: [f64; 2]| {
+        let bits = crate::sampling::hash::mix64(asked.fetch_add(1, Ordering::Relaxed));
+        2.0 * crate::sampling::hash::unit_f64(bits)
+    });
+    let outcome = validate(&Square, &even, &noise, &protocol())?;
+    assert_eq!((outcome.verdict, outcome.repeated), (Verdict::Reject, false), "{outcome}");
+    assert!(outcome.fault.unwrap().contains("not the same when asked again"));
+    Ok(())
+}
+
+/// Uniform numbers of its own; keeps the seeds.
+#[derive(Default)]
+struct Seeded(Mutex<Vec<u32>>);
+
+impl Sampler<f64> for Seeded {
+    fn dimension(&self) -> usize {
+        0
+    }
+
+    fn draw(&self, _: &[f64], _: &mut Drawn<f64>) -> Result<()> {
+        panic!("it takes no numbers")
+    }
+
+    fn draw_seeded(&self, count: usize, seed: u32, out: &mut Drawn<f64>) -> Result<()> {
+        self.0.lock().unwrap().push(seed);
+        let mut rng = CounterRng::new(u64::from(seed), 0);
+        out.extend((0..count).map(|_| Some(Draw::new(rng.random::<f64>()))));
+        Ok(())
+    }
+}
+
+#[test]
+fn samplers_with_numbers_of_their_own_get_a_seed_for_each_batch() -> Result<()> {
+    let run = |seed| -> Result<(Outcome, Vec<u32>)> {
+        let sampler = Seeded::default();
+        let many = Protocol { seed, samples: Samples::Count(3_000_000), ..protocol() };
+        let outcome = validate(&Line::UNIT, &sampler, &density(|_: f64| 1.0), &many)?;
+        let mut seeds = sampler.0.into_inner().unwrap();
+        seeds.sort_unstable();
+        Ok((outcome, seeds))
+    };
+    let (outcome, seeds) = run(1)?;
+    assert!(outcome.is_accepted() && seeds.len() > 300, "{outcome}");
+    let mut distinct = seeds.clone();
+    distinct.dedup();
+    assert_eq!(distinct, seeds);
+    assert_eq!(run(1)?.0.statistic, outcome.statistic);
+    assert_ne!(run(2)?.0.statistic, outcome.statistic);
+    Ok(())
+}
+
+#[test]
+fn a_sampler_that_takes_no_numbers_and_has_none_is_an_error() {
+    let constant = sampler(0, |_: &[f64]| Some(Draw::new(0.5)));
+    assert!(validate(&Line::UNIT, &constant, &density(|_: f64| 1.0), &protocol()).is_err());
 }

@@ -12,7 +12,7 @@
 //! Fields of view, position and matrix are taken as they stand; the others follow from them or have no effect.
 
 use crate::error::Result;
-use crate::files::read_bounded;
+use crate::files::{read_bounded, without_bom};
 use crate::import::place::{At, quote};
 use crate::import::transform::in_range;
 use crate::scene::{Camera, Projection};
@@ -27,8 +27,11 @@ const MAX_SIDE: f64 = 65536.0;
 /// Reads the camera at `path`, and the size of the window that it was kept from.
 pub fn read(path: &Path) -> Result<(Camera, [usize; 2])> {
     let bytes = read_bounded(path, MAX_BYTES)?;
-    let text = String::from_utf8_lossy(&bytes);
+    let text = String::from_utf8_lossy(without_bom(&bytes));
     let whole = At::file(path.into());
+    if text.trim_ascii().is_empty() {
+        return Err(whole.input("the file is empty"));
+    }
     let mut numbers = Vec::new();
     for (i, line) in text.lines().enumerate() {
         for word in line.split_ascii_whitespace() {
@@ -61,4 +64,39 @@ pub fn read(path: &Path) -> Result<(Camera, [usize; 2])> {
     let projection = Projection::Perspective { tan_half_width, tan_half_height };
     let camera = Camera { position, right, up: right.cross(forward), forward, projection };
     Ok((camera, screen.map(|side| side as usize)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: &str =
+        "50 35 1.33 0.1 1000\n0 0.5 5 0 0.5 0\n0 0 5 0.1 100\n1 0 0\n0 1 0\n0 0 1\n800 600 500\n4.5 0\n";
+
+    fn read_text(text: &str) -> std::result::Result<(Camera, [usize; 2]), String> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("camera.txt");
+        std::fs::write(&path, text).unwrap();
+        read(&path).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_byte_order_mark_and_crlf_are_read() {
+        let (camera, size) = read_text(SETTINGS).unwrap();
+        assert_eq!(size, [800, 600]);
+        assert_eq!(read_text(&format!("\u{feff}{}", SETTINGS.replace('\n', "\r\n"))), Ok((camera, size)));
+    }
+
+    #[test]
+    fn other_than_30_numbers_are_refused() {
+        for (text, expected) in [
+            ("", "camera.txt: the file is empty"),
+            ("\u{feff}\r\n", "camera.txt: the file is empty"),
+            (&format!("{SETTINGS} 7"), "camera settings are 30 numbers, not 31"),
+            (&SETTINGS.replace("800", "800,"), "camera.txt:7:1: \"800,\" is not a finite number"),
+        ] {
+            let error = read_text(text).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
 }

@@ -9,7 +9,7 @@ mod ply_header;
 
 use super::transform::in_range;
 use crate::error::{Error, Result};
-use crate::files::read_bounded;
+use crate::files::{read_bounded, without_bom};
 use crate::scene::Mesh;
 use glam::{DVec3, Vec3};
 use std::path::Path;
@@ -28,7 +28,7 @@ pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh> {
         Some("obj") => obj::read,
         _ => return Err(Error::unsupported(path, "not a mesh file that is known").with_hint("supported: .ply, .obj")),
     };
-    reader(path, &read_bounded(path, MAX_BYTES)?, warnings)
+    reader(path, without_bom(&read_bounded(path, MAX_BYTES)?), warnings)
 }
 
 /// A point in single precision; `None` when it is not finite or too far away to render.

@@ -4,6 +4,7 @@
 //! count characters of UTF-8. Strings end on the line where they start and know the escapes `\n \t \r \b \f \\ \" \'`.
 
 use crate::error::Result;
+use crate::files::without_bom;
 use crate::import::place::{At, quote};
 use std::path::Path;
 use std::rc::Rc;
@@ -46,8 +47,7 @@ pub struct Lexer<'a> {
 
 impl<'a> Lexer<'a> {
     pub fn new(bytes: &'a [u8], path: Rc<Path>) -> Self {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        Self { bytes, position: 0, line: 1, column: 1, path, ahead: None }
+        Self { bytes: without_bom(bytes), position: 0, line: 1, column: 1, path, ahead: None }
     }
 
     /// The next token and its place; `None` at the end of the file.

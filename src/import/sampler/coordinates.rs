@@ -1,6 +1,6 @@
 //! Points as words: one per coordinate.
 
-use super::number::{Notation, Words, write_number};
+use super::number::{Words, write_number};
 use glam::DVec3;
 use std::fmt::{Debug, Write};
 
@@ -10,25 +10,25 @@ pub trait Coordinates: Copy + Send + Sync + Debug + 'static {
     const WORDS: &'static str;
 
     /// Appends the words, with spaces between them.
-    fn write(&self, notation: Notation, out: &mut String);
+    fn write(&self, out: &mut String);
 
     /// Takes the words from a line.
     fn read(words: &mut Words<'_>) -> Option<Self>;
 }
 
 /// Appends numbers with spaces between them.
-pub fn write_numbers(numbers: &[f64], notation: Notation, out: &mut String) {
+pub fn write_numbers(numbers: &[f64], out: &mut String) {
     for (i, &x) in numbers.iter().enumerate() {
         out.push_str(if i == 0 { "" } else { " " });
-        write_number(x, notation, out);
+        write_number(x, out);
     }
 }
 
 impl Coordinates for DVec3 {
     const WORDS: &'static str = "x y z";
 
-    fn write(&self, notation: Notation, out: &mut String) {
-        write_numbers(&self.to_array(), notation, out);
+    fn write(&self, out: &mut String) {
+        write_numbers(&self.to_array(), out);
     }
 
     fn read(words: &mut Words<'_>) -> Option<Self> {
@@ -39,8 +39,8 @@ impl Coordinates for DVec3 {
 impl Coordinates for [f64; 2] {
     const WORDS: &'static str = "x y";
 
-    fn write(&self, notation: Notation, out: &mut String) {
-        write_numbers(self, notation, out);
+    fn write(&self, out: &mut String) {
+        write_numbers(self, out);
     }
 
     fn read(words: &mut Words<'_>) -> Option<Self> {
@@ -51,8 +51,8 @@ impl Coordinates for [f64; 2] {
 impl Coordinates for f64 {
     const WORDS: &'static str = "x";
 
-    fn write(&self, notation: Notation, out: &mut String) {
-        write_number(*self, notation, out);
+    fn write(&self, out: &mut String) {
+        write_number(*self, out);
     }
 
     fn read(words: &mut Words<'_>) -> Option<Self> {
@@ -60,11 +60,10 @@ impl Coordinates for f64 {
     }
 }
 
-/// Whole numbers are decimal in every notation.
 impl Coordinates for usize {
     const WORDS: &'static str = "i";
 
-    fn write(&self, _: Notation, out: &mut String) {
+    fn write(&self, out: &mut String) {
         // Writing to a string cannot fail.
         let _ = write!(out, "{self}");
     }
@@ -81,19 +80,17 @@ mod tests {
     #[test]
     fn points_come_back() {
         fn returns<P: Coordinates + PartialEq>(point: P) {
-            for notation in [Notation::Text, Notation::Bits] {
-                let mut line = String::new();
-                point.write(notation, &mut line);
-                let mut words = Words::new(&line, notation);
-                assert_eq!(P::read(&mut words), Some(point), "{line}");
-                assert!(words.is_empty());
-            }
+            let mut line = String::new();
+            point.write(&mut line);
+            let mut words = Words::new(&line);
+            assert_eq!(P::read(&mut words), Some(point), "{line}");
+            assert!(words.is_empty());
         }
         returns(DVec3::new(0.1, -1e-300, 1.0 / 3.0));
         returns([0.1, 2.0]);
         returns(0.1);
         returns(1_000_000usize);
-        let read = |line| <[f64; 2]>::read(&mut Words::new(line, Notation::Text));
+        let read = |line| <[f64; 2]>::read(&mut Words::new(line));
         assert_eq!((read("1 nan"), read("1"), read("1 x")), (None, None, None));
     }
 }

@@ -8,5 +8,5 @@ pub mod program;
 mod space;
 
 pub use coordinates::Coordinates;
-pub use number::{Notation, Words};
+pub use number::Words;
 pub use space::{Space, Visitor};

@@ -179,7 +179,7 @@ impl Table {
             (rows, columns) = (rows + 1, length);
         }
         if values.is_empty() {
-            return Err(Error::input(path, "no numbers"));
+            return Err(Error::input(path, "the file is empty"));
         }
         Ok(Self { rows, columns, values })
     }

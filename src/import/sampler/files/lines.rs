@@ -1,6 +1,7 @@
 //! Lines of a text file, one at a time and none too long.
 
 use crate::error::{Error, Place, Result};
+use crate::files::without_bom;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -45,6 +46,9 @@ impl Lines {
             self.number += 1;
             if self.line.len() as u64 == LONGEST {
                 return Err(self.error(format!("the line is longer than {LONGEST} bytes")));
+            }
+            if self.number == 1 {
+                self.line.drain(..self.line.len() - without_bom(&self.line).len());
             }
             if !self.line.trim_ascii().is_empty() {
                 break;

@@ -90,8 +90,8 @@ impl<D: Row> SampleFile<D> {
             rows += 1;
         }
         let mut lines = Lines::open(path)?;
-        let names: Vec<String> =
-            lines.next()?.unwrap_or_default().split(',').map(|name| name.trim().to_lowercase()).collect();
+        let Some(line) = lines.next()? else { return Err(Error::input(path, "the file is empty")) };
+        let names: Vec<String> = line.split(',').map(|name| name.trim().to_lowercase()).collect();
         let find = |name: &str| names.iter().position(|other| other == name);
         let found = D::HEADERS.iter().enumerate().find_map(|(header, wanted)| {
             Some((header, wanted.iter().map(|name| find(name)).collect::<Option<Vec<usize>>>()?))
@@ -101,7 +101,13 @@ impl<D: Row> SampleFile<D> {
             let message = format!("the header {} has no columns {}", quote(&names.join(",")), wanted.join(" or "));
             return Err(lines.error(message));
         };
-        let reader = Reader { lines, columns, pdf: find("pdf"), header, left: rows.saturating_sub(1), row: Vec::new() };
+        let pdf = find("pdf");
+        // A column that nobody asked for, or for the second time.
+        if let Some(i) = (0..names.len()).find(|i| !columns.contains(i) && pdf != Some(*i)) {
+            let (name, wanted) = (quote(&names[i]), D::HEADERS[header].join(","));
+            return Err(lines.error(format!("the column {name} has no meaning beside {wanted} and pdf")));
+        }
+        let reader = Reader { lines, columns, pdf, header, left: rows - 1, row: Vec::new() };
         Ok(Self { density, reader: Mutex::new(reader) })
     }
 
@@ -118,13 +124,16 @@ impl Reader {
         let Some(line) = self.lines.next()? else {
             return Err(Error::input(self.lines.path(), "the file ends early: it was changed"));
         };
-        let most = self.columns.iter().chain(&self.pdf).max().map_or(0, |last| last + 1);
         let numbers: Option<Vec<f64>> =
-            line.split(',').take(most).map(|word| number(word.trim()).filter(|x| !x.is_nan())).collect();
-        let Some(numbers) = numbers.filter(|numbers| numbers.len() == most) else {
+            line.split(',').map(|word| number(word.trim()).filter(|x| !x.is_nan())).collect();
+        let Some(numbers) = numbers else {
             let message = format!("{} is not a row of numbers as the header says", quote(line));
             return Err(self.lines.error(message));
         };
+        let (found, columns) = (numbers.len(), self.columns.len() + usize::from(self.pdf.is_some()));
+        if found != columns {
+            return Err(self.lines.error(format!("{found} numbers in a row under a header of {columns} columns")));
+        }
         self.row.clear();
         self.row.extend(self.columns.iter().map(|&column| numbers[column]));
         Ok(self.pdf.map(|column| numbers[column]))

@@ -31,6 +31,19 @@ impl Answer {
         self.lines
     }
 
+    /// What has arrived, for a message: how many lines, and the last one.
+    #[must_use]
+    pub fn progress(&self) -> String {
+        let lines = match self.lines {
+            1 => "1 line".to_owned(),
+            n => format!("{n} lines"),
+        };
+        match self.bytes.trim_ascii().rsplit(|&byte| byte == b'\n').next() {
+            Some(last @ [_, ..]) => format!("{lines}, at last {}", shown(last)),
+            _ => lines,
+        }
+    }
+
     /// Takes the next block. Returns the lines without `end` once that has arrived, and begins anew; nothing may follow it in
     /// its block.
     ///
@@ -109,6 +122,16 @@ mod tests {
             (Ok(Some("1\n".into())), Ok(None), Ok(Some("2\n".into())))
         );
         assert!(arrived(b"end\n1", 5, 1).unwrap_err().contains("went on after \"end\" with \"1\""));
+    }
+
+    #[test]
+    fn the_last_line_is_known() {
+        let mut answer = Answer::new(9);
+        let mut after = |block: &[u8]| answer.add(block).map(|_| answer.progress()).unwrap();
+        assert_eq!(after(b""), "0 lines");
+        assert_eq!(after(b"Loa"), "0 lines, at last \"Loa\"");
+        assert_eq!(after(b"ding\r\n"), "1 line, at last \"Loading\"");
+        assert_eq!(after(b"1\n\n"), "3 lines, at last \"1\"");
     }
 
     #[test]

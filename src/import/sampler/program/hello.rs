@@ -3,9 +3,10 @@
 use super::peer::{Peer, fault};
 use crate::error::Result;
 use crate::import::place::quote;
-use crate::import::sampler::number::{Notation, number};
+use crate::import::sampler::number::number;
 use crate::import::sampler::space::Space;
 use crate::stats::Mass;
+use std::collections::HashSet;
 
 /// The version of the protocol.
 const VERSION: &str = "1";
@@ -18,14 +19,12 @@ const ATOMS: usize = 4096;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hello {
     pub name: String,
-    /// Uniform numbers that a sample takes; `None` if the program has random numbers of its own.
-    pub dimension: Option<usize>,
+    /// Uniform numbers that a sample takes; 0 if the program has random numbers of its own.
+    pub dimension: usize,
     pub mass: Mass,
     pub domain: Option<Space>,
     /// Whether it can tell the numbers that a point is drawn from.
     pub invert: bool,
-    /// How numbers are written after the greeting.
-    pub notation: Notation,
     /// One line for each atom: its point and its probability.
     pub atoms: Vec<String>,
 }
@@ -34,7 +33,8 @@ impl Hello {
     /// Greets the program and reads what it says.
     pub fn of(peer: &mut dyn Peer) -> Result<Self> {
         let answer = peer.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
-        let mut lines = answer.lines();
+        // Some programs begin whatever they write with a byte order mark.
+        let mut lines = answer.strip_prefix('\u{feff}').unwrap_or(&answer).lines();
         let first = lines.next().unwrap_or_default();
         let wrong = |message: &str| fault(peer.name(), format!("its greeting {} {message}", quote(first)));
         let mut words = first.split_ascii_whitespace();
@@ -43,24 +43,26 @@ impl Hello {
         }
         let mut hello = Self {
             name: "exec".to_owned(),
-            dimension: Some(2),
+            dimension: 2,
             mass: Mass::Exactly(1.0),
             domain: None,
             invert: false,
-            notation: Notation::Text,
             atoms: lines.map(str::to_owned).collect(),
         };
+        let mut keys = HashSet::new();
         for word in words {
             let (key, value) =
                 word.split_once('=').ok_or_else(|| wrong(&format!("has {}, not KEY=VALUE", quote(word))))?;
+            if !keys.insert(key) {
+                return Err(wrong(&format!("has the key {} twice", quote(key))));
+            }
             let refused = || wrong(&format!("has {}, which has no meaning", quote(word)));
             match key {
                 "name" => hello.name = value.to_owned(),
                 "dimension" => {
                     let dimension = value.parse().ok().filter(|n| *n <= DIMENSIONS);
-                    let dimension =
+                    hello.dimension =
                         dimension.ok_or_else(|| wrong(&format!("has a dimension not 0 to {DIMENSIONS}")))?;
-                    hello.dimension = (dimension > 0).then_some(dimension);
                 }
                 "mass" if value == "at-most-1" => hello.mass = Mass::AtMostOne,
                 "mass" => {
@@ -76,11 +78,9 @@ impl Hello {
                     }
                 }
                 "numbers" => {
-                    hello.notation = match value {
-                        "text" => Notation::Text,
-                        "bits" => Notation::Bits,
-                        _ => return Err(refused()),
-                    }
+                    return Err(
+                        refused().with_hint("write hexadecimal floats (C's %a, Python's float.hex): they are exact")
+                    );
                 }
                 _ => return Err(refused()),
             }

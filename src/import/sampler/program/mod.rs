@@ -6,16 +6,17 @@
 //! |---|---|
 //! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
 //! | `sample N`, then N lines of uniform numbers | N lines `coordinates [density]`, `atom coordinates` or `none` |
-//! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own |
+//! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
 //! | `pdf N`, then N lines of coordinates | N lines with a density |
 //! | `invert N`, then N lines of coordinates | N lines of uniform numbers, or `none` |
 //! | `quit` | it ends; so it does when its input ends |
 //!
 //! Keys: `name`; `dimension`, the uniform numbers of a sample (2; 0 if it has its own); `mass`, what the density integrates
-//! to (1, or `at-most-1`); `domain`; `invert=yes`; `numbers=bits` for [`Notation::Bits`] in both directions after the greeting.
+//! to (1, or `at-most-1`); `domain`; `invert=yes`.
 //! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
 mod answer;
+mod group;
 mod hello;
 mod peer;
 mod process;
@@ -24,7 +25,7 @@ pub use answer::Answer;
 pub use peer::Peer;
 
 use super::coordinates::{Coordinates, write_numbers};
-use super::number::{Notation, Words};
+use super::number::Words;
 use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
@@ -32,7 +33,6 @@ use crate::stats::{Atom, Density, Draw, Drawn, Mass, Sampler};
 use hello::Hello;
 use peer::fault;
 use process::Process;
-use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -86,7 +86,7 @@ impl Client {
     pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
         let Self { peer, hello, .. } = self;
         let read = |line: &String| {
-            let mut words = Words::new(line, Notation::Text);
+            let mut words = Words::new(line);
             let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
             (words.is_empty() && (0.0..=1.0).contains(&atom.probability)).then_some(atom)
         };
@@ -123,7 +123,7 @@ impl<P: Coordinates> Program<P> {
         let wrong = |message| fault(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
-            let mut words = Words::new(line, self.hello.notation);
+            let mut words = Words::new(line);
             let value = read(&mut words).filter(|_| words.is_empty()).ok_or_else(|| {
                 let asked =
                     request.lines().nth(i + 1).map_or_else(String::new, |line| format!(" (for {})", quote(line)));
@@ -135,11 +135,16 @@ impl<P: Coordinates> Program<P> {
         if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
     }
 
+    fn ask_samples(&self, count: usize, request: String) -> Result<Drawn<P>> {
+        let expected = format!("\"{0}\", \"{0} DENSITY\", \"atom {0}\" or \"none\"", P::WORDS);
+        self.ask("sample", count, request, &expected, read_draw)
+    }
+
     /// The request for something at each of `points`.
     fn at_points(&self, verb: &str, points: &[P]) -> String {
         let mut request = format!("{verb} {}\n", points.len());
         for point in points {
-            point.write(self.hello.notation, &mut request);
+            point.write(&mut request);
             request.push('\n');
         }
         request
@@ -160,36 +165,32 @@ fn read_draw<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Draw<P>>> {
 }
 
 impl<P: Coordinates> Sampler<P> for Program<P> {
-    /// For a program with random numbers of its own: 1. The first of a batch is the batch's seed.
     fn dimension(&self) -> usize {
-        self.hello.dimension.unwrap_or(1)
+        self.hello.dimension
     }
 
     fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()> {
-        let count = u.len() / self.dimension();
-        let Some(first) = u.first() else { return Ok(()) };
-        let mut request = format!("sample {count}");
-        match self.hello.dimension {
-            None => {
-                let seed = (first * (1u64 << 53) as f64) as u64;
-                // Writing to a string cannot fail.
-                let _ = writeln!(request, " {seed}");
-            }
-            Some(dimension) => {
-                request.push('\n');
-                for sample in u.chunks_exact(dimension) {
-                    write_numbers(sample, self.hello.notation, &mut request);
-                    request.push('\n');
-                }
-            }
+        let samples = u.chunks_exact(self.hello.dimension.max(1));
+        let count = samples.len();
+        let mut request = format!("sample {count}\n");
+        for sample in samples {
+            write_numbers(sample, &mut request);
+            request.push('\n');
         }
-        let expected = format!("\"{0}\", \"{0} DENSITY\", \"atom {0}\" or \"none\"", P::WORDS);
-        out.extend(self.ask("sample", count, request, &expected, read_draw)?);
+        out.extend(self.ask_samples(count, request)?);
+        Ok(())
+    }
+
+    fn draw_seeded(&self, count: usize, seed: u32, out: &mut Drawn<P>) -> Result<()> {
+        out.extend(self.ask_samples(count, format!("sample {count} {seed}\n"))?);
         Ok(())
     }
 
     fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
-        let Some(dimension) = self.hello.dimension.filter(|_| self.hello.invert) else { return Ok(None) };
+        if !self.hello.invert {
+            return Ok(None);
+        }
+        let dimension = self.hello.dimension;
         let read = |words: &mut Words<'_>| {
             if words.accept("none") {
                 return Some(None);

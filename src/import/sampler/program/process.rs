@@ -4,9 +4,9 @@
 //! waiting for ever; none of them holds more than one request, a few blocks of an answer, or the end of the complaints.
 
 use super::answer::{Answer, END};
+use super::group::Group;
 use super::peer::{Peer, fault};
 use crate::error::{Error, Result};
-use crate::import::place::quote;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -14,8 +14,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How much of the end of standard error is kept for messages, in bytes.
-const COMPLAINTS: usize = 1024;
+/// How much of the end of standard error is kept, in bytes.
+const COMPLAINTS: usize = 8192;
+/// Longest line of standard error that a message shows whole, in bytes.
+const LONGEST_LINE: usize = 1000;
 /// How long a program that was asked to quit may take.
 const GRACE: Duration = Duration::from_secs(2);
 
@@ -23,6 +25,8 @@ const GRACE: Duration = Duration::from_secs(2);
 pub struct Process {
     command: String,
     child: Child,
+    /// The program and what it starts; `None` once that was ended.
+    group: Option<Group>,
     limit: Duration,
     requests: Sender<String>,
     answers: Receiver<Vec<u8>>,
@@ -40,9 +44,9 @@ impl Process {
         })?;
         let mut start = Command::new(&words[0]);
         start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // A group of its own, so that what a script starts can be ended with it.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut start, 0);
+        // Started first, so that the program is never without it.
+        let group = Group::start()?;
+        group.add(&mut start);
         let mut child = start.spawn().map_err(|e| Error::io(Path::new(&words[0]), e))?;
         let (requests, to_write) = channel::<String>();
         let (read, answers) = sync_channel(2);
@@ -62,9 +66,10 @@ impl Process {
         }
         if let Some(stderr) = child.stderr.take() {
             // Nobody may be there to hear it.
-            thread::spawn(move || complain.send(last_words(stderr)));
+            thread::spawn(move || complain.send(tail(stderr)));
         }
-        Ok(Self { command: command.to_owned(), child, limit, requests, answers, complaints, broken: None })
+        let group = Some(group);
+        Ok(Self { command: command.to_owned(), child, group, limit, requests, answers, complaints, broken: None })
     }
 
     fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
@@ -81,17 +86,15 @@ impl Process {
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    let (lines, limit) = (answer.lines(), self.limit.as_secs_f64());
-                    return Err(format!(
-                        "it had answered {lines} lines of at most {most} and \"{END}\" after {limit} s"
-                    ));
+                    let (progress, limit) = (answer.progress(), self.limit.as_secs_f64());
+                    return Err(format!("it had not answered \"{END}\" after {limit} s, only {progress}"));
                 }
                 Err(RecvTimeoutError::Disconnected) => {
                     let ended = self.ended(Duration::from_millis(500)).map_or_else(
                         || "it closed its standard output".to_owned(),
                         |status| format!("it ended ({status})"),
                     );
-                    return Err(format!("{ended} after {} lines of an answer", answer.lines()));
+                    return Err(format!("{ended} after {}", answer.progress()));
                 }
             }
         }
@@ -113,18 +116,13 @@ impl Process {
         self.kill();
         // Something that left its group may hold the pipe open.
         let complaints = self.complaints.recv_timeout(Duration::from_millis(500)).unwrap_or_default();
-        let text = String::from_utf8_lossy(&complaints);
-        let last = text.lines().rev().find(|line| !line.trim().is_empty());
-        last.map_or_else(String::new, |line| format!("; its last words: {}", quote(line.trim())))
+        last_line(&complaints).map_or_else(String::new, |line| format!("; its standard error ends with {line}"))
     }
 
     /// Ends the program, and what it started and left in its group, at once.
     fn kill(&mut self) {
-        // All of these fail only if there is nothing left to end.
-        #[cfg(unix)]
-        if let Ok(id) = i32::try_from(self.child.id()) {
-            let _ = nix::sys::signal::killpg(nix::unistd::Pid::from_raw(id), nix::sys::signal::Signal::SIGKILL);
-        }
+        self.group = None;
+        // It may have left the group; both fail only if it has ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -155,9 +153,8 @@ impl Drop for Process {
         }
         // The thread that writes drops the pipe once the sender is gone.
         let _ = std::mem::replace(&mut self.requests, channel().0).send("quit\n".to_owned());
-        if self.ended(GRACE).is_none() {
-            self.kill();
-        }
+        self.ended(GRACE);
+        self.kill();
     }
 }
 
@@ -171,8 +168,17 @@ fn forward(mut from: impl Read, to: &SyncSender<Vec<u8>>) {
     }
 }
 
+/// The last line that is not empty, quoted, control characters escaped; of a very long one only the end, where most
+/// messages say what is wrong.
+fn last_line(bytes: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let line = text.lines().map(str::trim).rfind(|line| !line.is_empty())?;
+    let start = line.ceil_char_boundary(line.len().saturating_sub(LONGEST_LINE));
+    Some(format!("{}{:?}", if start > 0 { "…" } else { "" }, &line[start..]))
+}
+
 /// Reads to the end and keeps the last bytes.
-fn last_words(mut from: impl Read) -> Vec<u8> {
+fn tail(mut from: impl Read) -> Vec<u8> {
     let (mut block, mut kept) = (vec![0; 1 << 12], Vec::new());
     while let Ok(length @ 1..) = from.read(&mut block) {
         kept.extend_from_slice(&block[..length]);
@@ -180,4 +186,20 @@ fn last_words(mut from: impl Read) -> Vec<u8> {
         kept.drain(..excess);
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_line_is_shown_to_its_end() {
+        let shown = |text: &str| last_line(text.as_bytes()).unwrap_or_default();
+        let reason = format!("ValueError: {} must be less than 2**32", "x".repeat(900));
+        assert_eq!(shown(&format!("Traceback:\n  File\n{reason}\r\n \n\n")), format!("{reason:?}"));
+        let end = shown(&format!("first\n{}{reason}", "é".repeat(700)));
+        assert!(end.starts_with("…\"é") && end.ends_with("2**32\"") && end.len() < LONGEST_LINE + 10, "{end}");
+        assert_eq!(shown("\x1b[31mred\x1b[0m \u{202e}\0"), "\"\\u{1b}[31mred\\u{1b}[0m \\u{202e}\\0\"");
+        assert_eq!((last_line(b""), last_line(b"\n \n")), (None, None));
+    }
 }
