@@ -156,7 +156,10 @@ pub(super) fn all() -> Vec<Entry> {
             "second report: eta and k of metals",
             |_| metals_table(),
         )
-        .shows("Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula."),
+        .shows(
+            "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
+             Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
+        ),
     );
     list
 }
