@@ -78,7 +78,7 @@ fn materials(c: &mut Criterion) {
     material(&mut group, "report glass", glass, report);
     for distribution in [Distribution::Beckmann, Distribution::Ggx] {
         let (eta, k) = (Rgb::new(0.216_46, 0.428_33, 1.3284), Rgb::new(3.2390, 2.4599, 1.8661));
-        let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution });
+        let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution, two_sided: false });
         for normals in [Normals::Visible, Normals::All, Normals::Hemisphere] {
             material(&mut group, &format!("{distribution:?} {normals:?}"), metal, ScatterModel { normals, ..exact });
         }

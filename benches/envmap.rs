@@ -120,7 +120,7 @@ fn median_cut(c: &mut Criterion) {
     for n in [64, 1024] {
         for (name, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
             group.bench_with_input(BenchmarkId::new(name, n), &n, |b, &n| {
-                b.iter(|| MedianCut::new(&map, split, SideRule::Sphere).regions(n));
+                b.iter(|| MedianCut::new(&map, split, SideRule::default()).regions(n));
             });
         }
     }

@@ -52,6 +52,19 @@ fn the_grace_probe_has_its_known_numbers() {
     }
 }
 
+/// The first report's cuts of the probe: the most energetic region over the mean.
+#[test]
+fn the_grace_probe_is_cut_into_regions_of_nearly_equal_energy() {
+    let Some(maps) = assets("envmaps") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let grace = maps.join("grace_latlong.exr");
+    let value = json(dir.path(), &["envmap", "cut", grace.to_str().unwrap(), "--flip", "-n", "2,4,16,64"]);
+    for (result, expected) in value["results"].as_array().unwrap().iter().zip([1.0007, 1.0036, 1.0271, 1.0757]) {
+        let got = result["imbalance"].as_f64().unwrap();
+        assert!((got - expected).abs() < 1e-4, "{} regions: {got}, not {expected}", result["n"]);
+    }
+}
+
 #[test]
 fn real_maps_are_read() {
     let Some(maps) = assets("envmaps") else { return };
@@ -137,6 +150,19 @@ fn the_report_scene_has_the_known_radiance() {
     let blend = four.into_iter().sum::<glam::Vec3>() / 4.0;
     assert!((blend - glam::Vec3::new(0.03271, 0.00987, 0.00831)).abs().max_element() < 1e-5, "{blend}");
     assert!(four.contains(&image.get(2, 2)), "the background is {}, not one of {four:?}", image.get(2, 2));
+}
+
+/// A scene of the course whose camera matrix lacks a number.
+#[test]
+fn the_gems_are_seen() {
+    let Some(odd) = assets("odd") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let gems = odd.join("CBgems.dae");
+    let args = ["render", gems.to_str().unwrap(), "-s", "4", "-m", "4", "-r", "80", "60"];
+    let ran = etalon(dir.path(), &args);
+    assert!(ran.code == 0 && ran.stderr.contains("712:9: <matrix> has 15 numbers"), "{}", ran.stderr);
+    let mean = json(dir.path(), &args)["mean_rgb"][0].as_f64().unwrap();
+    assert!(mean > 0.05, "{mean}");
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn envmap_cut() {
         &[][..],
         &["--split", "variance"],
         &["--centroid", "median"],
-        &["--model", "report", "--window", "9", "--exposure", "-3", "--gamma", "2.2"],
+        &["--sides", "sphere", "--window", "9", "--exposure", "-3", "--gamma", "2.2"],
     ]
     .into_iter()
     .enumerate()

@@ -299,8 +299,56 @@ fn a_mesh_takes_the_place_of_the_statue() {
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
     std::fs::write(dir.path().join("mesh.obj"), tetrahedron).unwrap();
     let (_, statue) = render(dir.path(), "cornell-statue-fe -r 32 24 -s 1", "a.exr");
-    let (_, mesh) = render(dir.path(), "cornell-statue-fe -r 32 24 -s 1 --mesh mesh.obj", "b.exr");
+    let (value, mesh) = render(dir.path(), "cornell-statue-fe -r 32 24 -s 1 --mesh mesh.obj", "b.exr");
     assert!(statue[""] != mesh[""]);
+    // Whichever way round the corners of its triangles run.
+    let inside_out = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::fs::write(dir.path().join("mesh.obj"), inside_out).unwrap();
+    let (other, _) = render(dir.path(), "cornell-statue-fe -r 32 24 -s 1 --mesh mesh.obj", "c.exr");
+    for c in 0..3 {
+        let [a, b] = [&value, &other].map(|value| value["mean_rgb"][c].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 2e-3, "{a} {b}");
+    }
+}
+
+#[test]
+fn conductors_of_pbrt_reflect_on_both_sides() {
+    let dir = folder();
+    let mean = |indices: &str, roughness: f64| {
+        let scene = format!(
+            "LookAt 0 0 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 45\nFilm \"rgb\" \"integer xresolution\" 32 \
+             \"integer yresolution\" 32\nWorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"conductor\" \
+             \"float roughness\" {roughness}\nShape \"trianglemesh\" \"integer indices\" [{indices}] \
+             \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0]\n"
+        );
+        std::fs::write(dir.path().join("quad.pbrt"), scene).unwrap();
+        let value = json(dir.path(), &["render", "quad.pbrt", "-s", "16"]);
+        value["mean_rgb"][0].as_f64().unwrap()
+    };
+    for roughness in [0.0, 0.1] {
+        let [one, other] = ["0 1 2 0 2 3", "0 2 1 0 3 2"].map(|indices| mean(indices, roughness));
+        // Copper is seen against light of radiance 1.
+        assert!(one > 0.9 && (one / other - 1.0).abs() < 1e-3, "{roughness}: {one} {other}");
+    }
+}
+
+/// A COLLADA scene of a metal quad without lights, as the course has them for its environment maps.
+const UNLIT: &str = include_str!("../examples/fuzz/seeds/unlit.dae");
+
+#[test]
+fn a_scene_without_lights_warns_and_takes_an_environment_map() {
+    let dir = folder();
+    std::fs::write(dir.path().join("unlit.dae"), UNLIT).unwrap();
+    let args = ["render", "unlit.dae", "-r", "40", "30", "-s", "4"];
+    let ran = program::etalon(dir.path(), &args);
+    assert!(ran.code == 0 && ran.stderr.contains("unlit.dae: no light source"), "{}", ran.stderr);
+    assert_eq!(json(dir.path(), &args)["mean_rgb"][0], 0.0);
+    let with_map = [&args[..], &["--envmap", "constant"]].concat();
+    let ran = program::etalon(dir.path(), &with_map);
+    assert!(ran.code == 0 && !ran.stderr.contains("no light source"), "{}", ran.stderr);
+    // Radiance 1 from everywhere, seen directly and in metal.
+    let mean = json(dir.path(), &with_map)["mean_rgb"][0].as_f64().unwrap();
+    assert!(mean > 0.7 && mean < 1.0, "{mean}");
 }
 
 /// A folder of scenes of other programs; `None`, and a word about it, where there is none.

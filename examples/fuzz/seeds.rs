@@ -145,13 +145,17 @@ pub fn obj() -> Vec<Vec<u8>> {
 }
 
 pub fn pbrt() -> Vec<Vec<u8>> {
-    let files: [&[u8]; 3] =
-        [include_bytes!("seeds/v2.pbrt"), include_bytes!("seeds/v4.pbrt"), include_bytes!("seeds/more.pbrt")];
+    let files: [&[u8]; 4] = [
+        include_bytes!("seeds/v2.pbrt"),
+        include_bytes!("seeds/v4.pbrt"),
+        include_bytes!("seeds/more.pbrt"),
+        include_bytes!("seeds/conductor.pbrt"),
+    ];
     files.map(<[u8]>::to_vec).to_vec()
 }
 
 pub fn collada() -> Vec<Vec<u8>> {
-    vec![include_bytes!("seeds/scene.dae").to_vec()]
+    vec![include_bytes!("seeds/scene.dae").to_vec(), include_bytes!("seeds/unlit.dae").to_vec()]
 }
 
 pub fn settings() -> Vec<Vec<u8>> {

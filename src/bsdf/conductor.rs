@@ -24,7 +24,7 @@ pub enum Normals {
     Hemisphere,
 }
 
-/// A rough metal, on the outside only.
+/// A rough metal, seen from the side of the normal (z > 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductor<D> {
     pub distribution: D,

@@ -23,7 +23,7 @@ impl Scatter for Mirror {
     }
 }
 
-/// A smooth conductor: reflects what Fresnel's equations say, on the outside only.
+/// A smooth conductor, seen from the side of the normal (z > 0): reflects what Fresnel's equations say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothConductor {
     pub fresnel: MetalFresnel,

@@ -19,13 +19,19 @@ fn rgb(values: [f64; 3]) -> Rgb {
 
 fn gold(alpha: f32, distribution: Distribution) -> Material {
     let metal = by_name("Au").unwrap();
-    Material::Conductor(ConductorMaterial { eta: rgb(metal.eta), k: rgb(metal.k), alpha, distribution })
+    Material::Conductor(ConductorMaterial {
+        eta: rgb(metal.eta),
+        k: rgb(metal.k),
+        alpha,
+        distribution,
+        two_sided: false,
+    })
 }
 
 /// A metal that reflects all light but 10⁻⁸.
 fn white(alpha: f32, distribution: Distribution) -> Material {
     let (eta, k) = (Rgb::splat(1.0), Rgb::splat(2e4));
-    Material::Conductor(ConductorMaterial { eta, k, alpha, distribution })
+    Material::Conductor(ConductorMaterial { eta, k, alpha, distribution, two_sided: false })
 }
 
 fn towards(degrees: f64, phi: f64) -> Vec3 {

@@ -215,6 +215,12 @@ enum SplitName {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SidesName {
+    Texels,
+    Sphere,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum CentroidName {
     Energy,
     Median,
@@ -227,7 +233,8 @@ enum CentroidName {
 pub struct CutArgs {
     #[arg(help = MAP_HELP)]
     map: String,
-    /// Numbers of regions: any, not only powers of two
+    /// Numbers of regions. A power of two is reached level by level, every region cut at every level (Debevec 2005); any
+    /// other number by cutting the region with the most energy first
     #[arg(short, value_name = "N,...", value_delimiter = ',', default_value = "2,4,16,64")]
     n: Vec<usize>,
     /// Cut where the energy halves, or where the larger variance of the two halves is smallest
@@ -236,9 +243,10 @@ pub struct CutArgs {
     /// Put a region's light at its energy centroid, or at the first report's median pixel
     #[arg(long, value_enum, default_value_t = CentroidName::Energy)]
     centroid: CentroidName,
-    /// `report` tells a region's longer side in texels, without regard to how narrow they are near the poles
-    #[arg(long, value_enum, default_value_t = Model::Exact)]
-    model: Model,
+    /// How the longer side of a region is told, which the cut divides: in texels, as in the first report, or on the
+    /// sphere, where texels near the poles are narrow
+    #[arg(long, value_enum, default_value_t = SidesName::Texels)]
+    sides: SidesName,
     #[command(flatten)]
     look: LookArgs,
     #[command(flatten)]
@@ -259,7 +267,7 @@ impl CutArgs {
         let info = Info::of(&source.map);
         map_file::warn_upside_down(&info, &self.map, console);
         let split = if self.split == SplitName::Energy { cut::Split::Energy } else { cut::Split::Variance };
-        let sides = if self.model == Model::Exact { cut::SideRule::Sphere } else { cut::SideRule::Texels };
+        let sides = if self.sides == SidesName::Texels { cut::SideRule::Texels } else { cut::SideRule::Sphere };
         let centroid = match self.centroid {
             CentroidName::Energy => median_cut::Centroid::Energy,
             CentroidName::Median => median_cut::Centroid::Median,

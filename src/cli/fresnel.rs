@@ -21,7 +21,8 @@ pub struct Fresnel {
     /// Index of refraction on the other side
     #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
     eta_t: f64,
-    /// A metal: Ag, Al, Au, Cu or Fe, at 614, 549 and 466 nm
+    /// A metal at 614, 549 and 466 nm: Ag, Au, Cu (Johnson & Christy 1972), Al (Rakic 1995), Fe (Table 1 of the second
+    /// report, within 0.002 of Johnson & Christy 1974)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["k", "eta_i", "eta_t"])]
     metal: Option<String>,
     /// Extinction coefficient: makes the other side a conductor of index ETA + iK
@@ -98,7 +99,8 @@ impl Fresnel {
             ));
         }
         console.result(&Output { curves, files: &files }, || {
-            let mut text = format!("{}\n", curves.metal);
+            let source = curves.source.map_or(String::new(), |source| format!(", η and k: {source}"));
+            let mut text = format!("{}{source}\n", curves.metal);
             for c in &curves.channels {
                 text += &format!(
                     "{}: eta {} k {}, reflectance at normal incidence {:.6}, pseudo-Brewster angle {:.3}°,\n  \

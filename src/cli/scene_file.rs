@@ -15,11 +15,13 @@ use std::path::{Path, PathBuf};
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
     scene: String,
-    /// Width and height in pixels
+    /// Width and height in pixels. In a .dae scene they also set the field of view, as in the course's renderer: a pixel keeps
+    /// its angle (that of an image of 800 by 600 with the file's field of view), so a smaller image shows less. All other
+    /// scenes keep their field of view
     #[arg(short, num_args = 2, value_names = ["W", "H"])]
     resolution: Option<Vec<usize>>,
-    /// The environment map of sphere-env or of a .pbrt scene: a file or a built-in name (it stands in for the file's
-    /// mapname)
+    /// The environment map of sphere-env, of a .pbrt scene (in place of the file's mapname) or of a .dae scene (with the
+    /// file's lights; row 0 is at +y, the file's up axis): a file or a built-in name
     #[arg(long, value_name = "MAP")]
     envmap: Option<String>,
     #[command(flatten)]
@@ -77,6 +79,10 @@ impl SceneArgs {
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }
         let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
+        let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
+        if let Some(source) = environment.as_ref().filter(|_| is_collada) {
+            map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+        }
         let options = SceneOptions {
             resolution: self.resolution(),
             camera: self.camera.as_deref(),
@@ -114,7 +120,7 @@ impl SceneArgs {
                     "--envmap",
                     format!("the scene {name} has no environment map to replace"),
                 )
-                .with_hint("maps are for sphere-env and .pbrt scenes"));
+                .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
             }
             Some(found) => found,
             None => {

@@ -1,9 +1,12 @@
 //! Median cut: a map divided into regions of equal energy, each standing for one light.
 //!
+//! A power of two is reached level by level, as in the paper: at each level every region is cut in two along its longer
+//! side, at the median of its energy. For any other number, and by the variance rule, regions are cut one at a time,
+//! always the one with the most energy (or variance) left. So are those that a power of two still lacks after its levels
+//! because some regions were single texels, which cannot be cut (one with the sun in it, say).
+//!
 //! Source: Debevec, "A Median Cut Algorithm for Light Probe Sampling", 2005; the variance rule after Viriyothai &
-//! Debevec, "Variance Minimization Light Probe Sampling", 2009. Regions are split one at a time, always the one with
-//! the most energy (or variance) left, so any number can be asked for, and one that cannot be split (a single texel
-//! with the sun in it) does not stop the others.
+//! Debevec, "Variance Minimization Light Probe Sampling", 2009.
 
 use super::latlong::{Block, EnvMap};
 use super::sat::SummedArea;
@@ -27,11 +30,11 @@ pub enum Split {
 /// How the longer side of a region is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SideRule {
-    /// On the sphere: the width counts sin θ of the region's middle row.
+    /// In texels of the map, as the first report does.
     #[default]
-    Sphere,
-    /// In texels, as the first report does.
     Texels,
+    /// On the sphere: the width counts sin θ of the region's middle row, as Debevec advises for lat-long maps.
+    Sphere,
 }
 
 /// A region and the light that stands for it.
@@ -88,6 +91,7 @@ pub struct MedianCut<'a> {
     energy: SummedArea,
     /// First moments Σ E ω, one table per axis; only the variance rule needs them.
     moments: Option<[SummedArea; 3]>,
+    /// Of the energy rule; the variance rule tries cuts along both sides.
     sides: SideRule,
 }
 
@@ -109,8 +113,11 @@ impl<'a> MedianCut<'a> {
             return Err(Error::parameter("-n", format!("{n} regions out of {width}x{height} texels"))
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
+        let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
+        let level_by_level = self.moments.is_none() && n.is_power_of_two();
+        let blocks = self.levels(whole, if level_by_level { n.ilog2() } else { 0 });
         let mut done = Vec::new();
-        let mut heap = BinaryHeap::from([self.candidate(Block { x0: 0, y0: 0, x1: width, y1: height })]);
+        let mut heap: BinaryHeap<Candidate> = blocks.into_iter().map(|block| self.candidate(block)).collect();
         while done.len() + heap.len() < n {
             let Some(Candidate { block, .. }) = heap.pop() else { break };
             match self.cut(block) {
@@ -123,6 +130,12 @@ impl<'a> MedianCut<'a> {
         Ok(done.into_iter().map(|block| self.region(block)).collect())
     }
 
+    /// Cuts every region at each of so many levels; single texels stay whole.
+    fn levels(&self, whole: Block, levels: u32) -> Vec<Block> {
+        let halves = |block| self.cut(block).map_or(vec![block], Vec::from);
+        (0..levels).fold(vec![whole], |blocks, _| blocks.into_iter().flat_map(halves).collect())
+    }
+
     fn candidate(&self, block: Block) -> Candidate {
         let g = self.map.geometry();
         let column: f64 = (block.y0..block.y1).map(|y| g.solid_angle(y)).sum();
@@ -132,11 +145,11 @@ impl<'a> MedianCut<'a> {
 
     /// The two halves of a region; `None` for a single texel.
     fn cut(&self, block: Block) -> Option<[Block; 2]> {
-        if self.moments.is_some() { self.cut_by_variance(block) } else { self.cut_by_energy(block) }
+        if self.moments.is_some() { self.cut_by_variance(block) } else { self.cut_by_energy(block, self.sides) }
     }
 
-    fn cut_by_energy(&self, block: Block) -> Option<[Block; 2]> {
-        let across = self.longer_side(block);
+    fn cut_by_energy(&self, block: Block, sides: SideRule) -> Option<[Block; 2]> {
+        let across = self.longer_side(block, sides);
         let axis = if across.candidates(block).is_empty() { across.other() } else { across };
         let places = axis.candidates(block);
         let (first, last) = (places.start, places.end.checked_sub(1)?);
@@ -166,7 +179,7 @@ impl<'a> MedianCut<'a> {
             .flat_map(|axis| axis.candidates(block).map(move |at| axis.split(block, at)))
             .min_by(|a, b| worse(a).total_cmp(&worse(b)))?;
         // Without light every cut is as good as any other: take the middle.
-        if self.energy.sum(block) <= 0.0 { self.cut_by_energy(block) } else { Some(best) }
+        if self.energy.sum(block) <= 0.0 { self.cut_by_energy(block, SideRule::Sphere) } else { Some(best) }
     }
 
     /// M₀ − |M₁|²/M₀, at least 0.
@@ -180,10 +193,10 @@ impl<'a> MedianCut<'a> {
         (m0 - m1.length_squared() / m0).max(0.0)
     }
 
-    fn longer_side(&self, block: Block) -> Axis {
+    fn longer_side(&self, block: Block, sides: SideRule) -> Axis {
         let g = self.map.geometry();
         let (w, h) = ((block.x1 - block.x0) as f64, (block.y1 - block.y0) as f64);
-        let wide = match self.sides {
+        let wide = match sides {
             SideRule::Texels => w >= h,
             SideRule::Sphere => {
                 let theta = 0.5 * PI * (block.y0 + block.y1) as f64 / g.height() as f64;
@@ -193,7 +206,7 @@ impl<'a> MedianCut<'a> {
         if wide { Axis::X } else { Axis::Y }
     }
 
-    /// Sums a region's texels diblockly, so that the regions' fluxes add up to the map's.
+    /// Sums a region's texels directly, so that the regions' fluxes add up to the map's.
     fn region(&self, block: Block) -> Region {
         let g = self.map.geometry();
         let mut flux = DVec3::ZERO;
@@ -271,98 +284,4 @@ impl Axis {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::envmap::info::Info;
-    use crate::raster::{Image, Rgb};
-
-    fn maps() -> Vec<EnvMap> {
-        let busy = |x: usize, y: usize| Rgb::new(((x * 31 + y * 17) % 11) as f32, (x % 3) as f32, 0.1);
-        let sun = |x: usize, y: usize| if (x, y) == (40, 9) { Rgb::splat(1e6) } else { Rgb::splat(0.2) };
-        vec![
-            EnvMap::new(Image::from_fn(64, 32, busy)),
-            EnvMap::new(Image::from_fn(64, 32, sun)),
-            EnvMap::new(Image::from_fn(64, 32, |_, _| Rgb::ONE)),
-            EnvMap::new(Image::new(64, 32)),
-            EnvMap::new(Image::from_fn(64, 32, |x, y| if (x, y) == (1, 1) { Rgb::ONE } else { Rgb::ZERO })),
-            EnvMap::new(Image::from_fn(3, 2, busy)),
-        ]
-    }
-
-    #[test]
-    fn regions_tile_the_map_and_keep_its_flux() {
-        for map in maps() {
-            let flux = DVec3::from_array(Info::of(&map).flux_rgb);
-            let (w, h) = (map.geometry().width(), map.geometry().height());
-            for split in [Split::Energy, Split::Variance] {
-                for sides in [SideRule::Sphere, SideRule::Texels] {
-                    let cut = MedianCut::new(&map, split, sides);
-                    for n in [1, 2, 3, 5, 6, 64, 777].into_iter().filter(|n| *n <= w * h) {
-                        let regions = cut.regions(n).unwrap();
-                        assert_eq!(regions.len(), n, "any number can be asked for");
-                        let mut covered = vec![0; w * h];
-                        for r in &regions {
-                            for y in r.block.y0..r.block.y1 {
-                                for x in r.block.x0..r.block.x1 {
-                                    covered[y * w + x] += 1;
-                                }
-                            }
-                            for (cx, cy) in [r.centroid, r.median] {
-                                assert!(cx >= r.block.x0 as f64 && cx <= r.block.x1 as f64);
-                                assert!(cy >= r.block.y0 as f64 && cy <= r.block.y1 as f64);
-                            }
-                        }
-                        assert!(covered.iter().all(|&c| c == 1));
-                        let sum: DVec3 = regions.iter().map(|r| r.flux).sum();
-                        assert!((sum - flux).length() <= 1e-12 * flux.length());
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn halves_hold_half_of_the_energy() {
-        let map = &maps()[0];
-        let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(2).unwrap();
-        let [a, b] = [regions[0].energy, regions[1].energy];
-        assert!((a - b).abs() / (a + b) < 0.02, "{a} {b}");
-    }
-
-    #[test]
-    fn a_constant_map_is_cut_in_the_middle() {
-        let map = &maps()[2];
-        let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(4).unwrap();
-        let corners: Vec<_> = regions.iter().map(|r| (r.block.x0, r.block.y0)).collect();
-        // The sphere rule cuts the 2:1 map across, then each square half across its middle row's longer side.
-        assert!(corners.contains(&(0, 0)) && corners.contains(&(32, 0)), "{corners:?}");
-        let energy: f64 = regions.iter().map(|r| r.energy).sum();
-        for r in &regions {
-            assert!((r.energy / energy - 0.25).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn the_variance_rule_does_not_slice_a_lamp_in_two() {
-        // A large lamp beside a small one: equal energies are to be had only by cutting through the large one.
-        let lamp = |x: usize, y: usize| {
-            let large = (20..24).contains(&x) && (7..9).contains(&y);
-            let small = (40..41).contains(&x) && (7..9).contains(&y);
-            if large || small { 1.0 } else { 0.0 }
-        };
-        let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(lamp(x, y))));
-        let pieces = |split| {
-            let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(2).unwrap();
-            regions.iter().filter(|r| r.block.x0 < 24 && r.block.x1 > 20).count()
-        };
-        assert_eq!(pieces(Split::Energy), 2);
-        assert_eq!(pieces(Split::Variance), 1);
-    }
-
-    #[test]
-    fn impossible_numbers_are_refused() {
-        let map = &maps()[5];
-        let cut = MedianCut::new(map, Split::Energy, SideRule::Sphere);
-        assert!(cut.regions(0).is_err() && cut.regions(7).is_err() && cut.regions(6).is_ok());
-    }
-}
+mod tests;

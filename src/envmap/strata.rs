@@ -37,7 +37,7 @@ impl StrataSampler {
     /// # Errors
     /// As [`MedianCut::regions`].
     pub fn new(map: Arc<EnvMap>, count: usize) -> Result<Self> {
-        let regions = MedianCut::new(&map, Split::Energy, SideRule::Sphere).regions(count)?;
+        let regions = MedianCut::new(&map, Split::Energy, SideRule::default()).regions(count)?;
         let (width, rows) = (map.geometry().width(), map.geometry().height());
         let energies: Vec<f64> = regions.iter().map(|region| region.energy).collect();
         let table = Table1::new(&energies);

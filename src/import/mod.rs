@@ -12,7 +12,7 @@ mod transform;
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
 use crate::raster;
-use crate::scene::{Request, Scene};
+use crate::scene::{Environment, Request, Scene};
 use collada::ColladaOptions;
 use pbrt::PbrtOptions;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,8 @@ pub struct SceneOptions<'a> {
     pub resolution: Option<[usize; 2]>,
     /// A file of camera settings in place of the scene's own camera; COLLADA only.
     pub camera: Option<&'a Path>,
-    /// A map, and what it is called, in place of the one that the file names; pbrt only.
+    /// A map, and what it is called: in place of the one that a pbrt file names, or with the lights of a COLLADA file, its
+    /// zenith along +y of the world.
     pub environment: Option<(Arc<EnvMap>, String)>,
     /// Whether the file's own map may have 8 bits.
     pub allow_ldr: bool,
@@ -52,7 +53,7 @@ pub struct SceneOptions<'a> {
 /// [`Error::Parameter`] for an option that the format has no use for.
 pub fn read_scene(path: &Path, options: SceneOptions) -> Result<Imported> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
+    let mut imported = match extension.to_str() {
         Some("pbrt") => {
             if options.camera.is_some() {
                 return Err(Error::parameter("-c", "camera settings are for COLLADA scenes")
@@ -64,17 +65,25 @@ pub fn read_scene(path: &Path, options: SceneOptions) -> Result<Imported> {
                     .map_err(|e| e.with_hint("--envmap FILE stands in for the map that the scene names"))
             };
             let imported = pbrt::read(path, &PbrtOptions { environment: options.environment, load_map: &load_map })?;
-            let Some(size) = options.resolution else { return Ok(imported) };
-            let (scene, request) = imported.scene.resized(imported.request, size);
-            Ok(Imported { scene, request, ..imported })
+            match options.resolution {
+                Some(size) => {
+                    let (scene, request) = imported.scene.resized(imported.request, size);
+                    Imported { scene, request, ..imported }
+                }
+                None => imported,
+            }
         }
         Some("dae") => {
-            if options.environment.is_some() {
-                return Err(Error::parameter("--envmap", "a COLLADA scene has no environment map to replace")
-                    .with_hint("maps are for sphere-env and .pbrt scenes"));
-            }
-            collada::read(path, &ColladaOptions { resolution: options.resolution, settings: options.camera })
+            let settings = ColladaOptions { resolution: options.resolution, settings: options.camera };
+            let mut imported = collada::read(path, &settings)?;
+            imported.scene.environment = options.environment.map(|(map, name)| Environment::upright(map, name, 1.0));
+            imported
         }
-        _ => Err(Error::unsupported(path, "not a scene file that is known").with_hint("supported: .pbrt, .dae")),
+        _ => return Err(Error::unsupported(path, "not a scene file that is known").with_hint("supported: .pbrt, .dae")),
+    };
+    if !imported.scene.has_light() {
+        let message = "no light source: the image is black but for surfaces that emit light themselves";
+        imported.warnings.push(format!("{}: {message}", path.display()));
     }
+    Ok(imported)
 }

@@ -41,7 +41,7 @@ impl<T: Real> Reflectance<T> {
 
 /// Exact Fresnel reflectance for a ray that meets the interface at `cos_i` (in \[0, 1\]) from the near side.
 ///
-/// `eta` > 0 is the far index over the near one. Total internal reflection gives R∥ = R⊥ = 1.
+/// `eta` > 0 is the far index over the near one; in f32 it must be from 10⁻¹⁸ to 10¹⁸, where its square is a number. Total internal reflection gives R∥ = R⊥ = 1.
 /// Source: Born & Wolf, *Principles of Optics*, 7th ed., 1.5.2, rearranged as said above.
 #[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {

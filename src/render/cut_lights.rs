@@ -18,7 +18,7 @@ pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
         return Err(Error::parameter("--light-density", "lights that stand for the map bring all of its light")
             .with_hint("light sampling only: the material's directions would find the map a second time"));
     }
-    let regions = MedianCut::new(&environment.map, split, SideRule::Sphere).regions(count as usize)?;
+    let regions = MedianCut::new(&environment.map, split, SideRule::default()).regions(count as usize)?;
     let light = |(x, y), flux: glam::DVec3| {
         let towards = environment.to_world * environment.map.geometry().direction(x, y);
         Light::Directional { direction: -towards.as_vec3(), irradiance: flux.as_vec3() * environment.scale }

@@ -9,6 +9,8 @@ use crate::scene::{Emission, Material, Scene};
 /// What an object does to light.
 pub struct Face {
     pub kind: Kind,
+    /// Whether the material reflects alike on both sides: its normal then faces the viewer.
+    pub two_sided: bool,
     pub emission: Option<Emission>,
     /// The number of the light that samples this object.
     pub light: Option<usize>,
@@ -40,6 +42,7 @@ impl Face {
         };
         let face = |(i, object): (usize, &crate::scene::Object)| Self {
             kind: kind(&object.material),
+            two_sided: matches!(object.material, Material::Conductor(conductor) if conductor.two_sided),
             emission: object.emission,
             light: lights.iter().position(|light| light.object == i as u32),
         };

@@ -30,6 +30,15 @@ impl Surface {
     pub fn is_flat(&self) -> bool {
         self.shading == self.normal
     }
+
+    /// The surface with its normal on the side of `wo`, and the normal for shading on the side of that.
+    #[inline]
+    #[must_use]
+    pub fn facing(self, wo: Vec3) -> Self {
+        let normal = if self.normal.dot(wo) < 0.0 { -self.normal } else { self.normal };
+        let shading = if self.shading.dot(normal) < 0.0 { -self.shading } else { self.shading };
+        Self { normal, shading, ..self }
+    }
 }
 
 /// The prepared shapes.

@@ -273,8 +273,17 @@ impl<'a> Integrator<'a> {
         points.count += 1;
     }
 
-    pub(super) fn collect_rough(&self, work: &mut Workspace, i: usize) {
+    /// The surface that the ray of path `i` has hit, as the material there sees it: one that reflects on both sides faces the
+    /// ray's origin.
+    #[inline]
+    pub(super) fn scattering_surface(&self, work: &Workspace, i: usize) -> Surface {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+        let two_sided = self.faces[work.hits.object[i] as usize].two_sided;
+        if two_sided { surface.facing(-at(&work.paths.rays.direction, i)) } else { surface }
+    }
+
+    pub(super) fn collect_rough(&self, work: &mut Workspace, i: usize) {
+        let surface = self.scattering_surface(work, i);
         let direction = at(&work.paths.rays.direction, i);
         if surface.normal.dot(direction) > 0.0 {
             return;
@@ -303,7 +312,7 @@ impl<'a> Integrator<'a> {
         for (k, &i) in work.delta.iter().enumerate() {
             let i = i as usize;
             let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
-            let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+            let surface = self.scattering_surface(work, i);
             let direction = at(&work.paths.rays.direction, i);
             let frame = surface.frame(-direction);
             let Some(sample) = bsdf.sample(frame.local(-direction), work.u[0][k], [0.0; 2]) else { continue };

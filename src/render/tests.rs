@@ -4,7 +4,7 @@ use super::*;
 use crate::envmap::EnvMap;
 use crate::raster::Rgb;
 use crate::scene::{
-    Camera, Emission, Environment, Falloff, Light, Material, Object, Projection, Rectangle, Role, Shape, Sphere,
+    Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Role, Shape, Sphere,
     builtin,
 };
 use glam::{DVec3, Vec3};
@@ -239,6 +239,7 @@ fn all_strategies_have_the_same_mean() {
                     k: Rgb::splat(3.0),
                     alpha,
                     distribution: crate::scene::Distribution::Ggx,
+                    two_sided: false,
                 });
             }
         }
@@ -262,7 +263,8 @@ fn broad_metal_mirrors_a_lamp_alike_by_all_strategies() {
         for alpha in [0.2, 0.5] {
             let mut scene = floor(vec![lamp(Shape::Rectangle(shape))], Vec::new());
             let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-            scene.objects[0].material = Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution });
+            scene.objects[0].material =
+                Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided: false });
             for light_samples in [1, 3] {
                 let request = Request { width: 1, height: 1, spp: 1 << 16, light_samples, max_depth: 1 };
                 let by = |sampling, seed| Settings {
@@ -278,5 +280,57 @@ fn broad_metal_mirrors_a_lamp_alike_by_all_strategies() {
                 }
             }
         }
+    }
+}
+
+/// A conductor of 2 by 2 in the plane z = 0, seen from above in parallel under a map: a rectangle or a mesh, whose normal
+/// is +z or, turned over, −z.
+fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, Request) {
+    let (mut scene, request) = sphere(busy());
+    let (x, y) = if turned { (Vec3::Y, Vec3::X) } else { (Vec3::X, Vec3::Y) };
+    let shape = Shape::Rectangle(Rectangle::new(Vec3::ZERO, x, y).unwrap());
+    let corners = vec![-x - y, x - y, x + y, y - x];
+    let as_mesh = || Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    scene.objects[0].shape = if mesh { Shape::Mesh(Arc::new(as_mesh())) } else { shape };
+    let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
+    scene.objects[0].material = Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided });
+    (scene, request)
+}
+
+#[test]
+fn a_two_sided_conductor_is_the_same_from_behind_and_a_one_sided_one_is_black() {
+    for (alpha, mesh) in [(0.0, false), (0.0, true), (0.1, false), (0.1, true), (0.5, false), (0.5, true)] {
+        for sampling in ALL {
+            let settings = Settings { sampling, ..Settings::default() };
+            let image = |two_sided, turned| {
+                let (scene, request) = conductor(alpha, two_sided, mesh, turned);
+                render(&scene, &request, &settings, &Silent).unwrap().image
+            };
+            let (front, back) = (image(true, false), image(true, true));
+            let off = crate::raster::compare(&front, &back).unwrap();
+            let level = off.mean_a;
+            assert!(level > 0.1 && off.rmse < 1e-4 * level, "{alpha} {sampling:?} {mesh}: {off:?}");
+            assert_eq!(front, image(false, false), "{alpha} {sampling:?} {mesh}");
+            assert!(image(false, true).pixels().iter().all(|p| *p == Rgb::ZERO), "{alpha} {sampling:?} {mesh}");
+        }
+    }
+}
+
+#[test]
+fn the_furnace_shows_what_its_description_says() {
+    let (scene, request) = builtin::furnace();
+    let request = Request { width: 240, height: 60, spp: 64, ..request };
+    let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
+    for (object, expected) in scene.objects.iter().zip([1.0, 0.996, 1.0, 0.891]) {
+        let Shape::Sphere(sphere) = object.shape else { panic!("{object:?}") };
+        // 25 pixels to the unit, the origin in the middle.
+        let inside = |x: usize, y: usize| {
+            let (x, y) = ((x as f32 - 119.5) / 25.0, (29.5 - y as f32) / 25.0);
+            (x - sphere.centre.x).hypot(y - sphere.centre.y) < sphere.radius - 0.04
+        };
+        let places = (0..60).flat_map(|y| (0..240).map(move |x| (x, y))).filter(|&(x, y)| inside(x, y));
+        let light: Vec<f32> = places.map(|(x, y)| image.get(x, y).x).collect();
+        let mean = light.iter().sum::<f32>() / light.len() as f32;
+        assert!((mean - expected).abs() < 3e-3, "{:?}: {mean}, not {expected}", object.material);
     }
 }

@@ -184,7 +184,7 @@ impl Context {
     pub fn statue(&self, metal: &Metal, alpha: f32) -> Result<(Scene, Request)> {
         let Some(originals) = &self.originals else {
             let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
-            return Ok((scene, self.request(request, 128, 4)));
+            return Ok((scene, self.request(request, 128, 1)));
         };
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
@@ -193,7 +193,7 @@ impl Context {
                 (conductor.eta, conductor.k, conductor.alpha) = (rgb(metal.eta), rgb(metal.k), alpha);
             }
         }
-        Ok((scene, self.request(request, 128, 4)))
+        Ok((scene, self.request(request, 128, 1)))
     }
 
     /// The copper statue (in the report's files, its bunny), and the request of its sampling pictures.

@@ -210,7 +210,7 @@ fn proposal_figure(context: &Context) -> Result<Made> {
 
 fn cut(context: &Context, n: usize, draw: impl Fn(&Display, &[median_cut::Row]) -> Drawing) -> Result<Made> {
     let map = &context.source.map;
-    let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::Sphere, Centroid::Energy)?.remove(0);
+    let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
     Ok(Made {
         drawing: draw(context.display(), &rows),
         table: output::table(&rows)?,

@@ -27,25 +27,25 @@ const ALPHAS: [(&str, f32, &str, &str); 4] = [
         "roughness-0.005",
         0.005,
         "roughness-0.05",
-        "etalon render cornell-statue-au --alpha 0.005 -s 128 -l 4 -m 5 --tone report",
+        "etalon render cornell-statue-au --alpha 0.005 -s 128 -l 1 -m 5 --tone report",
     ),
     (
         "roughness-0.05",
         0.05,
         "roughness-0.005",
-        "etalon render cornell-statue-au --alpha 0.05 -s 128 -l 4 -m 5 --tone report",
+        "etalon render cornell-statue-au --alpha 0.05 -s 128 -l 1 -m 5 --tone report",
     ),
     (
         "roughness-0.25",
         0.25,
         "roughness-0.05",
-        "etalon render cornell-statue-au --alpha 0.25 -s 128 -l 4 -m 5 --tone report",
+        "etalon render cornell-statue-au --alpha 0.25 -s 128 -l 1 -m 5 --tone report",
     ),
     (
         "roughness-0.5",
         0.5,
         "roughness-0.25",
-        "etalon render cornell-statue-au --alpha 0.5 -s 128 -l 4 -m 5 --tone report",
+        "etalon render cornell-statue-au --alpha 0.5 -s 128 -l 1 -m 5 --tone report",
     ),
 ];
 /// What appears at each depth of the report.
@@ -147,7 +147,7 @@ pub(super) fn all() -> Vec<Entry> {
         })
         .shows("The same statue in iron: all colours are reflected nearly alike.")
         .beside("roughness-0.5")
-        .command("etalon render cornell-statue-fe -s 128 -l 4 -m 5 --tone report"),
+        .command("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report"),
     );
     list.push(
         entry(
@@ -156,7 +156,10 @@ pub(super) fn all() -> Vec<Entry> {
             "second report: eta and k of metals",
             |_| metals_table(),
         )
-        .shows("Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula."),
+        .shows(
+            "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
+             Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
+        ),
     );
     list
 }

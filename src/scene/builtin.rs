@@ -99,6 +99,8 @@ pub fn cornell_lambert() -> (Scene, Request) {
 /// # Errors
 /// That of [`Mesh::fitted`].
 pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(Scene, Request)> {
+    // A mesh of the user may have the corners of its triangles in either order.
+    let two_sided = mesh.is_some();
     let mesh = match mesh {
         Some(mesh) => mesh.fitted(Vec3::ZERO, STATUE_BOX)?,
         None => statue(),
@@ -108,6 +110,7 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
         k: Rgb::from_array(metal.k.map(|x| x as f32)),
         alpha,
         distribution: Distribution::Beckmann,
+        two_sided,
     });
     let name = format!("cornell-statue-{}", metal.symbol.to_lowercase());
     Ok(cornell(&name, vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
@@ -117,13 +120,15 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
 const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
 
 /// A white furnace: light of radiance 1 from everywhere on a white diffuse ball, a mirror, glass, and a rough metal
-/// that reflects everything. The first three must vanish before the background; the last shows the light that a model
-/// of single scattering loses.
+/// that reflects everything. Diffuse and glass sphere must vanish before the background. The metal is darker (0.891): a
+/// model of single scattering loses the light that meets a second facet. The mirror (0.996) would vanish if it did not
+/// show the metal.
 #[must_use]
 pub fn furnace() -> (Scene, Request) {
     let map = EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE));
     let environment = Environment::upright(Arc::new(map), "constant", 1.0);
-    let perfect = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: 0.5, distribution: Distribution::Beckmann };
+    let perfect =
+        Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: 0.5, distribution: Distribution::Beckmann, two_sided: false };
     let materials = [
         Material::Diffuse { albedo: Rgb::ONE },
         Material::Mirror { reflectance: Rgb::ONE },
@@ -154,7 +159,11 @@ pub const SCENES: [(&str, &str); 7] = [
     ("cornell-statue-au", "golden statue of 98,976 triangles in the same room, alpha 0.25"),
     ("cornell-statue-cu", "the statue in copper, alpha 0.05"),
     ("cornell-statue-fe", "the statue in iron, alpha 0.5"),
-    ("furnace", "diffuse, mirror, glass and metal balls that must vanish before light from everywhere"),
+    (
+        "furnace",
+        "diffuse, mirror, glass and metal spheres in light of radiance 1 from everywhere: diffuse and glass must vanish \
+         (1); metal is darker (0.891), as single scattering loses energy; the mirror shows the metal (0.996)",
+    ),
 ];
 
 /// The built-in scene of that name, if there is one; `sphere-env`, which needs a map, is [`sphere_env`].

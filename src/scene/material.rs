@@ -16,7 +16,7 @@ pub enum Material {
     Refraction { transmittance: Rgb, eta: f32 },
     /// A smooth dielectric boundary: reflection and refraction shared by Fresnel's equations.
     Glass { reflectance: Rgb, transmittance: Rgb, eta: f32 },
-    /// A rough conductor, on the outside only.
+    /// A conductor: rough, or smooth below [`Conductor::SMOOTH_ALPHA`].
     Conductor(Conductor),
 }
 
@@ -30,6 +30,8 @@ pub struct Conductor {
     /// Width of the distribution of normals; below [`Conductor::SMOOTH_ALPHA`] the surface is a perfect mirror.
     pub alpha: f32,
     pub distribution: Distribution,
+    /// Whether the surface reflects on both sides, as in pbrt; else its back is black, as in the course's renderer.
+    pub two_sided: bool,
 }
 
 impl Conductor {

@@ -39,6 +39,13 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether anything lights surfaces. Emission of [`Role::Picture`] is only seen.
+    #[must_use]
+    pub fn has_light(&self) -> bool {
+        let emits = |object: &Object| object.emission.is_some_and(|emission| emission.role == Role::Lamp);
+        self.environment.is_some() || !self.lights.is_empty() || self.objects.iter().any(emits)
+    }
+
     /// The scene for a picture of another size than `request` has; see [`Camera::fitted`].
     #[must_use]
     pub fn resized(self, request: Request, [width, height]: [usize; 2]) -> (Self, Request) {

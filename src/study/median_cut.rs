@@ -94,7 +94,7 @@ mod tests {
             let map = EnvMap::new(synthetic.make());
             let flux = Info::of(&map).flux_rgb;
             for centroid in [Centroid::Energy, Centroid::Median] {
-                for rows in cut(&map, &[1, 7, 64], Split::Energy, SideRule::Sphere, centroid).unwrap() {
+                for rows in cut(&map, &[1, 7, 64], Split::Energy, SideRule::default(), centroid).unwrap() {
                     assert!(flux_error(&rows, flux) < 1e-9, "{}", synthetic.name());
                 }
             }
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_nave_is_cut_evenly() {
         let map = EnvMap::new(Synthetic::Nave.make());
-        let rows = &cut(&map, &[64], Split::Energy, SideRule::Sphere, Centroid::Energy).unwrap()[0];
+        let rows = &cut(&map, &[64], Split::Energy, SideRule::default(), Centroid::Energy).unwrap()[0];
         assert!(imbalance(rows) < 1.5, "{}", imbalance(rows));
     }
 }

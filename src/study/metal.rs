@@ -44,6 +44,8 @@ pub struct Channel {
 pub struct Curves {
     /// "gold (Au)", or "complex index".
     pub metal: String,
+    /// Where the metal's η and k were measured.
+    pub source: Option<&'static str>,
     pub channels: Vec<Channel>,
 }
 
@@ -57,7 +59,7 @@ pub fn by_name(name: &str, points: usize) -> Result<Curves> {
     let channels = (0..3)
         .map(|c| channel(format!("{} nm", metals::WAVELENGTHS_NM[c]), metal.eta[c], metal.k[c], points))
         .collect::<Result<_>>()?;
-    Ok(Curves { metal: format!("{} ({})", metal.name, metal.symbol), channels })
+    Ok(Curves { metal: format!("{} ({})", metal.name, metal.symbol), source: Some(metal.source), channels })
 }
 
 /// The curves of the complex index (`eta_t` + i `k`) met from index `eta_i`.
@@ -69,7 +71,8 @@ pub fn by_index(eta_i: f64, eta_t: f64, k: f64, points: usize) -> Result<Curves>
             .with_hint("give a number from 0 to 1e6; metals have 1 to 10 in visible light"));
     }
     let name = format!("η = {eta_t}, k = {k}");
-    Ok(Curves { metal: "complex index".into(), channels: vec![channel(name, eta_t / eta_i, k / eta_i, points)?] })
+    let channels = vec![channel(name, eta_t / eta_i, k / eta_i, points)?];
+    Ok(Curves { metal: "complex index".into(), source: None, channels })
 }
 
 fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {

@@ -24,6 +24,8 @@ pub struct Row {
     pub approximate_max_abs_error_deg: f64,
     /// The same of R∥ alone.
     pub approximate_max_parallel_error: f64,
+    /// Where η and k were measured.
+    pub source: &'static str,
 }
 
 /// All metals, and the curves that the rows were read off, with `points` angles each.
@@ -54,6 +56,7 @@ pub fn table(points: usize) -> Result<(Vec<Row>, Vec<metal::Curves>)> {
                 approximate_max_abs_error: channel.approximate_max_abs_error,
                 approximate_max_abs_error_deg: channel.approximate_max_abs_error_deg,
                 approximate_max_parallel_error: super::fresnel::largest(90.0, parallel).1,
+                source: known.source,
             });
         }
         all.push(curves);

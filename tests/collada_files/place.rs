@@ -51,6 +51,20 @@ fn transforms_are_those_of_the_standard() {
     assert!(imported.warnings.iter().any(|w| w.contains("<matrix> has 15 numbers")), "{:?}", imported.warnings);
 }
 
+/// The camera of one of the course's files lacks a number in the middle: `-1 0 0 0  0 0 1 3  0 [1] 0 0  0 0 0 1`. Their
+/// renderer reads 12 numbers for three rows and looks at the scene all the same.
+#[test]
+fn a_matrix_without_a_number_in_the_middle_is_read_as_the_course_reads_it() {
+    let matrix = "<matrix>-1 0 0 0 0 0 1 3 0 0 0 0 0 0 1</matrix>";
+    let text = scene("Z_UP", "", &format!("<node>{matrix}<instance_camera url=\"#camera\"/></node>{QUAD}"));
+    let imported = read_text(&text).unwrap();
+    // From the origin to (0, 0, -1) + (0, 3, 0) of the file, where z is up: along +z.
+    let camera = imported.scene.camera;
+    assert!(camera.forward.abs_diff_eq(DVec3::NEG_Z, 1e-12) && camera.up.abs_diff_eq(DVec3::Y, 1e-12), "{camera:?}");
+    let [warning] = &imported.warnings[..] else { panic!("{:?}", imported.warnings) };
+    assert!(warning.contains("s.dae:15:7: <matrix> has 15 numbers, not 16"), "{warning}");
+}
+
 #[test]
 fn the_camera_stands_where_the_course_puts_it() {
     let imported = read_text(&more("", "")).unwrap();
@@ -146,7 +160,10 @@ fn nodes_hold_one_thing_and_end() {
         ),
         ("<node><instance_node url=\"#quad\"/></node>", "\"quad\" must be a <node>"),
         ("<node><matrix>1 2 3</matrix></node>", "<matrix> needs 16 numbers, not 3"),
-        ("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1</matrix></node>", "a projective transform"),
+        (
+            "<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1</matrix></node>",
+            "<matrix> of 16 numbers with the last row [1",
+        ),
         ("<node><rotate>0 0 0 90</rotate></node>", "<rotate> needs an axis"),
         ("<node><lookat>0 0 0 1 1 1 0 1 0</lookat></node>", "<lookat> is not supported"),
         ("<node><scale>1e200 1 1</scale><scale>1e200 1 1</scale></node>", "left the range of numbers"),

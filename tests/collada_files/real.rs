@@ -122,7 +122,11 @@ fn the_courses_other_boxes_have_their_parts() {
         assert_eq!((mesh.triangles.len(), mesh.normals.len()), (triangles, mesh.positions.len()));
         let (eta, k) = (Rgb::from_array(eta), Rgb::from_array(k));
         let distribution = Distribution::Beckmann;
-        assert_eq!(material, Material::Conductor(Conductor { eta, k, alpha, distribution }), "{name}");
+        assert_eq!(
+            material,
+            Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false }),
+            "{name}"
+        );
         // Wound counter-clockwise seen from outside: the volume is positive.
         let volume = |[a, b, c]: [u32; 3]| {
             let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize].as_dvec3());

@@ -19,7 +19,13 @@ fn materials_of_every_kind() {
         ),
         (
             "<microfacet><alpha>.5</alpha><eta>1 .5 .25</eta><k>1 1 1</k></microfacet>".into(),
-            Material::Conductor(Conductor { eta: red, k: one, alpha: 0.5, distribution: Distribution::Beckmann }),
+            Material::Conductor(Conductor {
+                eta: red,
+                k: one,
+                alpha: 0.5,
+                distribution: Distribution::Beckmann,
+                two_sided: false,
+            }),
         ),
         // The last that is known counts.
         (
@@ -63,6 +69,13 @@ fn materials_of_every_kind() {
         (
             effect("m", "<glass><transmittance>1 1 1</transmittance><reflectance>1 1 1</reflectance></glass>"),
             "has no ior",
+        ),
+        (
+            effect(
+                "m",
+                "<glass><transmittance>1 1 1</transmittance><reflectance>1 1 1</reflectance><ior>1e-30</ior></glass>",
+            ),
+            "<ior> must be from 0.001 to 1000",
         ),
         (effect("m", "<microfacet><alpha>0.1</alpha><eta>0 1 1</eta><k>1 1 1</k></microfacet>"), "must be above 0"),
         (effect("n", "<fur/>"), "no element has the id \"m\""),

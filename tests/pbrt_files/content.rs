@@ -180,7 +180,7 @@ fn materials_in_the_spelling_of_every_version() {
          \"string distribution\" \"beckmann\"",
     );
     let (eta, k) = (Rgb::new(0.2, 0.4, 1.3), Rgb::new(3.0, 2.0, 1.0));
-    assert_eq!(gold, Conductor { eta, k, alpha: 0.25, distribution: Distribution::Beckmann });
+    assert_eq!(gold, Conductor { eta, k, alpha: 0.25, distribution: Distribution::Beckmann, two_sided: true });
     let v4 = conductor("\"conductor\" \"float uroughness\" .25 \"float vroughness\" .25");
     assert_eq!((v4.alpha, v4.distribution), (0.5, Distribution::Ggx), "the square root");
     assert_eq!(conductor("\"conductor\"").alpha, 0.0);

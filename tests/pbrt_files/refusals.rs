@@ -63,6 +63,7 @@ fn what_cannot_be_honoured_is_refused_with_its_place() {
         ("LightSource \"infinite\" LightSource \"infinite\"", "a second light"),
         ("Material \"plastic\"", "Material \"plastic\""),
         ("Material \"glass\" \"float uroughness\" .1", "uroughness 0.1"),
+        ("Material \"dielectric\" \"float eta\" 1e-25", "from 0.001 to 1000"),
         ("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"", "\"spectrum eta\""),
         ("Material \"dielectric\" \"rgb Kr\" [1 1 1]", "\"rgb Kr\""),
         ("Material \"metal\" \"float uroughness\" .1 \"float vroughness\" .2", "0.1 and 0.2"),

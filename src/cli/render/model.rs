@@ -41,7 +41,7 @@ enum ModelName {
     /// All conventions below together
     Report,
     /// Metal: reflectance at the angle with the surface's normal, not the facet's; the two ways along a path then differ
-    /// by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 106 % (iron), 148 % (gold)
+    /// by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
     FresnelAtNormal,
     /// Metal: a reflectance that drops a term, off by less than 0.008 for gold and copper
     ApproximateFresnel,

@@ -1,7 +1,7 @@
 //! Materials: from a geometry's binding by way of its effect to what the renderer knows.
 
 use super::document::{Document, Element, course_profile, elements, find, is};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::raster::Rgb;
 use crate::scene::{Conductor, Distribution, Emission, Material, Role};
 
@@ -40,7 +40,10 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
     for node in elements(profile) {
         let colour = |name| document.colour(document.require(node, name)?, fraction, FRACTION);
         let indices = |name| document.colour(document.require(node, name)?, index, INDEX);
-        let index = |name| document.exactly(document.require(node, name)?, index, INDEX).map(|[x]| x as f32);
+        let dielectric = |name| {
+            let [eta] = document.exactly(document.require(node, name)?, dielectric_index, DIELECTRIC_INDEX)?;
+            Ok::<_, Error>(eta as f32)
+        };
         let material = match node.tag_name().name() {
             "emission" => {
                 let node = document.require(node, "radiance")?;
@@ -51,16 +54,17 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
                 continue;
             }
             "mirror" => Material::Mirror { reflectance: colour("reflectance")? },
-            "refraction" => Material::Refraction { transmittance: colour("transmittance")?, eta: index("ior")? },
+            "refraction" => Material::Refraction { transmittance: colour("transmittance")?, eta: dielectric("ior")? },
             "glass" => Material::Glass {
                 reflectance: colour("reflectance")?,
                 transmittance: colour("transmittance")?,
-                eta: index("ior")?,
+                eta: dielectric("ior")?,
             },
             "microfacet" => {
                 let alpha = document.exactly(document.require(node, "alpha")?, fraction, FRACTION)?;
                 let (eta, k, [alpha]) = (indices("eta")?, indices("k")?, alpha.map(|alpha| alpha as f32));
-                Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann })
+                let distribution = Distribution::Beckmann;
+                Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false })
             }
             other => {
                 document.warn(node, &format!("<{other}> is no material that is known: left out"));
@@ -86,7 +90,14 @@ fn fraction(x: f64) -> bool {
     (0.0..=1.0).contains(&x)
 }
 
-/// Of refraction; beyond this there is no matter, and squares might leave single precision.
+/// Of refraction of a dielectric; beyond this there is no matter, and squares might leave single precision.
+const DIELECTRIC_INDEX: &str = "from 0.001 to 1000";
+
+fn dielectric_index(x: f64) -> bool {
+    (1e-3..=1e3).contains(&x)
+}
+
+/// The parts of a metal's complex index.
 const INDEX: &str = "above 0 and at most 1000";
 
 fn index(x: f64) -> bool {

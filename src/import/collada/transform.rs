@@ -51,14 +51,28 @@ fn any(_: f64) -> bool {
 }
 
 /// 16 numbers row by row, for column vectors.
+///
+/// Some of the course's files have 15. Their renderer reads them from the first on and looks at three rows only, so the
+/// first 12 numbers count, wherever the missing one belongs.
 fn matrix<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
+    const LAST_ROW: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
     let mut numbers = document.numbers(node)?;
-    if numbers.len() == 15 {
-        document.warn(node, "<matrix> has 15 numbers: the missing last one is taken as 1");
-        numbers.push(1.0);
+    let count = numbers.len();
+    if count == 15 {
+        let message = "<matrix> has 15 numbers, not 16: the first 12 are taken for its first three rows, as in the course's \
+                       renderer, and 0 0 0 1 for the last one";
+        document.warn(node, message);
+        numbers.truncate(12);
+        numbers.extend(LAST_ROW);
     }
     let Ok(numbers) = <[f64; 16]>::try_from(numbers.as_slice()) else {
-        return Err(document.at(node).input(format!("<matrix> needs 16 numbers, not {}", numbers.len())));
+        return Err(document.at(node).input(format!("<matrix> needs 16 numbers, not {count}")));
     };
-    affine(DMat4::from_cols_array(&numbers).transpose(), &document.at(node))
+    let matrix = DMat4::from_cols_array(&numbers).transpose();
+    if matrix.row(3).to_array() != LAST_ROW {
+        let row = &numbers[12..];
+        let message = format!("<matrix> of 16 numbers with the last row {row:?}: a projective transform");
+        return Err(document.at(node).unsupported(message).with_hint("the last row must be 0 0 0 1"));
+    }
+    affine(matrix, &document.at(node))
 }

@@ -48,10 +48,11 @@ fn reflectance(p: &mut Params, name: &'static str) -> Result<Option<Rgb>> {
     p.rgb(name, |x| (0.0..=1.0).contains(&x), "from 0 to 1")
 }
 
-const INDEX: &str = "above 0 and at most 1000";
+/// Of refraction of a dielectric; beyond this there is no matter, and squares might leave single precision.
+const INDEX: &str = "from 0.001 to 1000";
 
 fn is_index(x: f64) -> bool {
-    x > 0.0 && x <= 1000.0
+    (1e-3..=1e3).contains(&x)
 }
 
 /// The index of refraction of a dielectric, whose surface must be smooth.
@@ -92,7 +93,7 @@ fn conductor(p: &mut Params, warnings: &mut Vec<String>) -> Result<Conductor> {
             return Err(place.unsupported(format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other))));
         }
     };
-    Ok(Conductor { eta, k, alpha: alpha as f32, distribution })
+    Ok(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: true })
 }
 
 /// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.

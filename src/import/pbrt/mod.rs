@@ -13,7 +13,7 @@
 //! | `PixelFilter` | `box` of one pixel |
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath` |
-//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric` if smooth; `metal` (not pbrt-v2's), `conductor` with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets, on the outside only |
+//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric` if smooth; `metal` (not pbrt-v2's), `conductor` with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets, on both sides |
 //! | `Shape` | `sphere`, whole and round |
 //! | `LightSource` | one `infinite`, constant or with a lat-long map |
 //!

@@ -154,7 +154,7 @@ impl Integrator<'_> {
         for k in 0..work.delta.len() {
             let i = work.delta[k] as usize;
             let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
-            let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
+            let surface = self.scattering_surface(work, i);
             let wo = -at(&work.paths.rays.direction, i);
             let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
             let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));

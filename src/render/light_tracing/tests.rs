@@ -41,7 +41,21 @@ fn ball(material: Material) -> Object {
 
 fn metal(alpha: f32) -> Material {
     let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-    Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann })
+    Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann, two_sided: false })
+}
+
+fn two_sided(alpha: f32) -> Material {
+    match metal(alpha) {
+        Material::Conductor(conductor) => Material::Conductor(Conductor { two_sided: true, ..conductor }),
+        other => other,
+    }
+}
+
+/// [`rounded`] with its corners in the other order.
+fn inside_out(x: f32) -> Shape {
+    let Shape::Mesh(mesh) = rounded(x) else { unreachable!() };
+    let triangles = mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    Shape::Mesh(Arc::new(Mesh { triangles, ..(*mesh).clone() }))
 }
 
 /// Few triangles and normals far from theirs.
@@ -91,6 +105,10 @@ fn camera_paths_alone_have_the_same_mean() {
         ("flat mirror", vec![Object::new(Shape::Rectangle(upright), mirror)], WIDE, 1 << 12),
         ("broad metal", vec![ball(metal(0.4))], WIDE, 1 << 12),
         ("sharp metal, parallel rays", vec![ball(metal(0.05))], parallel, 1 << 14),
+        // Lamp and camera see their backs.
+        ("two-sided metal", vec![Object::new(Shape::Rectangle(upright), two_sided(0.4))], WIDE, 1 << 12),
+        ("two-sided polished metal", vec![Object::new(Shape::Rectangle(upright), two_sided(0.0))], WIDE, 1 << 12),
+        ("two-sided metal inside out", vec![Object::new(inside_out(0.2), two_sided(0.4))], WIDE, 1 << 14),
         ("metal with normals of its own", vec![Object::new(rounded(0.2), metal(0.4))], WIDE, 1 << 14),
         ("plaster with normals of its own", vec![Object::new(rounded(-0.8), white), ball(metal(0.4))], WIDE, 1 << 14),
     ] {

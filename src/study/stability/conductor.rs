@@ -11,6 +11,8 @@ pub const FAMILY: Family = Family {
     name: "conductor",
     about: "conductor reflectance of unpolarized light",
     inputs: &["eta", "k", "cos"],
+    // Beyond, the renderer takes the metal for a perfect one.
+    domains: &[(0.0, 1e6), (0.0, 1e6), (0.0, 1.0)],
     sections: &[
         Section {
             title: "weak to strong absorbers, /{η} = 0.2",

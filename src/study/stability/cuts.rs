@@ -23,7 +23,7 @@ fn run(_effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
         let (map, name) = (EnvMap::new(kind.make()), kind.name());
         let exact = flux(kind, &map);
         for split in [Split::Energy, Split::Variance] {
-            let cut = MedianCut::new(&map, split, SideRule::Sphere);
+            let cut = MedianCut::new(&map, split, SideRule::default());
             for n in REGIONS {
                 let regions = cut.regions(n)?;
                 let what = || format!("{name} map cut by {split:?} into {n}");

@@ -1,7 +1,7 @@
 //! The density of the normals that are seen from a direction.
 
 use super::distribution::{self, ALPHA, of_slope};
-use super::family::{Answer, Family, Form, Range, STABLE, Section, TEXTBOOK, scalar};
+use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Section, TEXTBOOK, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number, dot};
 use super::refraction::direction;
@@ -13,6 +13,7 @@ pub const BECKMANN: Family = Family {
     name: "beckmann-pdf",
     about: "density of the visible normals of a Beckmann surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
@@ -28,6 +29,7 @@ pub const GGX: Family = Family {
     name: "ggx-pdf",
     about: "density of the visible normals of a GGX surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_reference,

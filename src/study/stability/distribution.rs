@@ -1,6 +1,6 @@
 //! The density of microfacet normals, D.
 
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
 use super::number::{Machine, Number};
 use super::refraction::direction;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
@@ -9,6 +9,7 @@ pub const BECKMANN: Family = Family {
     name: "beckmann-d",
     about: "Beckmann's density of normals",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     // Beyond tan θ = 8 α there is less than 10⁻²⁷ of the normals.
     sections: &[
         Section { title: "over the lobe", x: ALPHA, y: Scale::new(SLOPE, 1e-3, 8.0), at: over_the_lobe },
@@ -28,6 +29,7 @@ pub const GGX: Family = Family {
     name: "ggx-d",
     about: "the GGX density of normals",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: &[
         Section { title: "over the lobe", x: ALPHA, y: Scale::new(SLOPE, 1e-3, 1e4), at: over_the_lobe },
         GRAZING,

@@ -141,6 +141,7 @@ mod tests {
         name: "square",
         about: "x² − 1",
         inputs: &["x"],
+        domains: &[],
         sections: &[Section {
             title: "",
             x: Scale::new("", 1.0, 2.0),

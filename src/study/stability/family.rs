@@ -20,6 +20,8 @@ pub struct Family {
     pub about: &'static str,
     /// Names of the inputs, as replays give them.
     pub inputs: &'static [&'static str],
+    /// Least and largest value of each of the first inputs; the others may be any number.
+    pub domains: &'static [(f64, f64)],
     pub sections: &'static [Section],
     /// Inputs that no grid of factors reaches: zeros, poles and the like.
     pub edges: &'static [&'static [f64]],
@@ -31,6 +33,11 @@ pub struct Family {
     /// What the sides of the grids are divided by, where the reference takes long.
     pub coarser: usize,
 }
+
+/// Indices of refraction of dielectrics: their squares neither overflow nor underflow in f32.
+pub const INDEX: (f64, f64) = (1e-18, 1e18);
+/// What must be positive, such as widths and radii.
+pub const POSITIVE: (f64, f64) = (f32::MIN_POSITIVE as f64, f32::MAX as f64);
 
 /// One way of computing a family's quantity.
 pub struct Form {

@@ -1,6 +1,6 @@
 //! Dielectric Fresnel reflectance of unpolarized light.
 
-use super::family::{Answer, Family, Form, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::family::{Answer, Family, Form, INDEX, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
 use super::number::{Machine, Number};
 use crate::optics::{dielectric, schlick};
 
@@ -8,6 +8,7 @@ pub const FAMILY: Family = Family {
     name: "fresnel",
     about: "dielectric reflectance of unpolarized light",
     inputs: &["eta", "cos"],
+    domains: &[INDEX, (0.0, 1.0)],
     sections: &[
         Section { title: "all indices", x: Scale::new("/{η}", 1e-4, 1e4), y: COSINE, at: |eta, cos| vec![eta, cos] },
         Section {

@@ -1,7 +1,7 @@
 //! Drawing the normals that are seen from a direction.
 
 use super::distribution::ALPHA;
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK};
+use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number, normalized};
 use super::precise::Precise;
@@ -13,6 +13,7 @@ pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
     about: "visible normals drawn from a Beckmann surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
@@ -28,6 +29,7 @@ pub const GGX: Family = Family {
     name: "ggx-normal",
     about: "visible normals drawn from a GGX surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_textbook,

@@ -1,6 +1,6 @@
 //! The direction that a smooth dielectric refracts to.
 
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK};
+use super::family::{Answer, Family, Form, INDEX, Range, STABLE, Scale, Section, TEXTBOOK};
 use super::fresnel::{COSINE, critical_cosine};
 use super::number::{Number, normalized};
 use crate::bsdf::{Refraction, Scatter};
@@ -12,6 +12,7 @@ pub const FAMILY: Family = Family {
     name: "refraction",
     about: "direction of the refracted ray",
     inputs: &["eta", "x", "y", "z"],
+    domains: &[INDEX],
     sections: &[
         Section { title: "all indices", x: Scale::new("/{η}", 1e-4, 1e4), y: COSINE, at: |eta, cos| from(eta, cos) },
         Section {

@@ -84,6 +84,11 @@ fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
         };
         let number = number(value.trim()).filter(|x| x.is_finite() && (*x as f32).is_finite());
         let number = number.ok_or_else(|| refuse(format!("\"{value}\" is not a number that f32 can hold")))?;
+        if let Some((least, largest)) = family.domains.get(place)
+            && !(*least..=*largest).contains(&number)
+        {
+            return Err(refuse(format!("{name} = {value} is not from {least:e} to {largest:e}")));
+        }
         if inputs[place].replace(number).is_some() {
             return Err(refuse(format!("\"{name}\" is given twice")));
         }
@@ -120,6 +125,7 @@ fn number(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::stability::family::{STABLE, Section};
 
     #[test]
     fn numbers_are_read_exactly() {
@@ -136,6 +142,28 @@ mod tests {
         }
         for text in ["", "0x", "x", "0x1p", "0x1pp2", "1e", "0x-1", "0x123456789abcdef0", "--1"] {
             assert_eq!(number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_grids_and_edges_lie_in_the_domains() {
+        for family in &FAMILIES {
+            let corners = |s: &Section| [s.x.from, s.x.to].map(|x| [s.y.from, s.y.to].map(|y| (s.at)(x, y)));
+            let grid = family.sections.iter().flat_map(|s| corners(s).into_iter().flatten());
+            for inputs in grid.chain(family.edges.iter().map(|edge| edge.to_vec())) {
+                for ((least, largest), x) in family.domains.iter().zip(&inputs) {
+                    assert!((least..=largest).contains(&x), "{}: {inputs:?}", family.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn forms_are_finite_to_the_ends_of_the_domain_of_indices() {
+        for (eta, cos) in [("1e18", "0.5"), ("1e18", "0"), ("1e-18", "1"), ("1e-18", "0.5"), ("1e18", "1e-18")] {
+            for line in super::replay(&format!("fresnel:eta={eta},cos={cos}")).unwrap().lines {
+                assert!(line.form != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
+            }
         }
     }
 
@@ -157,6 +185,13 @@ mod tests {
             "fresnel:eta=1.5,cos=0.5,eta=2",
             "fresnel:eta=1.5,cos=0.5,k=2",
             "fresnel:eta",
+            "fresnel:eta=0,cos=0.5",
+            "fresnel:eta=-1,cos=0.5",
+            "fresnel:eta=1e20,cos=0.5",
+            "fresnel:eta=1.5,cos=1.5",
+            "refraction:eta=-1.5,x=0,y=0,z=1",
+            "conductor:eta=0.2,k=-3,cos=0.5",
+            "ggx-d:alpha=0,x=0,y=0,z=1",
         ] {
             assert!(super::replay(text).unwrap_err().hint().is_some(), "{text}");
         }

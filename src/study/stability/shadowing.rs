@@ -1,7 +1,7 @@
 //! Smith's shadowing: Λ, by way of G₁ = 1/(1 + Λ), which is all that rendering takes from it.
 
 use super::distribution::ALPHA;
-use super::family::{Answer, Family, Form, REPORT, Range, STABLE, Section, TEXTBOOK, scalar};
+use super::family::{Answer, Family, Form, POSITIVE, REPORT, Range, STABLE, Section, TEXTBOOK, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use super::refraction::direction;
@@ -11,6 +11,7 @@ pub const BECKMANN: Family = Family {
     name: "beckmann-g",
     about: "shadowing of a Beckmann surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
@@ -27,6 +28,7 @@ pub const GGX: Family = Family {
     name: "ggx-g",
     about: "shadowing of a GGX surface",
     inputs: INPUTS,
+    domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_reference,

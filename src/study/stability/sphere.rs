@@ -1,6 +1,6 @@
 //! Where a ray meets a sphere.
 
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
 use super::number::{Number, dot};
 use crate::scene::Sphere;
 use glam::Vec3;
@@ -9,6 +9,7 @@ pub const FAMILY: Family = Family {
     name: "sphere",
     about: "distance to a sphere from the origin",
     inputs: &["radius", "x", "y", "z", "dx", "dy", "dz"],
+    domains: &[POSITIVE],
     sections: &[
         Section {
             title: "by its size and how far off its edge",

@@ -8,12 +8,12 @@ fn family(name: &str) -> &'static Family {
 
 /// The textbook's form in the place of the one that renders.
 fn planted(name: &str) -> Sweep {
-    let Family { about, inputs, sections, edges, reference, range, coarser, .. } = *family(name);
+    let Family { about, inputs, domains, sections, edges, reference, range, coarser, .. } = *family(name);
     let textbook = &family(name).forms[1];
     assert_eq!(textbook.name, TEXTBOOK);
     let forms = Box::leak(Box::new([Form { name: STABLE, ..*textbook }]));
     let name = family(name).name;
-    let planted = Family { name, about, inputs, sections, edges, reference, forms, range, coarser };
+    let planted = Family { name, about, inputs, domains, sections, edges, reference, forms, range, coarser };
     Sweep::new(Box::leak(Box::new(planted)), Effort::QUICK.side)
 }
 

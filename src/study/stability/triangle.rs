@@ -9,6 +9,7 @@ pub const FAMILY: Family = Family {
     name: "triangle",
     about: "distance to a triangle from the origin",
     inputs: &["ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz", "dx", "dy", "dz"],
+    domains: &[],
     sections: &[
         Section {
             title: "from plump to slivers",

@@ -16,7 +16,8 @@ use glam::{DVec3, Vec3};
 fn metal(alpha: f64, distribution: Distribution) -> Material {
     let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
     let [first, ..] = METALS;
-    Material::Conductor(Conductor { eta: rgb(first.eta), k: rgb(first.k), alpha: alpha as f32, distribution })
+    let (eta, k) = (rgb(first.eta), rgb(first.k));
+    Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
 
 pub fn cases() -> Vec<Case> {

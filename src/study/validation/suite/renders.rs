@@ -228,7 +228,7 @@ pub fn metal(settings: Settings) -> Picture {
     };
     let sheet = Rectangle::new(Vec3::ZERO, Vec3::Z, Vec3::X).expect("the sides are perpendicular");
     let distribution = Distribution::Beckmann;
-    let conductor = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: ALPHA as f32, distribution };
+    let conductor = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: ALPHA as f32, distribution, two_sided: false };
     let scene = Scene {
         name: "sheet".into(),
         camera,

@@ -20,7 +20,8 @@ pub fn cases() -> Vec<Case> {
     let model = ScatterModel::default();
     let one = Rgb::ONE;
     let mirror = Material::Mirror { reflectance: one }.bsdf(model);
-    let polished = Conductor { eta: one, k: Rgb::splat(3.0), alpha: 0.0, distribution: Distribution::Beckmann };
+    let (k, distribution) = (Rgb::splat(3.0), Distribution::Beckmann);
+    let polished = Conductor { eta: one, k, alpha: 0.0, distribution, two_sided: false };
     let polished = Material::Conductor(polished).bsdf(model);
     let glass = Material::Glass { reflectance: one, transmittance: one, eta: ETA as f32 }.bsdf(model);
     let refraction = Material::Refraction { transmittance: one, eta: ETA as f32 }.bsdf(model);

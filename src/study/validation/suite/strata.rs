@@ -32,7 +32,7 @@ fn map() -> EnvMap {
 fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<crate::stats::Outcome> {
     let map = map();
     let g = map.geometry();
-    let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(regions)?;
+    let regions = MedianCut::new(&map, split, SideRule::default()).regions(regions)?;
     let shares = Table1::new(&regions.iter().map(|region| region.energy).collect::<Vec<_>>());
     let within = |Region { block, .. }: &Region| {
         let energy = |x: usize, y: usize| map.energy(block.x0 + x, block.y0 + y);

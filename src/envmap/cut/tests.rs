@@ -1,0 +1,135 @@
+//! Cuts tile the map and halve its light.
+
+use super::*;
+use crate::envmap::info::Info;
+use crate::raster::{Image, Rgb};
+
+fn maps() -> Vec<EnvMap> {
+    let busy = |x: usize, y: usize| Rgb::new(((x * 31 + y * 17) % 11) as f32, (x % 3) as f32, 0.1);
+    let sun = |x: usize, y: usize| if (x, y) == (40, 9) { Rgb::splat(1e6) } else { Rgb::splat(0.2) };
+    vec![
+        EnvMap::new(Image::from_fn(64, 32, busy)),
+        EnvMap::new(Image::from_fn(64, 32, sun)),
+        EnvMap::new(Image::from_fn(64, 32, |_, _| Rgb::ONE)),
+        EnvMap::new(Image::new(64, 32)),
+        EnvMap::new(Image::from_fn(64, 32, |x, y| if (x, y) == (1, 1) { Rgb::ONE } else { Rgb::ZERO })),
+        EnvMap::new(Image::from_fn(3, 2, busy)),
+    ]
+}
+
+#[test]
+fn regions_tile_the_map_and_keep_its_flux() {
+    for map in maps() {
+        let flux = DVec3::from_array(Info::of(&map).flux_rgb);
+        let (w, h) = (map.geometry().width(), map.geometry().height());
+        for split in [Split::Energy, Split::Variance] {
+            for sides in [SideRule::Sphere, SideRule::Texels] {
+                let cut = MedianCut::new(&map, split, sides);
+                for n in [1, 2, 3, 5, 6, 64, 777].into_iter().filter(|n| *n <= w * h) {
+                    let regions = cut.regions(n).unwrap();
+                    assert_eq!(regions.len(), n, "any number can be asked for");
+                    let mut covered = vec![0; w * h];
+                    for r in &regions {
+                        for y in r.block.y0..r.block.y1 {
+                            for x in r.block.x0..r.block.x1 {
+                                covered[y * w + x] += 1;
+                            }
+                        }
+                        for (cx, cy) in [r.centroid, r.median] {
+                            assert!(cx >= r.block.x0 as f64 && cx <= r.block.x1 as f64);
+                            assert!(cy >= r.block.y0 as f64 && cy <= r.block.y1 as f64);
+                        }
+                    }
+                    assert!(covered.iter().all(|&c| c == 1));
+                    let sum: DVec3 = regions.iter().map(|r| r.flux).sum();
+                    assert!((sum - flux).length() <= 1e-12 * flux.length());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn halves_hold_half_of_the_energy() {
+    let map = &maps()[0];
+    let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(2).unwrap();
+    let [a, b] = [regions[0].energy, regions[1].energy];
+    assert!((a - b).abs() / (a + b) < 0.02, "{a} {b}");
+}
+
+#[test]
+fn a_constant_map_is_cut_in_the_middle() {
+    let map = &maps()[2];
+    let regions = MedianCut::new(map, Split::Energy, SideRule::Sphere).regions(4).unwrap();
+    let corners: Vec<_> = regions.iter().map(|r| (r.block.x0, r.block.y0)).collect();
+    // The sphere rule cuts the 2:1 map across, then each square half across its middle row's longer side.
+    assert!(corners.contains(&(0, 0)) && corners.contains(&(32, 0)), "{corners:?}");
+    let energy: f64 = regions.iter().map(|r| r.energy).sum();
+    for r in &regions {
+        assert!((r.energy / energy - 0.25).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_variance_rule_does_not_slice_a_lamp_in_two() {
+    // A large lamp beside a small one: equal energies are to be had only by cutting through the large one.
+    let lamp = |x: usize, y: usize| {
+        let large = (20..24).contains(&x) && (7..9).contains(&y);
+        let small = (40..41).contains(&x) && (7..9).contains(&y);
+        if large || small { 1.0 } else { 0.0 }
+    };
+    let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(lamp(x, y))));
+    let pieces = |split| {
+        let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(2).unwrap();
+        regions.iter().filter(|r| r.block.x0 < 24 && r.block.x1 > 20).count()
+    };
+    assert_eq!(pieces(Split::Energy), 2);
+    assert_eq!(pieces(Split::Variance), 1);
+}
+
+#[test]
+fn impossible_numbers_are_refused() {
+    let map = &maps()[5];
+    let cut = MedianCut::new(map, Split::Energy, SideRule::Sphere);
+    assert!(cut.regions(0).is_err() && cut.regions(7).is_err() && cut.regions(6).is_ok());
+}
+
+/// Every region of `few` holds two of `many`.
+fn is_next_level(few: &[Region], many: &[Region]) -> bool {
+    let inside = |a: Block, b: Block| a.x0 >= b.x0 && a.x1 <= b.x1 && a.y0 >= b.y0 && a.y1 <= b.y1;
+    few.iter().all(|old| many.iter().filter(|new| inside(new.block, old.block)).count() == 2)
+}
+
+#[test]
+fn a_power_of_two_is_cut_level_by_level() {
+    let maps = maps();
+    for sides in [SideRule::Texels, SideRule::Sphere] {
+        for map in &maps[..3] {
+            let cut = MedianCut::new(map, Split::Energy, sides);
+            let levels: Vec<_> = [1, 2, 4].map(|n| cut.regions(n).unwrap()).into();
+            assert!(levels.windows(2).all(|pair| is_next_level(&pair[0], &pair[1])), "{sides:?}: {levels:?}");
+        }
+        // Where no region is a single texel.
+        let cut = MedianCut::new(&maps[2], Split::Energy, sides);
+        for n in [4, 32, 64] {
+            let (few, many) = (cut.regions(n).unwrap(), cut.regions(2 * n).unwrap());
+            assert!(is_next_level(&few, &many), "{sides:?}: {n}");
+        }
+        // Any other number has the brightest region cut first: the half with the sun, twice.
+        let cut = MedianCut::new(&maps[1], Split::Energy, sides);
+        let halves = cut.regions(2).unwrap();
+        let dim = if halves[0].energy < halves[1].energy { halves[0].block } else { halves[1].block };
+        assert!(cut.regions(3).unwrap().iter().any(|region| region.block == dim), "{sides:?}");
+    }
+}
+
+#[test]
+fn single_texels_and_black_regions_leave_the_number_as_asked_for() {
+    // The sun's texel and the black half are reached after few levels.
+    for map in [&maps()[1], &maps()[3], &maps()[4]] {
+        let cut = MedianCut::new(map, Split::Energy, SideRule::default());
+        for n in [2, 8, 32, 256, 2048] {
+            assert_eq!(cut.regions(n).unwrap().len(), n);
+        }
+    }
+}
