@@ -134,5 +134,5 @@ fn text(output: &Output<'_>) -> String {
     }
     text +=
         &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);
-    text + &&written.text()
+    text + &written.text()
 }

@@ -118,7 +118,7 @@ impl Fresnel {
                     c.schlick_max_abs_error_deg
                 );
             }
-            text + &&written.text()
+            text + &written.text()
         });
         Ok(Verdict::Good)
     }

@@ -148,5 +148,5 @@ fn human(output: &Output<'_>) -> String {
         text += &format!("{verdict} {}: {:.3e}, at most {:.0e}", p.name, p.got, p.limit);
         text += &if p.kept || p.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", p.worst) };
     }
-    text + &&output.written.text()
+    text + &output.written.text()
 }

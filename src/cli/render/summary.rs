@@ -97,7 +97,7 @@ impl<'a> Summary<'a> {
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));
         }
-        text + &&self.written.text()
+        text + &self.written.text()
     }
 }
 
