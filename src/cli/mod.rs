@@ -65,7 +65,8 @@ struct Global {
     /// No progress bars and no warnings
     #[arg(long, global = true)]
     quiet: bool,
-    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take
+    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: out, under
+    /// names that carry the options that differ from their defaults]
     #[arg(short, long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
     /// All arguments of the run.

@@ -7,10 +7,10 @@ const REC_709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 const TOLERANCE: f32 = 1e-3;
 
 /// What is to be said of an image with these primaries and this white (CIE x and y of R, G, B, W), which `name` gives:
-/// colours are not converted.
+/// colours are not converted. Zeros are what programs write that know no primaries (HDR Shop, for one).
 pub(super) fn note(name: &str, found: [f32; 8]) -> Option<String> {
     let is_equal = found.iter().zip(REC_709).all(|(a, b)| (a - b).abs() <= TOLERANCE);
-    (!is_equal).then(|| {
+    (!is_equal && found != [0.0; 8]).then(|| {
         format!("{name} {found:?} are not those of Rec. 709; R, G and B are taken as linear Rec. 709 all the same")
     })
 }
@@ -22,6 +22,7 @@ mod tests {
     #[test]
     fn other_primaries_are_told_from_rec_709() {
         assert_eq!(note("chromaticities", REC_709), None);
+        assert_eq!(note("PRIMARIES", [0.0; 8]), None);
         assert_eq!(note("chromaticities", [0.6401, 0.33, 0.3, 0.6, 0.15, 0.06, 0.31271, 0.32902]), None);
         // AP0 of ACES, CIE XYZ, and what is no number.
         for other in [
