@@ -72,6 +72,7 @@ fn inputs_are_never_replaced() {
     std::os::unix::fs::symlink("map.exr", at("soft.exr")).unwrap();
     #[cfg(not(unix))]
     std::fs::hard_link(at("map.exr"), at("soft.exr")).unwrap();
+    std::fs::hard_link(at("sphere-8.pfm"), at("link.hdr")).unwrap();
     let names = || std::fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_file());
     let content = || {
         names().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect::<std::collections::BTreeMap<_, _>>()
@@ -96,6 +97,7 @@ fn inputs_are_never_replaced() {
         "validate map/map --envmap map.exr --junit map.exr",
         "converge sphere-env --envmap map.exr -o map.exr",
         "reproduce --only sphere-8 --envmap sphere-8.pfm -o .",
+        "reproduce --only sphere-8 --envmap link.hdr -o .",
     ] {
         let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
         assert_eq!(ran.code, 2, "{line}: {}", ran.stderr);

@@ -93,11 +93,11 @@ impl Reproduce {
 
     /// Refuses a map that one of the figures in `folder` would replace.
     fn spare_the_map(&self, folder: &Path) -> Result<()> {
-        let map = PathBuf::from(&self.envmap);
-        let Some(extension) = map.extension().filter(|_| map.is_file()) else { return Ok(()) };
+        let map = [PathBuf::from(&self.envmap)];
         report::registry().iter().try_for_each(|entry| {
-            let figure = output::with_extension(&folder.join(entry.id), &extension.to_string_lossy());
-            output::check_no_input(&figure, std::slice::from_ref(&map))
+            let stem = folder.join(entry.id);
+            let mut images = ["png", "exr", "pfm", "ppm"].into_iter();
+            images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format), &map))
         })
     }
 
