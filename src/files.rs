@@ -3,13 +3,15 @@
 
 use crate::error::{Error, Result};
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// Writes `path` through `fill`; an error or a crash on the way leaves what stood there before untouched.
 ///
-/// Missing parent folders are made. The file gets the usual permissions (0666 less the umask).
+/// Missing parent folders are made. The file gets the usual permissions (0666 less the umask). A symbolic link stays a
+/// link: the file that it leads to is replaced, or made if it is missing.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    let path = &link_target(path)?;
     let mut file = temporary(path)?;
     let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
     fill(&mut writer)?;
@@ -24,7 +26,38 @@ pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>
 /// # Errors
 /// As [`write_atomic`]; makes missing parent folders, too.
 pub fn check_writable(path: &Path) -> Result<()> {
-    temporary(path).map(drop)
+    temporary(&link_target(path)?).map(drop)
+}
+
+/// Where a chain of symbolic links ends, whether there is a file or not; a path that is no link stays as it is.
+fn link_target(path: &Path) -> Result<PathBuf> {
+    let mut end = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        let Ok(next) = std::fs::read_link(&end) else { return Ok(end) };
+        end = end.parent().unwrap_or(Path::new("")).join(next);
+    }
+    Err(Error::io(path, std::io::Error::other("too many levels of symbolic links")))
+}
+
+/// As many symbolic links are followed as Linux follows.
+const MAX_LINKS: usize = 40;
+
+/// Whether both paths lead to one file that is there, by whatever names or links.
+#[must_use]
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b) || is_same_inode(a, b)
+}
+
+#[cfg(unix)]
+fn is_same_inode(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let inode = |path| std::fs::metadata(path).map(|there: std::fs::Metadata| (there.dev(), there.ino()));
+    matches!((inode(a), inode(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(not(unix))]
+fn is_same_inode(_: &Path, _: &Path) -> bool {
+    false
 }
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
@@ -116,6 +149,41 @@ mod tests {
         check_writable(&path).unwrap();
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "no temporary file is left");
         assert!(check_writable(&path.join("below a file")).is_err() && check_writable(dir.path()).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn symbolic_links_are_written_through() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        write_bytes(&at("folder/real"), b"old").unwrap();
+        symlink("folder/real", at("direct")).unwrap();
+        symlink(at("direct"), at("chained")).unwrap();
+        symlink("folder/new", at("dangling")).unwrap();
+        for (link, real, text) in [("direct", "real", "1"), ("chained", "real", "2"), ("dangling", "new", "3")] {
+            check_writable(&at(link)).unwrap();
+            write_bytes(&at(link), text.as_bytes()).unwrap();
+            assert!(std::fs::symlink_metadata(at(link)).unwrap().is_symlink(), "{link} is no link any more");
+            assert_eq!(std::fs::read_to_string(at("folder").join(real)).unwrap(), text);
+        }
+        symlink("loop", at("loop")).unwrap();
+        assert!(write_bytes(&at("loop"), b"").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_the_same_under_every_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        write_bytes(&at("a"), b"same").unwrap();
+        write_bytes(&at("b"), b"same").unwrap();
+        std::os::unix::fs::symlink("a", at("symbolic")).unwrap();
+        std::fs::hard_link(at("a"), at("hard")).unwrap();
+        for name in ["a", "./a", "symbolic", "hard"] {
+            assert!(is_same_file(&at("a"), &at(name)), "{name}");
+        }
+        assert!(!is_same_file(&at("a"), &at("b")) && !is_same_file(&at("gone"), &at("gone")));
     }
 
     #[test]

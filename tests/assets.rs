@@ -79,6 +79,18 @@ fn real_maps_are_read() {
     }
 }
 
+/// PFM files of other programs: four channels, and blanks at the end of the header.
+#[test]
+fn odd_pfm_files_are_refused_or_read_right() {
+    let Some(odd) = assets("odd") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let four = etalon(dir.path(), &["envmap", "info", odd.join("pf4.pfm").to_str().unwrap()]);
+    assert!(four.code == 2 && four.stderr.contains("PF4"), "{}", four.stderr);
+    let info = json(dir.path(), &["envmap", "info", odd.join("sp.pfm").to_str().unwrap()]);
+    assert_eq!([&info["width"], &info["height"], &info["negative"]], [8, 5, 0]);
+    assert!(info["max"].as_f64().unwrap() < 4.0, "{info}");
+}
+
 /// Damaged files: an answer or a refusal, soon, within 1 GiB of address space.
 #[test]
 fn damaged_files_are_refused_or_read() {

@@ -249,7 +249,7 @@ fn the_command_merges_and_says_what_is_missing() {
     let expected = serde_json::json!({
         "parts": 3, "width": 19, "height": 34, "samples": 18, "of": 24, "complete": false,
         "missing": [{"start": 12, "end": 18}],
-        "dropped": some["dropped"], "files": ["some.exr", "some.png"],
+        "dropped": some["dropped"], "files": ["some.exr", "some.png"], "replaced": [],
     });
     assert_eq!(some, expected);
     let ran = etalon(dir.path(), &["merge", "4.exr", "2.exr", "-o", "gaps.exr"]);

@@ -68,7 +68,8 @@ fn shards_are_merged_to_the_same_bits() {
     for mut child in children.collect::<Vec<_>>() {
         assert!(child.wait().unwrap().success());
     }
-    let parts: Vec<PathBuf> = (1..=3).map(|i| format!("parts/cornell-spheres.shard-{i}-of-3.exr").into()).collect();
+    let parts: Vec<PathBuf> =
+        (1..=3).map(|i| format!("parts/cornell-spheres-r48x36-s4-paths-2.shard-{i}-of-3.exr").into()).collect();
     assert_eq!(std::fs::read_dir(dir.path().join("parts")).unwrap().count(), 3, "a shard writes one file");
     let parts: Vec<&str> = parts.iter().map(|p| p.to_str().unwrap()).collect();
     let merge = |parts: &[&str], out: &str| {
@@ -273,15 +274,19 @@ fn tones_names_and_numbers() {
     run("-s 2 -o plain");
     run("-s 2 -o srgb --tone srgb");
     let report = run("-s 2 -f report --tone report");
-    assert_eq!(report["files"][0], "report/cornell-spheres.exr");
-    let (png, ppm) = ("cornell-spheres.png", "cornell-spheres.ppm");
-    assert!(bytes(&format!("plain/{png}")) == bytes(&format!("srgb/{png}")));
-    assert!(bytes(&format!("plain/{ppm}")) != bytes(&format!("srgb/{ppm}")));
-    assert!(bytes(&format!("report/{png}")) != bytes(&format!("srgb/{png}")));
-    assert!(bytes(&format!("report/{ppm}")) != bytes(&format!("srgb/{ppm}")));
+    assert_eq!(report["files"][0], "report/cornell-spheres-r16x12-s2-tone-report.exr");
+    let [plain, srgb, report_like] = [
+        "plain/cornell-spheres-r16x12-s2",
+        "srgb/cornell-spheres-r16x12-s2-tone-srgb",
+        "report/cornell-spheres-r16x12-s2-tone-report",
+    ];
+    assert!(bytes(&format!("{plain}.png")) == bytes(&format!("{srgb}.png")));
+    assert!(bytes(&format!("{plain}.ppm")) != bytes(&format!("{srgb}.ppm")));
+    assert!(bytes(&format!("{report_like}.png")) != bytes(&format!("{srgb}.png")));
+    assert!(bytes(&format!("{report_like}.ppm")) != bytes(&format!("{srgb}.ppm")));
 
     // The error layer, and its mean square.
-    let file = ExrFile::open(&dir.path().join("plain/cornell-spheres.exr")).unwrap();
+    let file = ExrFile::open(&dir.path().join(format!("{plain}.exr"))).unwrap();
     let error = &file.layers().unwrap()[1];
     assert_eq!(error.0, "error");
     let square: f64 = error.1.pixels().iter().map(|p| f64::from(p.y).powi(2)).sum::<f64>() / 192.0;

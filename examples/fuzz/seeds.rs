@@ -3,6 +3,7 @@
 use super::program::Actor;
 use etalon::raster::{Image, Metadata, Rgb, write};
 use etalon::render::exposure::{Classes, Exposure, Part, Splat};
+use exr::meta::attribute::{Chromaticities, EnvironmentMap};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, SmallVec,
     Vec2, WritableImage,
@@ -31,7 +32,42 @@ pub fn exr() -> Vec<Vec<u8>> {
     let foreign = [Uncompressed, RLE, ZIP1, PIZ, PXR24, B44, DWAA(None)].into_iter().flat_map(|compression| {
         [Blocks::ScanLines, Blocks::Tiles(Vec2(5, 4))].map(|blocks| foreign_exr(compression, blocks))
     });
-    std::iter::once(own).chain(foreign).collect()
+    [own, environment_exr(), grey_exr()].into_iter().chain(foreign).collect()
+}
+
+/// Layers beside the image, primaries of its own, and the mark of a cube map.
+fn environment_exr() -> Vec<u8> {
+    encoded_exr(&["R", "G", "B", "noise.R", "noise.G", "noise.B", "depth.Z"], |image| {
+        image.layer_data.attributes.environment_map = Some(EnvironmentMap::Cube);
+        image.attributes.chromaticities = Some(Chromaticities {
+            red: Vec2(0.708, 0.292),
+            green: Vec2(0.17, 0.797),
+            blue: Vec2(0.131, 0.046),
+            white: Vec2(0.3127, 0.329),
+        });
+    })
+}
+
+/// A single channel that is no colour, as a lat-long map.
+fn grey_exr() -> Vec<u8> {
+    encoded_exr(&["A", "Z"], |image| {
+        image.layer_data.attributes.environment_map = Some(EnvironmentMap::LatitudeLongitude);
+    })
+}
+
+fn encoded_exr(
+    names: &[&str],
+    change: impl FnOnce(&mut exr::prelude::Image<Layer<AnyChannels<FlatSamples>>>),
+) -> Vec<u8> {
+    let samples = || FlatSamples::F32((0..32).map(|i| i as f32 * 0.25).collect());
+    let channels = names.iter().map(|&name| AnyChannel::new(name, samples())).collect();
+    let channels = AnyChannels::sort(SmallVec::from_vec(channels));
+    let layer = Layer::new(Vec2(8, 4), LayerAttributes::named("main"), Encoding::SMALL_LOSSLESS, channels);
+    let mut image = exr::prelude::Image::from_layer(layer);
+    change(&mut image);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).expect("an OpenEXR seed");
+    bytes.into_inner()
 }
 
 fn foreign_exr(compression: Compression, blocks: Blocks) -> Vec<u8> {
@@ -55,12 +91,19 @@ pub fn hdr() -> Vec<Vec<u8>> {
     let own = written("a.hdr", |path| write(path, &picture(), &Metadata::default()));
     let old = b"#?RGBE\nEXPOSURE=2\nCOLORCORR=1 2 1\nFORMAT=32-bit_rle_rgbe\n\n+X 3 -Y 3\n\
                 \x80\x40\x20\x81\x01\x01\x01\x02\x10\x20\x30\x80\x01\x01\x01\x02\x20\x10\x08\x7f\x01\x01\x01\x02";
-    vec![own, old.to_vec()]
+    let primaries = b"#?RADIANCE\nPRIMARIES= .708 .292 .17 .797 .131 .046 .3127 .329\nFORMAT=32-bit_rle_rgbe\n\n\
+                      -Y 1 +X 2\n\x80\x40\x20\x81\x10\x20\x30\x80";
+    vec![own, old.to_vec(), primaries.to_vec()]
 }
 
 pub fn pfm() -> Vec<Vec<u8>> {
     let colour = written("a.pfm", |path| write(path, &picture(), &Metadata::default()));
-    vec![colour, b"Pf\n2 2\n1.5\n\x3f\x80\0\0\x40\0\0\0\x7f\xc0\0\0\xff\x80\0\0".to_vec()]
+    let others: [&[u8]; 3] = [
+        b"Pf\n2 2\n1.5\n\x3f\x80\0\0\x40\0\0\0\x7f\xc0\0\0\xff\x80\0\0",
+        b"PF\r\n1 1\r\n-1\r\n\n\0\x80\x3f\0\0\0\x40\0\0\x40\x40",
+        b"Pf\n  2   1  \n -2.0 \t \n\n\n\n \0\0\x80\x3f",
+    ];
+    std::iter::once(colour).chain(others.map(<[u8]>::to_vec)).collect()
 }
 
 pub fn pnm() -> Vec<Vec<u8>> {

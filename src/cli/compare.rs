@@ -1,12 +1,12 @@
 //! `etalon compare`: the difference of two images, in numbers and in colour.
 
-use super::console::{Console, files_written};
+use super::console::Console;
 use super::map_file::short_name;
 use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::raster::{self, Comparison, Image, ReadOptions};
-use crate::report::output::Target;
+use crate::report::output::{self, Written};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,7 +14,8 @@ use std::path::PathBuf;
 /// Compare two images of the same size: B is the reference
 #[derive(Args)]
 #[command(after_help = "mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), over all channel values. Writes \
-                        A-vs-B.{png,svg,pdf}: the difference of the intensities in false colour.\n\nExample:\n  etalon \
+                        A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. Cube maps are compared \
+                        as they are stored.\n\nExample:\n  etalon \
                         compare render.exr reference.exr")]
 pub struct Compare {
     a: PathBuf,
@@ -25,25 +26,32 @@ pub struct Compare {
 struct Output {
     #[serde(flatten)]
     numbers: Comparison,
-    files: Vec<PathBuf>,
+    #[serde(flatten)]
+    written: Written,
 }
 
 impl Compare {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         // Pictures of any kind may be compared, 8-bit ones too.
-        let read = |path| raster::read(path, ReadOptions { allow_ldr: true });
+        let read = |path| {
+            let (image, notes) = raster::read_with_notes(path, ReadOptions { allow_ldr: true })?;
+            notes.iter().for_each(|note| console.warn(note));
+            Ok::<_, Error>(image)
+        };
+        let name = format!("{}-vs-{}", short_name(self.a.as_os_str()), short_name(self.b.as_os_str()));
+        let target = global.target(&["a", "b"]);
+        let stem = target.stem(&name, "", &output::DRAWING)?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let numbers = raster::compare(&a, &b)?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
             return Err(Error::input(&self.a, message).with_hint("`etalon envmap info` counts values by kind"));
         }
-        let name = format!("{}-vs-{}", short_name(&self.a.to_string_lossy()), short_name(&self.b.to_string_lossy()));
-        let files = difference(&a, &b)?.write(&Target::new(global.out.as_deref()).stem(&name, ""))?;
+        let written = target.written(difference(&a, &b)?.write(&stem)?);
         if numbers.non_finite > 0 {
             console.warn(&format!("{} pixels are not finite and were left out", numbers.non_finite));
         }
-        let output = Output { numbers, files };
+        let output = Output { numbers, written };
         console.result(&output, || {
             let n = &output.numbers;
             format!(
@@ -54,7 +62,7 @@ impl Compare {
                 n.max_abs,
                 n.mean_a,
                 n.mean_b,
-                files_written(&output.files)
+                output.written.text()
             )
         });
         Ok(Verdict::Good)

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The two streams, and who wants what on them.
 pub struct Console {
@@ -83,11 +83,6 @@ fn short(number: f64) -> String {
         n if n >= 10.0 => format!("{n:.0}"),
         n => format!("{n:.2}"),
     }
-}
-
-/// The closing lines of a human report: the files that were written.
-pub fn files_written(files: &[PathBuf]) -> String {
-    files.iter().map(|f| format!("wrote {}\n", f.display())).collect()
 }
 
 #[cfg(test)]

@@ -1,17 +1,16 @@
 //! `etalon converge`: error against run time.
 
-use super::console::{Console, files_written};
-use super::scene_file::SceneArgs;
+use super::console::Console;
+use super::scene_file::{Loaded, SceneArgs};
 use super::{Global, Verdict};
 use crate::error::Result;
 use crate::report::converge::{self as view, duration, word};
-use crate::report::output::{self, Target, file_name};
+use crate::report::output::{self, Written, file_name};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::strategy::{NAMES, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
-use clap::Args;
+use clap::{ArgAction, Args};
 use serde::Serialize;
-use std::path::PathBuf;
 
 /// Measure the error of sampling strategies against their run time and their samples
 #[derive(Args)]
@@ -20,7 +19,7 @@ pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
     /// Strategies, with commas between them (default: eight that suit the scene)
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
     /// Seconds for everything, the reference included
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true)]
@@ -61,13 +60,18 @@ struct Output<'a> {
     result: &'a Convergence,
     common_cpu_seconds: f64,
     common_rmse: f64,
-    files: Vec<PathBuf>,
+    #[serde(flatten)]
+    written: Written,
 }
 
 impl Converge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
-        let (mut scene, asked) = self.scene.load(console)?;
+        let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;
+        let target = global.target(&["scene"]).with_inputs(&Vec::from_iter(map));
+        let name = format!("{}-converge", file_name(&scene.name));
+        let stem = target.stem(&name, "", &output::STUDY)?;
+        let pictures = target.stem(&name, "-pictures", &output::DRAWING)?;
         if scene.name == "furnace" {
             console.warn("the furnace is without its metal ball, which loses light, so that its picture is known");
             scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
@@ -79,13 +83,10 @@ impl Converge {
         for what in &result.cut {
             console.warn(&format!("the budget of {} s cut off {what}", self.budget));
         }
-        let target = Target::new(global.out.as_deref());
-        let name = format!("{}-converge", file_name(&scene.name));
-        let stem = target.stem(&name, "");
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        files.extend(view::pictures(&result)?.write(&target.stem(&name, "-pictures"))?);
+        files.extend(view::pictures(&result)?.write(&pictures)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
-        let output = Output { result: &result, common_cpu_seconds, common_rmse, files };
+        let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
         console.result(&output, || text(&output));
         Ok(if result.has_verdict() { Verdict::Good } else { Verdict::Inconclusive })
     }
@@ -105,7 +106,7 @@ impl Converge {
 }
 
 fn text(output: &Output<'_>) -> String {
-    let Output { result, common_cpu_seconds, common_rmse, files } = output;
+    let Output { result, common_cpu_seconds, common_rmse, written } = output;
     let mut text = format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
@@ -133,5 +134,5 @@ fn text(output: &Output<'_>) -> String {
     }
     text +=
         &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);
-    text + &files_written(files)
+    text + &written.text()
 }

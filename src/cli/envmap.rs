@@ -1,6 +1,6 @@
 //! `etalon envmap`: inspecting, sampling, cutting and making environment maps.
 
-use super::console::{Console, files_written};
+use super::console::Console;
 use super::map_file::{self, MapOptions};
 use super::{Global, Model, Verdict};
 use crate::envmap::cut;
@@ -9,12 +9,13 @@ use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
 use crate::raster::{self, Metadata, Precision, WriteOptions};
 use crate::report::map::{Display, Look};
-use crate::report::{output, proposal as proposal_view};
+use crate::report::output::{self, Written};
+use crate::report::proposal as proposal_view;
 use crate::study::map_samples::{self, Method};
 use crate::study::{median_cut, proposal};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Subcommand, ValueEnum};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::ffi::OsString;
 
 #[derive(Subcommand)]
 pub enum Envmap {
@@ -47,7 +48,7 @@ const MAP_HELP: &str = "A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, 
 #[derive(Args)]
 pub struct InfoArgs {
     #[arg(help = MAP_HELP)]
-    map: String,
+    map: OsString,
     #[command(flatten)]
     options: MapOptions,
 }
@@ -56,7 +57,7 @@ impl InfoArgs {
     fn run(&self, console: &Console) -> Result<Verdict> {
         let source = map_file::load(&self.map, self.options, console)?;
         let info = Info::of(&source.map);
-        map_file::warn_upside_down(&info, &self.map, console);
+        map_file::warn_upside_down(&info, &source.name, console);
         console.result(&info, || {
             let number = |v: Option<f32>| v.map_or("none".into(), |v| format!("{v:.6e}"));
             let rgb = |v: [f64; 3]| format!("{:.6e} {:.6e} {:.6e}", v[0], v[1], v[2]);
@@ -129,9 +130,9 @@ enum SamplerName {
                         etalon envmap sample grace.exr --flip -n 64,256,1024")]
 pub struct SampleArgs {
     #[arg(help = MAP_HELP)]
-    map: String,
+    map: OsString,
     /// Numbers of samples
-    #[arg(short, value_name = "N,...", value_delimiter = ',', default_value = "64,256,1024")]
+    #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
     n: Vec<usize>,
     /// Row CDF then column CDF, or one alias table
     #[arg(long, value_enum, default_value_t = SamplerName::Cdf)]
@@ -155,7 +156,8 @@ struct SampleOutput {
     drawn: usize,
     /// Not for densities that miss a part of the light on purpose.
     flux_estimate: Option<f64>,
-    files: Vec<PathBuf>,
+    #[serde(flatten)]
+    written: Written,
 }
 
 #[derive(Serialize)]
@@ -176,31 +178,31 @@ impl SampleArgs {
 
     fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = map_file::load(&self.map, self.options, console)?;
-        map_file::warn_upside_down(&Info::of(&source.map), &self.map, console);
+        map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
         let display = Display::new(&source.map, self.look.look());
-        let target = output::Target::new(global.out.as_deref());
+        let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
         let mut results = Vec::new();
         for &n in &self.n {
             let samples = map_samples::draw(&source.map, self.method(), n, global.seed)?;
             if samples.rows.is_empty() {
-                console.warn(&format!("{}: no texel of this map can be drawn, so there are no samples", self.map));
+                console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
             }
             let window = self.look.window as usize;
-            let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"));
+            let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
             let mut files =
                 output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
-            let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"));
+            let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
             let complete = self.method() != Method::Compensated && !samples.rows.is_empty();
             let flux_estimate = complete.then_some(samples.flux_estimate);
-            results.push(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, files });
+            results.push(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) });
         }
-        let outputs = Outputs { map: self.map.clone(), results };
+        let outputs = Outputs { map: source.name, results };
         console.result(&outputs, || {
             let line = |r: &SampleOutput| {
                 let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
-                format!("{} samples{flux}\n{}", r.drawn, files_written(&r.files))
+                format!("{} samples{flux}\n{}", r.drawn, r.written.text())
             };
             outputs.results.iter().map(line).collect()
         });
@@ -232,10 +234,10 @@ enum CentroidName {
                         Example:\n  etalon envmap cut nave -n 2,4,16,64")]
 pub struct CutArgs {
     #[arg(help = MAP_HELP)]
-    map: String,
+    map: OsString,
     /// Numbers of regions. A power of two is reached level by level, every region cut at every level (Debevec 2005); any
     /// other number by cutting the region with the most energy first
-    #[arg(short, value_name = "N,...", value_delimiter = ',', default_value = "2,4,16,64")]
+    #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
     n: Vec<usize>,
     /// Cut where the energy halves, or where the larger variance of the two halves is smallest
     #[arg(long, value_enum, default_value_t = SplitName::Energy)]
@@ -258,14 +260,15 @@ struct CutOutput {
     n: usize,
     flux_error: f64,
     imbalance: f64,
-    files: Vec<PathBuf>,
+    #[serde(flatten)]
+    written: Written,
 }
 
 impl CutArgs {
     fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = map_file::load(&self.map, self.options, console)?;
         let info = Info::of(&source.map);
-        map_file::warn_upside_down(&info, &self.map, console);
+        map_file::warn_upside_down(&info, &source.name, console);
         let split = if self.split == SplitName::Energy { cut::Split::Energy } else { cut::Split::Variance };
         let sides = if self.sides == SidesName::Texels { cut::SideRule::Texels } else { cut::SideRule::Sphere };
         let centroid = match self.centroid {
@@ -274,22 +277,22 @@ impl CutArgs {
         };
         let cuts = median_cut::cut(&source.map, &self.n, split, sides, centroid)?;
         let display = Display::new(&source.map, self.look.look());
-        let target = output::Target::new(global.out.as_deref());
+        let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
         let mut results = Vec::new();
         for (&n, rows) in self.n.iter().zip(&cuts) {
-            let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"));
+            let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
             let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
-            let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"));
+            let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
             files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
             results.push(CutOutput {
                 n,
                 flux_error: median_cut::flux_error(rows, info.flux_rgb),
                 imbalance: median_cut::imbalance(rows),
-                files,
+                written: target.written(files),
             });
         }
-        let outputs = Outputs { map: self.map.clone(), results };
+        let outputs = Outputs { map: source.name, results };
         console.result(&outputs, || {
             let line = |r: &CutOutput| {
                 format!(
@@ -297,7 +300,7 @@ impl CutArgs {
                     r.n,
                     r.flux_error,
                     r.imbalance,
-                    files_written(&r.files)
+                    r.written.text()
                 )
             };
             outputs.results.iter().map(line).collect()
@@ -310,7 +313,7 @@ impl CutArgs {
 #[command(after_help = "Example:\n  etalon envmap proposal nave -n 100000")]
 pub struct ProposalArgs {
     #[arg(help = MAP_HELP)]
-    map: String,
+    map: OsString,
     /// Number of draws with each kind of number
     #[arg(short, value_name = "N", default_value_t = 100_000)]
     n: usize,
@@ -324,23 +327,24 @@ impl ProposalArgs {
         struct Output {
             #[serde(flatten)]
             result: proposal::Proposal,
-            files: Vec<PathBuf>,
+            #[serde(flatten)]
+            written: Written,
         }
         let source = map_file::load(&self.map, self.options, console)?;
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
-            return Err(Error::parameter("MAP", format!("{} has light in too few rows for this test", self.map)));
+            return Err(Error::parameter("MAP", format!("{} has light in too few rows for this test", source.name)));
         };
-        let stem = output::Target::new(global.out.as_deref())
-            .stem(&format!("{}-proposal", map_file::short_name(&self.map)), "");
+        let target = global.target(&["map"]);
+        let stem = target.stem(&format!("{}-proposal", map_file::short_name(&self.map)), "", &output::STUDY)?;
         let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
-        let output = Output { result, files };
+        let output = Output { result, written: target.written(files) };
         console.result(&output, || {
             let line = |name: &str, t: &crate::stats::chi_square::ChiSquare| {
                 format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
             line("uniform numbers ", &output.result.uniform)
                 + &line("Gaussian numbers", &output.result.gaussian)
-                + &files_written(&output.files)
+                + &output.written.text()
         });
         Ok(Verdict::Good)
     }
@@ -360,7 +364,8 @@ impl MakeArgs {
             name: &'static str,
             width: usize,
             height: usize,
-            files: Vec<PathBuf>,
+            #[serde(flatten)]
+            written: Written,
         }
         let Some(synthetic) = Synthetic::from_name(&self.name) else {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| format!("{} ({})", s.name(), s.description())).collect();
@@ -368,13 +373,15 @@ impl MakeArgs {
                 .with_hint(format!("built-in maps: {}", known.join("; "))));
         };
         let image = synthetic.make();
-        let stem = output::Target::new(global.out.as_deref()).stem(synthetic.name(), "");
-        let path = output::with_extension(&stem, output::image_format(global.out.as_deref())?.unwrap_or("exr"));
+        let target = global.target(&["name"]);
+        let format = output::image_format(global.out.as_deref())?.unwrap_or("exr");
+        let path = output::with_extension(&target.stem(synthetic.name(), "", &[format])?, format);
         let metadata = Metadata::default().with("map", synthetic.name());
         let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
         raster::write_with(&path, &image, &metadata, options)?;
-        let output = Output { name: synthetic.name(), width: image.width(), height: image.height(), files: vec![path] };
-        console.result(&output, || files_written(&output.files));
+        let written = target.written(vec![path]);
+        let output = Output { name: synthetic.name(), width: image.width(), height: image.height(), written };
+        console.result(&output, || output.written.text());
         Ok(Verdict::Good)
     }
 }

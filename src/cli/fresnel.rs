@@ -1,13 +1,13 @@
 //! `etalon fresnel`: reflectance curves.
 
-use super::console::{Console, files_written};
+use super::console::Console;
 use super::{Global, Model, Verdict};
 use crate::error::{Error, Result};
-use crate::report::{fresnel as view, output};
+use crate::report::fresnel as view;
+use crate::report::output::{self, Written};
 use crate::study::{fresnel, metal};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
 
 /// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
 /// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
@@ -42,7 +42,8 @@ pub struct Fresnel {
 struct Output<'a, T> {
     #[serde(flatten)]
     curves: &'a T,
-    files: &'a [PathBuf],
+    #[serde(flatten)]
+    written: &'a Written,
 }
 
 impl Fresnel {
@@ -60,9 +61,11 @@ impl Fresnel {
     fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let model = if self.model == Model::Report { fresnel::Model::Report } else { fresnel::Model::Exact };
         let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, model)?;
-        let stem = output::Target::new(global.out.as_deref()).stem("fresnel", "");
+        let target = global.target(&[]);
+        let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
-        console.result(&Output { curves: &curves, files: &files }, || {
+        let written = target.written(files);
+        console.result(&Output { curves: &curves, written: &written }, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             format!(
                 "eta {} -> {}\nreflectance at normal incidence  {:.9} (both components)\nBrewster angle                   {}\n\
@@ -77,7 +80,7 @@ impl Fresnel {
                 curves.schlick_max_abs_error_deg,
                 curves.schlick_max_rel_error,
                 curves.schlick_max_rel_error_deg,
-                files_written(&files)
+                written.text()
             )
         });
         Ok(Verdict::Good)
@@ -89,8 +92,9 @@ impl Fresnel {
                 .with_hint("the second report's approximation is always drawn beside the exact curves"));
         }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
-        let stem = output::Target::new(global.out.as_deref()).stem(&format!("fresnel-{name}"), "");
-        let files = output::write(&stem, &view::metal(curves), &output::table(&rows)?)?;
+        let target = global.target(&["metal"]);
+        let stem = target.stem(&format!("fresnel-{name}"), "", &output::STUDY)?;
+        let written = target.written(output::write(&stem, &view::metal(curves), &output::table(&rows)?)?);
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
             console.warn(&format!(
                 "{}: the second report's approximation is unusable for eta² + k² = {:.1} < 5",
@@ -98,7 +102,7 @@ impl Fresnel {
                 c.eta * c.eta + c.k * c.k
             ));
         }
-        console.result(&Output { curves, files: &files }, || {
+        console.result(&Output { curves, written: &written }, || {
             let source = curves.source.map_or(String::new(), |source| format!(", η and k: {source}"));
             let mut text = format!("{}{source}\n", curves.metal);
             for c in &curves.channels {
@@ -116,7 +120,7 @@ impl Fresnel {
                     c.schlick_max_abs_error_deg
                 );
             }
-            text + &files_written(&files)
+            text + &written.text()
         });
         Ok(Verdict::Good)
     }

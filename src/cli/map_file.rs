@@ -1,13 +1,14 @@
 //! Loading the environment map that a command names: a built-in one or a file.
 
 use super::console::Console;
-use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
+use crate::envmap::{EnvMap, check_range};
 use crate::error::{Error, Result};
 use crate::raster::{self, ReadOptions};
 use crate::report::MapSource;
 use clap::Args;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,16 +24,21 @@ pub struct MapOptions {
 }
 
 /// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).
-pub fn load(name: &str, options: MapOptions, console: &Console) -> Result<MapSource> {
-    let path = Path::new(name);
-    let image = match Synthetic::from_name(name) {
+pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSource> {
+    let (path, name) = (Path::new(map), map.to_string_lossy());
+    let image = match map.to_str().and_then(Synthetic::from_name) {
         Some(synthetic) => synthetic.make(),
         None if !path.exists() && path.extension().is_none() => {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| s.name()).collect();
             return Err(Error::parameter("MAP", format!("there is no file and no built-in map \"{name}\""))
                 .with_hint(format!("built-in maps: {}", known.join(", "))));
         }
-        None => raster::read(path, ReadOptions { allow_ldr: options.ldr })?,
+        None => {
+            let (image, notes) = raster::read_lat_long(path, ReadOptions { allow_ldr: options.ldr })?;
+            notes.iter().for_each(|note| console.warn(note));
+            check_range(path, &image)?;
+            image
+        }
     };
     let map = EnvMap::new(if options.flip { image.flipped_vertically() } else { image });
     let found = map.found();
@@ -42,7 +48,7 @@ pub fn load(name: &str, options: MapOptions, console: &Console) -> Result<MapSou
             found.nonfinite, found.negative
         ));
     }
-    Ok(MapSource { map: Arc::new(map), name: name.to_owned() })
+    Ok(MapSource { map: Arc::new(map), name: name.into_owned() })
 }
 
 /// Warns about a map that is known to be stored upside-down.
@@ -53,6 +59,6 @@ pub fn warn_upside_down(info: &Info, name: &str, console: &Console) {
 }
 
 /// The name of a map without folders and extension, for the names of results.
-pub fn short_name(name: &str) -> String {
-    Path::new(name).file_stem().map_or_else(|| "map".into(), |s| s.to_string_lossy().into_owned())
+pub fn short_name(map: &OsStr) -> String {
+    Path::new(map).file_stem().map_or_else(|| "map".into(), |s| s.to_string_lossy().into_owned())
 }

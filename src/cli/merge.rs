@@ -1,11 +1,11 @@
 //! `etalon merge`: parts of a render put together.
 
-use super::console::{Console, files_written};
+use super::console::Console;
 use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::raster::{self, Metadata};
 use crate::render::exposure::{Dropped, list, merge_files};
-use crate::report::output::{self, Target};
+use crate::report::output::{self, Written};
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;
@@ -37,7 +37,8 @@ struct Output {
     complete: bool,
     missing: Vec<Range<u32>>,
     dropped: Dropped,
-    files: Vec<PathBuf>,
+    #[serde(flatten)]
+    written: Written,
 }
 
 impl Merge {
@@ -46,10 +47,11 @@ impl Merge {
             return Err(Error::parameter("-o", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
         }
+        let target = global.target(&[]);
+        let stem = target.stem("merged", "", &FORMATS)?;
         let mut part = merge_files(&self.parts)?;
         part.metadata = with_command(&part.metadata);
-        let stem = Target::new(global.out.as_deref()).stem("merged", "");
-        let files = ["exr", "png"].map(|format| output::with_extension(&stem, format));
+        let files = FORMATS.map(|format| output::with_extension(&stem, format));
         part.write(&files[0])?;
         raster::write(&files[1], &part.exposure.image(), &part.metadata)?;
 
@@ -63,7 +65,7 @@ impl Merge {
             complete: ranges.is_complete(),
             missing: ranges.missing(),
             dropped: part.exposure.dropped(),
-            files: files.into(),
+            written: target.written(files.into()),
         };
         if !output.complete {
             let missing = list(&output.missing);
@@ -77,12 +79,15 @@ impl Merge {
                 output.height,
                 output.samples,
                 output.of,
-                files_written(&output.files)
+                output.written.text()
             )
         });
         Ok(Verdict::Good)
     }
 }
+
+/// Formats of the merged picture.
+const FORMATS: [&str; 2] = ["exr", "png"];
 
 /// The metadata with this command in place of the one that made the parts.
 fn with_command(metadata: &Metadata) -> Metadata {

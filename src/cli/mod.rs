@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each parsing, calling and printing.
 
+mod arguments;
 mod compare;
 mod console;
 mod converge;
@@ -15,7 +16,9 @@ mod stability;
 mod validate;
 
 use crate::error::Result;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use crate::report::output::Target;
+use arguments::Arguments;
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use console::Console;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -62,9 +65,21 @@ struct Global {
     /// No progress bars and no warnings
     #[arg(long, global = true)]
     quiet: bool,
-    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take
+    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: out, under
+    /// names that carry the options that differ from their defaults]
     #[arg(short, long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// All arguments of the run.
+    #[arg(skip)]
+    arguments: Arguments,
+}
+
+impl Global {
+    /// Where results go. Default names tell the arguments that differ from the defaults, but for those (`in_name`) that
+    /// they tell already.
+    fn target(&self, in_name: &[&str]) -> Target {
+        self.arguments.target(self.out.as_deref(), in_name)
+    }
 }
 
 #[derive(Subcommand)]
@@ -113,7 +128,11 @@ enum Verdict {
 /// Runs the program on the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let mut command = Cli::command();
+    command.build();
+    let matches = command.get_matches_mut();
+    let mut cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
+    cli.global.arguments = Arguments::of(&command, &matches);
     let console = Console::new(cli.global.json, cli.global.quiet);
     let verdict = run(&cli, &console);
     match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
@@ -133,6 +152,7 @@ fn command_line() -> String {
 }
 
 fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
+    cli.global.arguments.check()?;
     let threads = cli.global.threads.map_or(0, |n| n as usize);
     // Fails only if a pool exists already, which then does the work.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

@@ -6,9 +6,10 @@ use super::{DEFAULT_SEED, Global, Verdict};
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
-use crate::report::{self, Context, MapSource, Originals, Reproduced};
-use clap::Args;
+use crate::report::{self, Context, MapSource, Originals, Reproduced, output};
+use clap::{ArgAction, Args};
 use serde::Serialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -27,11 +28,11 @@ pub struct Reproduce {
     #[arg(long)]
     quick: bool,
     /// Only these figures
-    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',', action = ArgAction::Set)]
     only: Vec<String>,
     /// The environment map to use instead of the built-in nave
     #[arg(long, value_name = "MAP", default_value = DEFAULT_MAP)]
-    envmap: String,
+    envmap: OsString,
     #[command(flatten)]
     options: MapOptions,
     /// A folder with the second report's scenes (CBspheres.dae, CBdragon_microfacet_au.dae, CBbunny_microfacet_cu.dae),
@@ -75,6 +76,7 @@ impl Reproduce {
         let start = Instant::now();
         let context = self.context(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
+        self.spare_the_map(folder)?;
         let count = if self.only.is_empty() { report::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
         let figures = report::reproduce(&context, &self.only, folder, &self.options(global), &mut |entry| {
@@ -89,6 +91,16 @@ impl Reproduce {
         Ok(if failed == 0 { Verdict::Good } else { Verdict::Rejected })
     }
 
+    /// Refuses a map that one of the figures in `folder` would replace.
+    fn spare_the_map(&self, folder: &Path) -> Result<()> {
+        let map = [PathBuf::from(&self.envmap)];
+        report::registry().iter().try_for_each(|entry| {
+            let stem = folder.join(entry.id);
+            let mut images = ["png", "exr", "pfm", "ppm"].into_iter();
+            images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format), &map))
+        })
+    }
+
     /// The flags that make the same figures again, apart from where they go and how fast.
     fn options(&self, global: &Global) -> String {
         let mut options = Vec::new();
@@ -99,7 +111,7 @@ impl Reproduce {
         };
         add(self.quick, "--quick".into());
         add(global.seed != DEFAULT_SEED, format!("--seed {}", global.seed));
-        add(self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap)));
+        add(self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy())));
         add(self.options.flip, "--flip".into());
         add(self.options.ldr, "--ldr".into());
         if let Some(folder) = &self.scenes {
@@ -121,11 +133,11 @@ impl Reproduce {
         };
         let info = Info::of(&source.map);
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
-            console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", self.envmap));
+            console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", source.name));
             let map = Arc::new(EnvMap::new(source.map.image().flipped_vertically()));
             return Ok(Context::new(MapSource { map, ..source }, originals, global.seed, self.quick));
         }
-        map_file::warn_upside_down(&info, &self.envmap, console);
+        map_file::warn_upside_down(&info, &source.name, console);
         Ok(Context::new(source, originals, global.seed, self.quick))
     }
 }

@@ -7,23 +7,24 @@ use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
 use crate::report::MapSource;
 use crate::scene::{Environment, Material, Request, Scene, builtin};
-use clap::Args;
+use clap::{ArgAction, Args};
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// A scene and what may be changed in it.
 #[derive(Args)]
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
-    scene: String,
+    scene: OsString,
     /// Width and height in pixels. In a .dae scene they also set the field of view, as in the course's renderer: a pixel keeps
     /// its angle (that of an image of 800 by 600 with the file's field of view), so a smaller image shows less. All other
     /// scenes keep their field of view
-    #[arg(short, num_args = 2, value_names = ["W", "H"])]
+    #[arg(short, num_args = 2, value_names = ["W", "H"], action = ArgAction::Set)]
     resolution: Option<Vec<usize>>,
     /// The environment map of sphere-env, of a .pbrt scene (in place of the file's mapname) or of a .dae scene (with the
     /// file's lights; row 0 is at +y, the file's up axis): a file or a built-in name
     #[arg(long, value_name = "MAP")]
-    envmap: Option<String>,
+    envmap: Option<OsString>,
     #[command(flatten)]
     map_options: MapOptions,
     /// Camera settings of the course's renderer (30 numbers) in place of the camera of a .dae scene
@@ -37,20 +38,28 @@ pub struct SceneArgs {
     alpha: Option<f32>,
 }
 
+/// A scene as it is to be rendered.
+pub struct Loaded {
+    pub scene: Scene,
+    pub request: Request,
+    /// The map that the scene file names, where no argument does.
+    pub map: Option<PathBuf>,
+}
+
 impl SceneArgs {
     /// Loads the scene; its camera fits the request's size.
-    pub fn load(&self, console: &Console) -> Result<(Scene, Request)> {
+    pub fn load(&self, console: &Console) -> Result<Loaded> {
         if let Some(alpha) = self.alpha.filter(|alpha| !(0.0..=10.0).contains(alpha)) {
             return Err(Error::parameter("--alpha", format!("{alpha} is not from 0 to 10")));
         }
-        let (mut scene, request) = match self.file() {
+        let mut loaded = match self.file() {
             Some(path) => self.imported(path, console)?,
             None => self.builtin(console)?,
         };
         if let Some(alpha) = self.alpha {
-            set_alpha(&mut scene, alpha)?;
+            set_alpha(&mut loaded.scene, alpha)?;
         }
-        Ok((scene, request))
+        Ok(loaded)
     }
 
     /// The scene file, if the argument is one by its extension.
@@ -69,11 +78,11 @@ impl SceneArgs {
         <[usize; 2]>::try_from(self.resolution.as_deref()?).ok()
     }
 
-    fn map(&self, name: &str, console: &Console) -> Result<MapSource> {
+    fn map(&self, name: &OsStr, console: &Console) -> Result<MapSource> {
         map_file::load(name, self.map_options, console)
     }
 
-    fn imported(&self, path: &Path, console: &Console) -> Result<(Scene, Request)> {
+    fn imported(&self, path: &Path, console: &Console) -> Result<Loaded> {
         if self.mesh.is_some() {
             return Err(Error::parameter("--mesh", "a scene file has no statue to replace")
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
@@ -91,11 +100,11 @@ impl SceneArgs {
         };
         let imported = import::read_scene(path, options)?;
         imported.warnings.iter().for_each(|warning| console.warn(warning));
-        Ok((imported.scene, imported.request))
+        Ok(Loaded { scene: imported.scene, request: imported.request, map: imported.map })
     }
 
-    fn builtin(&self, console: &Console) -> Result<(Scene, Request)> {
-        let name = self.scene.as_str();
+    fn builtin(&self, console: &Console) -> Result<Loaded> {
+        let name = &*self.scene.to_string_lossy();
         if !builtin::SCENES.iter().any(|(known, _)| *known == name) {
             let known = builtin::SCENES.map(|(name, _)| name).join(", ");
             return Err(Error::parameter("SCENE", format!("\"{name}\" is neither a built-in scene nor a scene file"))
@@ -124,16 +133,17 @@ impl SceneArgs {
             }
             Some(found) => found,
             None => {
-                let source = self.map(self.envmap.as_deref().unwrap_or("nave"), console)?;
+                let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;
                 map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
                 builtin::sphere_env(Environment::upright(source.map, source.name, builtin::SPHERE_ENV_SCALE))
             }
         };
         let (scene, request) = found;
-        Ok(match self.resolution() {
+        let (scene, request) = match self.resolution() {
             Some(size) => scene.resized(request, size),
             None => (scene, request),
-        })
+        };
+        Ok(Loaded { scene, request, map: None })
     }
 }
 

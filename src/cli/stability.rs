@@ -1,21 +1,21 @@
 //! `etalon stability`: errors of the code that renders, over stiff and extreme inputs.
 
-use super::console::{Console, files_written};
+use super::console::Console;
 use super::{Global, Verdict};
 use crate::error::Result;
-use crate::report::{output, stability as maps, stability_summary as summary};
+use crate::report::output::{self, Written};
+use crate::report::{stability as maps, stability_summary as summary};
 use crate::study::stability::{self, EXPERIMENTS, Effort, FAMILIES, Promise, Replay, Row};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
 
 /// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook forms
 #[derive(Args)]
 #[command(
     after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
                   input; beside it stands the condition number: the relative change of the answer per relative change \
-                  of the input. Exit code 1 if a promise is broken. Writes stability.{csv,svg,png,pdf}, and maps of \
-                  the errors of the families that are named.\n\nExamples:\n  etalon stability\n  etalon stability \
+                  of the input. Exit code 1 if a promise is broken. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
+                  with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
 )]
 pub struct Stability {
@@ -35,7 +35,8 @@ struct Output<'a> {
     rows: &'a [Row],
     promises: &'a [Promise],
     effort: Effort,
-    files: &'a [PathBuf],
+    #[serde(flatten)]
+    written: &'a Written,
 }
 
 #[derive(Serialize)]
@@ -56,6 +57,9 @@ impl Stability {
             console.result(&replay, || replayed(&replay));
             return Ok(Verdict::Good);
         }
+        let target = global.target(&[]);
+        let stem = target.stem("stability", "", &output::STUDY)?;
+        let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability");
         let effort = Effort::FULL;
@@ -64,13 +68,12 @@ impl Stability {
             bar.inc(1);
         })?;
         bar.finish_and_clear();
-        let target = output::Target::new(global.out.as_deref());
-        let stem = target.stem("stability", "");
         let mut files = output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?)?;
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            files.extend(maps::maps(&result.sweeps)?.write(&target.stem("stability", "-maps"))?);
+            files.extend(maps::maps(&result.sweeps)?.write(&maps_stem)?);
         }
-        let output = Output { rows: &result.rows, promises: &result.promises, effort, files: &files };
+        let written = target.written(files);
+        let output = Output { rows: &result.rows, promises: &result.promises, effort, written: &written };
         console.result(&output, || human(&output));
         let kept = result.promises.iter().all(|promise| promise.kept);
         Ok(if kept { Verdict::Good } else { Verdict::Rejected })
@@ -145,5 +148,5 @@ fn human(output: &Output<'_>) -> String {
         text += &format!("{verdict} {}: {:.3e}, at most {:.0e}", p.name, p.got, p.limit);
         text += &if p.kept || p.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", p.worst) };
     }
-    text + &files_written(output.files)
+    text + &output.written.text()
 }

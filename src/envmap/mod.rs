@@ -6,6 +6,7 @@ pub mod cut;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;
+mod range;
 pub mod report_model;
 pub mod sampler;
 pub(crate) mod sat;
@@ -13,3 +14,4 @@ pub mod strata;
 pub mod synthetic;
 
 pub use latlong::{Block, EnvMap, LatLong};
+pub use range::{MAX_RADIANCE, check_range};

@@ -15,6 +15,7 @@ use crate::raster;
 use crate::scene::{Environment, Request, Scene};
 use collada::ColladaOptions;
 use pbrt::PbrtOptions;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -27,6 +28,8 @@ pub struct Imported {
     pub output: Option<PathBuf>,
     /// What was left out or filled in without harm to the picture, each with its place, in the file's order.
     pub warnings: Vec<String>,
+    /// The environment map that was read because the file names it.
+    pub map: Option<PathBuf>,
 }
 
 /// Extensions of the scene files that [`read_scene`] knows.
@@ -60,11 +63,18 @@ pub fn read_scene(path: &Path, options: SceneOptions) -> Result<Imported> {
                     .with_hint("a .pbrt file has its camera in itself"));
             }
             let ldr = raster::ReadOptions { allow_ldr: options.allow_ldr };
+            let (named, notes) = (RefCell::new(None), RefCell::new(Vec::new()));
             let load_map = |map: &Path| {
-                raster::read(map, ldr)
-                    .map_err(|e| e.with_hint("--envmap FILE stands in for the map that the scene names"))
+                let (image, said) = raster::read_lat_long(map, ldr)
+                    .map_err(|e| e.with_hint("--envmap FILE stands in for the map that the scene names"))?;
+                notes.borrow_mut().extend(said);
+                named.replace(Some(map.to_owned()));
+                Ok(image)
             };
-            let imported = pbrt::read(path, &PbrtOptions { environment: options.environment, load_map: &load_map })?;
+            let mut imported =
+                pbrt::read(path, &PbrtOptions { environment: options.environment, load_map: &load_map })?;
+            imported.warnings.extend(notes.take());
+            imported.map = named.take();
             match options.resolution {
                 Some(size) => {
                     let (scene, request) = imported.scene.resized(imported.request, size);

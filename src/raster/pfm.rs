@@ -6,10 +6,17 @@ use crate::error::{Error, Place, Result};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Reads a PFM file.
+/// Whether these bytes begin as a PFM file does: a magic, then white space.
+pub(super) fn recognise(bytes: &[u8]) -> bool {
+    matches!(bytes, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace())
+}
+
+/// Reads a file that [`recognise`] has accepted.
 ///
 /// The header is three tokens after the magic: width, height, scale. A negative scale means little-endian data, a
-/// positive one big-endian; its absolute value multiplies the samples (it is 1 in nearly all files).
+/// positive one big-endian; its absolute value multiplies the samples (it is 1 in nearly all files). One byte of white
+/// space ends the header, or several that end with a line feed; the length of the file tells which, since a sample may
+/// look like white space.
 pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let channels = if bytes[1] == b'F' { 3 } else { 1 };
     let mut header = Header { path, bytes, at: 2 };
@@ -19,17 +26,19 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     if !scale.is_finite() || scale == 0.0 {
         return Err(header.error(format!("the scale is {scale}")));
     }
-    // One white-space byte ends the header; files written by some Windows programs have two, CR and LF.
-    let mut start = header.at + 1;
-    if bytes[header.at..].starts_with(b"\r\n") {
-        start += 1;
+    let (end, needed) = (header.at, width.saturating_mul(height).saturating_mul(4 * channels as u64));
+    let present = bytes.len().saturating_sub(end + 1) as u64;
+    if width > 0 && height > 0 && present < needed {
+        return Err(cut_off(path, needed.saturating_add(end as u64 + 1), bytes.len()));
     }
-    let data = bytes.get(start..).unwrap_or_default();
-    let needed = width.saturating_mul(height).saturating_mul(4 * channels as u64);
-    if width > 0 && height > 0 && (data.len() as u64) < needed {
-        return Err(cut_off(path, needed.saturating_add(start as u64), bytes.len()));
+    check_size(path, width, height, bytes.len(), 1)?;
+    let (head, data) = bytes.split_at(bytes.len() - needed as usize);
+    let space = &head[end..];
+    if space.iter().any(|b| !b.is_ascii_whitespace()) || (space.len() > 1 && !space.ends_with(b"\n")) {
+        let surplus = present - needed;
+        return Err(header
+            .error(format!("the file is {surplus} bytes longer than its header, which ends here, and its pixels")));
     }
-    check_size(path, width, height, data.len(), 1)?;
 
     let mut image = blank(path, width as usize, height as usize)?;
     let sample = |b: &[u8]| {
@@ -129,6 +138,24 @@ mod tests {
         bytes.clear();
         encode(&nan, &mut bytes).unwrap();
         assert!(parse(&bytes).unwrap().get(0, 0).x.is_nan());
+    }
+
+    #[test]
+    fn blanks_before_the_line_feed_belong_to_the_header() {
+        // The first sample looks like white space: its bytes are LF, LF, LF, space.
+        let samples = [f32::from_le_bytes(*b"\n\n\n "), 2.0, 3.0];
+        for end in ["\n", " ", "\r\n", " \n", " \t \r\n"] {
+            let image = parse(&file(&format!("PF\n 1  1 \n -1{end}"), &samples, f32::to_le_bytes)).unwrap();
+            assert_eq!(image.get(0, 0), Rgb::from_array(samples), "{end:?}");
+        }
+    }
+
+    #[test]
+    fn a_length_that_contradicts_the_header_is_refused() {
+        for (end, values) in [("\n", 4), ("\n", 6), (" \r", 3), ("\nx", 3)] {
+            let error = parse(&file(&format!("PF 1 1 -1{end}"), &vec![1.0; values], f32::to_le_bytes)).unwrap_err();
+            assert!(error.to_string().contains("byte 9: the file is"), "{end:?}: {error}");
+        }
     }
 
     #[test]

@@ -24,37 +24,90 @@ pub struct ReadOptions {
 ///
 /// | format | accepted | how the values are taken |
 /// |---|---|---|
-/// | OpenEXR | half, float and unsigned channels; scan lines, tiles, mip maps (the full resolution); no, RLE, ZIP, PIZ, PXR24, B44, DWA compression | RGB, or one channel as grey, of the first suitable layer; alpha ignored; the display window, black where no data is |
+/// | OpenEXR | half, float and unsigned channels; scan lines, tiles, mip maps (the full resolution); no, RLE, ZIP, PIZ, PXR24, B44, DWA compression | RGB, or one channel as grey, of the unnamed layer or of the only one that suits; alpha ignored; the display window, black where no data is |
 /// | Radiance HDR | new and old run lengths, flat; all eight orientations | mantissa/256 · 2^(exponent-128), divided by `EXPOSURE` and `COLORCORR` |
-/// | PFM | `PF`, `Pf`, both byte orders | multiplied by the absolute value of the header's scale |
+/// | PFM | `PF` and `Pf` (not `PF4`), both byte orders | multiplied by the absolute value of the header's scale |
 /// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
 ///
 /// Negative and non-finite values are returned as they stand in the file. Some OpenEXR maps are stored upside-down;
-/// nothing in the file says so, and they come out as they are.
+/// nothing in the file says so, and they come out as they are. What had to be guessed, [`read_with_notes`] says.
 ///
 /// # Errors
 /// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented
 /// or for a clipped format that was not asked for, [`Error::Limit`] when a side exceeds 65536, the image 2^28 pixels
 /// or the file 2 GiB, and [`Error::Io`]. Memory is taken only in proportion to what the file can really hold.
 pub fn read(path: &Path, options: ReadOptions) -> Result<Image> {
+    read_with_notes(path, options).map(|(image, _)| image)
+}
+
+/// [`read`], and a sentence about each thing in the file that was guessed or passed over: which channels or part of an
+/// OpenEXR file are the image, primaries other than those of Rec. 709.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with_notes(path: &Path, options: ReadOptions) -> Result<(Image, Vec<String>)> {
+    load(path, options).map(Decoded::into_parts)
+}
+
+/// [`read_with_notes`] for an image whose layout must be lat-long.
+///
+/// # Errors
+/// Those of [`read`], and [`Error::Unsupported`] for an OpenEXR file whose `envmap` attribute says that it is a cube map.
+pub fn read_lat_long(path: &Path, options: ReadOptions) -> Result<(Image, Vec<String>)> {
+    let decoded = load(path, options)?;
+    if decoded.is_cube {
+        return Err(Error::unsupported(path, "this is a cube map (its envmap attribute is CUBE), not a lat-long map")
+            .with_hint("convert it: exrenvmap -l cube.exr latlong.exr"));
+    }
+    Ok(decoded.into_parts())
+}
+
+/// What a decoder makes of a file.
+#[derive(Debug)]
+pub(super) struct Decoded {
+    pub image: Image,
+    /// What was guessed or passed over, without the file's name.
+    pub notes: Vec<String>,
+    /// Whether the file says that it is a cube map.
+    pub is_cube: bool,
+}
+
+impl Decoded {
+    fn into_parts(self) -> (Image, Vec<String>) {
+        (self.image, self.notes)
+    }
+}
+
+impl From<Image> for Decoded {
+    fn from(image: Image) -> Self {
+        Self { image, notes: Vec::new(), is_cube: false }
+    }
+}
+
+fn load(path: &Path, options: ReadOptions) -> Result<Decoded> {
     if path.is_dir() {
         return Err(Error::input(path, "this is a directory, not an image file"));
     }
     let bytes = read_bounded(path, MAX_FILE_BYTES)?;
-    decode(path, &bytes, options)
+    let mut decoded = decode(path, &bytes, options)?;
+    decoded.notes.iter_mut().for_each(|note| *note = format!("{}: {note}", path.display()));
+    Ok(decoded)
 }
 
-/// [`read`] for bytes that are at hand; `path` is only named in errors.
-fn decode(path: &Path, bytes: &[u8], options: ReadOptions) -> Result<Image> {
+/// [`load`] for bytes that are at hand; `path` is only named in errors.
+fn decode(path: &Path, bytes: &[u8], options: ReadOptions) -> Result<Decoded> {
     if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         exr::decode(path, bytes)
     } else if bytes.starts_with(b"#?") {
         rgbe::decode(path, bytes)
-    } else if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
-        pfm::decode(path, bytes)
+    } else if pfm::recognise(bytes) {
+        pfm::decode(path, bytes).map(Decoded::from)
+    } else if bytes.starts_with(b"PF4") {
+        Err(Error::unsupported(path, "this is a PFM file of four channels (PF4, RGBA), a variant without a standard")
+            .with_hint("save it without alpha, as PF"))
     } else if let Some(format) = ldr::recognise(bytes) {
         if options.allow_ldr {
-            return ldr::decode(path, bytes, format);
+            return ldr::decode(path, bytes, format).map(Decoded::from);
         }
         Err(Error::unsupported(
             path,
@@ -132,6 +185,8 @@ mod tests {
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n", "Git LFS pointer"),
             (b"\n <!DOCTYPE HTML><title>404</title>", "web page"),
             (b"hello, world\n", "text file"),
+            (b"PFennig\n1 1\n-1\n\0\0\0\0\0\0\0\0\0\0\0\0", "not an image format"),
+            (b"PF4\n1 1\n-1\n0123456789abcdef", "four channels"),
             (b"\x00\x01\x02\x03", "not an image format"),
         ] {
             let message = refusal(bytes).to_string();

@@ -7,7 +7,7 @@ mod summary;
 mod work;
 
 use super::console::Console;
-use super::scene_file::SceneArgs;
+use super::scene_file::{Loaded, SceneArgs};
 use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
@@ -76,8 +76,9 @@ pub struct Render {
 }
 
 const AFTER_HELP: &str = "\
-Without -o (or with a folder) the picture is written as EXR, PFM, PPM and PNG; with a file name, in that format and as \
-PNG. The EXR file also has the standard error of every pixel.
+Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and its name carries the options that \
+differ from their defaults (furnace-r64x64-s16.exr); with a file name, in that format and as PNG. The EXR file also has \
+the standard error of every pixel.
 
 Ctrl-C (and SIGTERM) end a render early: the samples so far go to an EXR file, with a PNG preview, and the same command \
 with --resume FILE goes on from there, to the same bits as a render in one go. --resume FILE from the beginning also \
@@ -87,7 +88,7 @@ Exit codes: 0 good, 2 usage or bad input, 3 interrupted.
 
 Examples:
   etalon render sphere-env -s 64 -o out
-  etalon render sphere-env --envmap grace.exr --flip -s 16 -o grace.exr
+  etalon render sphere-env --envmap grace.exr --flip -s 16 -o sphere.exr
   etalon render cornell-spheres -s 256 -l 4 -m 7 -r 480 360 --paths 3
   etalon render cornell-statue-au --alpha 0.005 --model report --tone report
   etalon render CBspheres.dae -s 64 -m 5 -r 480 360 -f spheres.png
@@ -139,7 +140,8 @@ impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let settings = self.settings(global.seed)?;
         let pictures = self.pictures(global)?;
-        let (scene, asked) = self.scene.load(console)?;
+        let Loaded { scene, request: asked, map } = self.scene.load(console)?;
+        let pictures = pictures.sparing(map);
         let state = self.resume.as_deref();
         let held = state.map(resume::held).transpose()?.flatten();
         let request = Request {
@@ -177,7 +179,7 @@ impl Render {
         let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
         summary.left_out = job.left_out();
         summary.interrupted = interrupted;
-        summary.files = pictures.write(&part, &scene.name, state, interrupted)?;
+        summary.written = pictures.write(&part, &scene.name, state, interrupted)?;
         if summary.dropped.total() > 0 {
             console.warn(&format!(
                 "{} samples were not finite and {} negative; they count as black (first at pixel {:?})",
@@ -186,7 +188,7 @@ impl Render {
                 summary.dropped.first_pixel.unwrap_or_default()
             ));
         }
-        if interrupted && let Some(file) = summary.files.first() {
+        if interrupted && let Some(file) = summary.written.files.first() {
             console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
             let black = part.exposure.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
             if black > 0 {
@@ -202,7 +204,8 @@ impl Render {
             return Err(Error::parameter("-f", "-o is given, too").with_hint("both mean the same"));
         }
         let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
-        Pictures::new(self.file.as_deref().or(global.out.as_deref()), self.tone, shard)
+        let out = self.file.as_deref().or(global.out.as_deref());
+        Pictures::new(out, global.arguments.target(out, &["scene", "shard"]), self.tone, shard)
     }
 
     /// The samples to render: all, or a shard's.

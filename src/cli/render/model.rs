@@ -4,7 +4,7 @@ use crate::bsdf::{DielectricFresnel, Normals};
 use crate::error::{Error, Result};
 use crate::render::Model;
 use crate::scene::ScatterModel;
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum};
 
 /// Which formulas to use.
 #[derive(Args)]
@@ -17,7 +17,7 @@ pub struct ModelArgs {
     normals: Option<NormalsName>,
     /// The right formulas (exact), everything as the second report's renderer has it (report), or any of its single
     /// conventions, with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAME[,NAME...]", default_value = "exact")]
+    #[arg(long, value_enum, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
     model: Vec<ModelName>,
 }
 

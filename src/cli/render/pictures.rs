@@ -1,10 +1,10 @@
 //! The files that a render leaves: pictures, or what to go on from.
 
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, is_same_file};
 use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::exposure::Part;
-use crate::report::output::{self, Target};
+use crate::report::output::{self, Target, Written};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -27,8 +27,8 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Files at `out` (see [`Target`]); an error if they cannot be of that format.
-    pub fn new(out: Option<&Path>, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
+    /// Files at `target`, which `out` asked for; an error if they cannot be of that format.
+    pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
@@ -39,49 +39,55 @@ impl Pictures {
             Some(format) => vec![format, "png"],
             None => vec!["exr", "pfm", "ppm", "png"],
         };
-        Ok(Self { target: Target::new(out), formats, tone, shard })
+        Ok(Self { target, formats, tone, shard })
+    }
+
+    /// Refuses to replace this file, too.
+    pub fn sparing(self, input: Option<PathBuf>) -> Self {
+        Self { target: self.target.with_inputs(&Vec::from_iter(input)), ..self }
     }
 
     /// Writes the pictures of a render called `name`, and first `state`, from which a later run can go on. Of an
     /// interrupted render (`cut`) there is one such file in any case, and a preview.
-    pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Vec<PathBuf>> {
-        let mut written = Vec::new();
-        if let Some(state) = state {
-            part.save(state)?;
-            written.push(state.to_owned());
-        }
+    pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Written> {
+        state.map_or(Ok(()), |state| part.save(state))?;
+        let mut pictures = Vec::new();
         let formats = match &self.shard {
             None if cut => &["exr", "png"],
             _ => self.formats.as_slice(),
         };
-        let stem = self.stem(name);
+        let stem = self.stem(name)?;
         let image = part.exposure.image();
         for format in formats {
             let path = output::with_extension(&stem, format);
             if *format != "exr" {
                 let options = WriteOptions { tone: self.tone(format), ..WriteOptions::default() };
                 raster::write_with(&path, &image, &part.metadata, options)?;
-            } else if state.is_some_and(|state| cut || same_file(state, &path)) {
+            } else if state.is_some_and(|state| cut || is_same_file(state, &path)) {
                 continue;
             } else if self.shard.is_some() {
                 part.save(&path)?;
             } else {
                 part.write(&path)?;
             }
-            written.push(path);
+            pictures.push(path);
         }
+        let mut written = self.target.written(pictures);
+        written.files.splice(..0, state.map(Path::to_owned));
         Ok(written)
     }
 
     /// An error if the pictures of a render called `name` or its state could not be written.
     pub fn check(&self, name: &str, state: Option<&Path>) -> Result<()> {
-        let pictures = self.formats.iter().map(|format| output::with_extension(&self.stem(name), format));
+        let stem = self.stem(name)?;
+        let pictures = self.formats.iter().map(|format| output::with_extension(&stem, format));
         state.map(Path::to_owned).into_iter().chain(pictures).try_for_each(|path| files::check_writable(&path))
     }
 
-    fn stem(&self, name: &str) -> PathBuf {
-        let name = format!("{name}{}", self.shard.as_deref().unwrap_or(""));
-        self.target.stem(&output::file_name(&name), "")
+    fn stem(&self, name: &str) -> Result<PathBuf> {
+        let shard = self.shard.as_deref().filter(|_| !self.target.is_named()).unwrap_or("");
+        // An interrupted render is kept in an EXR file, whatever the formats are.
+        self.target.stem(&output::file_name(name), shard, &[&self.formats[..], &["exr", "png"]].concat())
     }
 
     fn tone(&self, format: &str) -> ToneMap {
@@ -91,8 +97,4 @@ impl Pictures {
             None | Some(ToneName::Srgb) => ToneMap::default(),
         }
     }
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -1,13 +1,12 @@
 //! What a render has to say about its picture, as numbers and as text.
 
-use crate::cli::console::files_written;
 use crate::raster::Image;
 use crate::render::Dropped;
 use crate::render::exposure::Part;
+use crate::report::output::Written;
 use crate::scene::Request;
 use glam::DVec3;
 use serde::Serialize;
-use std::path::PathBuf;
 
 #[derive(Serialize)]
 pub struct Summary<'a> {
@@ -31,7 +30,8 @@ pub struct Summary<'a> {
     pub dropped: Dropped,
     pub left_out: Vec<&'static str>,
     pub interrupted: bool,
-    pub files: Vec<PathBuf>,
+    #[serde(flatten)]
+    pub written: Written,
 }
 
 /// The light of one class of paths.
@@ -70,7 +70,7 @@ impl<'a> Summary<'a> {
             dropped: film.dropped(),
             left_out: Vec::new(),
             interrupted: false,
-            files: Vec::new(),
+            written: Written::default(),
         }
     }
 
@@ -97,7 +97,7 @@ impl<'a> Summary<'a> {
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));
         }
-        text + &files_written(&self.files)
+        text + &self.written.text()
     }
 }
 

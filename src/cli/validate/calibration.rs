@@ -1,29 +1,31 @@
 //! `etalon validate --calibrate`: the harness on itself.
 
-use crate::cli::console::{Console, files_written};
+use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
-use crate::report::{output, validation as view};
+use crate::report::output::{self, Written};
+use crate::report::validation as view;
 use crate::stats::Protocol;
 use crate::study::validation::{Calibration, Case, calibrate};
 use serde::Serialize;
-use std::path::PathBuf;
 
 #[derive(Serialize)]
 struct Output<'a> {
     #[serde(flatten)]
     calibration: &'a Calibration,
-    files: &'a [PathBuf],
+    #[serde(flatten)]
+    written: &'a Written,
 }
 
 pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
+    let target = global.target(&[]);
+    let stem = target.stem("calibration", "", &output::STUDY)?;
     let bar = console.progress(cases.len() as u64, "calibrate");
     let found = calibrate(cases, protocol, seeds, &|_| bar.inc(1))?;
     bar.finish_and_clear();
-    let stem = output::Target::new(global.out.as_deref()).stem("calibration", "");
     let table = output::table(&view::calibration_rows(&found))?;
-    let files = output::write(&stem, &view::calibration_drawing(&found), &table)?;
-    console.result(&Output { calibration: &found, files: &files }, || text(&found) + &files_written(&files));
+    let written = target.written(output::write(&stem, &view::calibration_drawing(&found), &table)?);
+    console.result(&Output { calibration: &found, written: &written }, || text(&found) + &written.text());
     Ok(if found.accepted { Verdict::Good } else { Verdict::Rejected })
 }
 

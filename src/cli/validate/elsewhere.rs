@@ -1,5 +1,6 @@
 //! Samplers that are not part of this program: what `validate` takes to reach them.
 
+use crate::cli::console::Console;
 use crate::error::{Error, Result};
 use crate::import::sampler::files::{GridDensity, Row, SampleFile};
 use crate::import::sampler::program::Client;
@@ -7,9 +8,8 @@ use crate::import::sampler::{Coordinates, Space, Visitor};
 use crate::stats::examine;
 use crate::study::validation::Case;
 use clap::Args;
-use std::convert::Infallible;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -38,17 +38,15 @@ pub enum HowMany {
     File(PathBuf),
 }
 
-impl FromStr for HowMany {
-    type Err = Infallible;
-
-    fn from_str(text: &str) -> std::result::Result<Self, Infallible> {
-        Ok(text.parse().map_or_else(|_| Self::File(text.into()), Self::Count))
+impl From<&OsStr> for HowMany {
+    fn from(text: &OsStr) -> Self {
+        text.to_str().and_then(|text| text.parse().ok()).map_or_else(|| Self::File(text.into()), Self::Count)
     }
 }
 
 impl Elsewhere {
     /// The test of the sampler that was asked for, if any was.
-    pub fn case(&self, samples: Option<&HowMany>) -> Result<Option<Case>> {
+    pub fn case(&self, samples: Option<&HowMany>, console: &Console) -> Result<Option<Case>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
             (Some(_), Some(HowMany::File(file)), _) => {
@@ -56,7 +54,7 @@ impl Elsewhere {
                     .with_hint("with --exec, samples are drawn, not read"))
             }
             (Some(command), ..) => self.program(command, space).map(Some),
-            (None, Some(HowMany::File(file)), Some(pdf)) => files(file, pdf, space).map(Some),
+            (None, Some(HowMany::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
             (None, Some(HowMany::File(file)), None) => {
                 Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
                     .with_hint("if it is a file of samples, give their density by --pdf FILE"))
@@ -99,10 +97,14 @@ impl Visitor for OfProgram {
 }
 
 /// The test of samples in a file.
-fn files(samples: &Path, pdf: &Path, space: Option<Space>) -> Result<Case> {
+fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) -> Result<Case> {
     let is_table = pdf.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     match space {
-        None | Some(Space::Sphere) if !is_table => of_files(samples, GridDensity::read_image(pdf)?),
+        None | Some(Space::Sphere) if !is_table => {
+            let (density, notes) = GridDensity::read_image(pdf)?;
+            notes.iter().for_each(|note| console.warn(note));
+            of_files(samples, density)
+        }
         Some(_) if !is_table => {
             Err(Error::parameter("--pdf", "an image is a density over the sphere").with_hint("--domain sphere"))
         }

@@ -10,12 +10,14 @@ use super::map_file::{self, MapOptions};
 use super::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::report::{junit, output, validation as view, validation_cells as cells};
+use crate::report::output::{self, Written};
+use crate::report::{junit, validation as view, validation_cells as cells};
 use crate::stats::{Protocol, Samples};
 use crate::study::validation::{Case, Tested, Validation, run, select, suite};
 use clap::Args;
 use elsewhere::{Elsewhere, HowMany};
 use serde::Serialize;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Test every sampler of this program against the density that it claims
@@ -39,7 +41,7 @@ pub struct Validate {
     planted: bool,
     /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
-    samples: Option<HowMany>,
+    samples: Option<OsString>,
     /// Take as many samples as find a relative density error of W with 90 % probability
     #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
     detect: f64,
@@ -54,7 +56,7 @@ pub struct Validate {
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
     #[arg(long, value_name = "MAP")]
-    envmap: Option<String>,
+    envmap: Option<OsString>,
     #[command(flatten)]
     options: MapOptions,
     #[command(flatten)]
@@ -68,7 +70,8 @@ pub struct Validate {
 struct Output<'a> {
     #[serde(flatten)]
     validation: &'a Validation,
-    files: &'a [PathBuf],
+    #[serde(flatten)]
+    written: &'a Written,
 }
 
 impl Validate {
@@ -86,22 +89,23 @@ impl Validate {
         }
         // Not only when all tests are done.
         self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
+        let target = global.target(&[]);
+        let stem = target.stem("validation", "", &output::STUDY)?;
         let bar = console.progress(cases.len() as u64, "validate");
         let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
         bar.finish_and_clear();
-        let target = output::Target::new(global.out.as_deref());
-        let stem = target.stem("validation", "");
         let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
-        if let Some(path) = &self.junit {
-            files::write_bytes(path, junit::document(&validation).as_bytes())?;
-            files.push(path.clone());
-        }
         if self.figures {
             for tested in &validation.tests {
                 files.extend(draw_counts(tested, &target)?);
             }
         }
-        console.result(&Output { validation: &validation, files: &files }, || summary::text(&validation, &files));
+        let mut written = target.written(files);
+        if let Some(path) = &self.junit {
+            files::write_bytes(path, junit::document(&validation).as_bytes())?;
+            written.files.push(path.clone());
+        }
+        console.result(&Output { validation: &validation, written: &written }, || summary::text(&validation, &written));
         Ok(match validation {
             Validation { rejected: 1.., .. } => Verdict::Rejected,
             Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
@@ -110,15 +114,19 @@ impl Validate {
     }
 
     fn protocol(&self, global: &Global) -> Protocol {
-        let samples = match self.samples {
+        let samples = match self.samples() {
             Some(HowMany::Count(count)) => Samples::Count(count),
             _ => Samples::Detect(self.detect),
         };
         Protocol { seed: global.seed, samples, level: self.level, ..Protocol::default() }
     }
 
+    fn samples(&self) -> Option<HowMany> {
+        self.samples.as_deref().map(HowMany::from)
+    }
+
     fn cases(&self, console: &Console) -> Result<Vec<Case>> {
-        if let Some(case) = self.elsewhere.case(self.samples.as_ref())? {
+        if let Some(case) = self.elsewhere.case(self.samples().as_ref(), console)? {
             return Ok(vec![case]);
         }
         let mut all = suite::cases();
@@ -135,7 +143,7 @@ fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>>
     let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)?) else {
         return Ok(Vec::new());
     };
-    let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)));
+    let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
     output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
 }
 

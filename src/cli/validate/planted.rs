@@ -1,36 +1,38 @@
 //! `etalon validate --planted`: can the suite fail? Every mistake must be rejected, and nothing without one.
 
 use super::summary::p_value;
-use crate::cli::console::{Console, files_written};
+use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::report::{output, planted as view};
+use crate::report::output::{self, Written};
+use crate::report::planted as view;
 use crate::stats::{self, Protocol};
 use crate::study::validation::planted::{self, By, Findings};
 use serde::Serialize;
-use std::path::PathBuf;
 
 #[derive(Serialize)]
 struct Output<'a> {
     #[serde(flatten)]
     findings: &'a Findings,
-    files: &'a [PathBuf],
+    #[serde(flatten)]
+    written: &'a Written,
 }
 
 pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
+    let target = global.target(&["planted"]);
+    let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
     let all = planted::all();
     let bar = console.progress(2 * all.len() as u64, "planted faults");
     let findings = planted::run(all, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
-    let path = output::with_extension(&output::Target::new(global.out.as_deref()).stem("planted", ""), "csv");
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
-    let files = [path];
-    console.result(&Output { findings: &findings, files: &files }, || text(&findings, &files));
+    let written = target.written(vec![path]);
+    console.result(&Output { findings: &findings, written: &written }, || text(&findings, &written));
     Ok(if findings.is_good() { Verdict::Good } else { Verdict::Rejected })
 }
 
-fn text(findings: &Findings, files: &[PathBuf]) -> String {
+fn text(findings: &Findings, written: &Written) -> String {
     let tests = &findings.tests;
     let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text =
@@ -57,5 +59,5 @@ fn text(findings: &Findings, files: &[PathBuf]) -> String {
         findings.false_alarms,
         findings.seconds,
     );
-    text + &files_written(files)
+    text + &written.text()
 }

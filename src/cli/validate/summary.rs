@@ -1,14 +1,13 @@
 //! What a run found, as a table for people: test by test if they are few, else by family with what needs a look in full.
 
-use crate::cli::console::files_written;
+use crate::report::output::Written;
 use crate::stats::Verdict;
 use crate::study::validation::{Tested, Validation};
-use std::path::PathBuf;
 
 /// More tests than these are summed up.
 const FEW: usize = 40;
 
-pub fn text(validation: &Validation, files: &[PathBuf]) -> String {
+pub fn text(validation: &Validation, written: &Written) -> String {
     let tests = &validation.tests;
     let mut text = String::new();
     if tests.len() <= FEW {
@@ -30,7 +29,7 @@ pub fn text(validation: &Validation, files: &[PathBuf]) -> String {
         validation.inconclusive,
         validation.seconds
     );
-    text + &files_written(files)
+    text + &written.text()
 }
 
 /// One line for each test, and its remark below it.

@@ -3,7 +3,7 @@
 use super::PbrtOptions;
 use super::params::Params;
 use super::setup::MAX_SAMPLES;
-use crate::envmap::EnvMap;
+use crate::envmap::{EnvMap, MAX_RADIANCE, check_range};
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::transform::{self, in_range};
@@ -123,7 +123,11 @@ fn infinite(
     p.finish(&[], warnings)?;
     let (map, source) = match (file, &options.environment) {
         (Some(_), Some((map, source))) => (map.clone(), source.clone()),
-        (Some(file), None) => (Arc::new(EnvMap::new(file.load(folder, options, warnings)?)), file.name),
+        (Some(file), None) => {
+            let image = file.load(folder, options, warnings)?;
+            check_range(&folder.join(&file.name), &image)?;
+            (Arc::new(EnvMap::new(image)), file.name)
+        }
         (None, given) => {
             if given.is_some() {
                 warnings.push(at.warning("this light has no map: the given environment is not used"));
@@ -131,6 +135,10 @@ fn infinite(
             (Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into())
         }
     };
+    let largest = map.found().max * scale.max_element();
+    if largest > MAX_RADIANCE {
+        return Err(at.input(format!("L times scale and the map reaches {largest:e}, more than {MAX_RADIANCE:e}")));
+    }
     Ok(Source::Infinite(Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
 }
 

@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let (objects, lights, environment) = (self.objects, self.lights, self.environment);
         let scene = Scene { name, camera, objects, lights, environment };
-        Ok(Imported { scene, request, output, warnings: self.warnings })
+        Ok(Imported { scene, request, output, warnings: self.warnings, map: None })
     }
 
     /// Reads one file; `from` is the directive that names it, if any.

@@ -13,19 +13,21 @@ pub(super) struct Channel {
     pub kind: SampleType,
 }
 
-/// The channels shown as red, green and blue (`None`: black), and the part that they are in.
+/// The layer that is the picture, and the part that it is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
     pub part: usize,
-    pub rgb: [Option<Channel>; 3],
+    pub layer: Shown,
 }
 
-/// A layer, and how its channels are shown.
+/// A layer, and the channels shown as red, green and blue (`None`: black).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shown {
     pub name: String,
     pub fit: Fit,
     pub rgb: [Option<Channel>; 3],
+    /// What is a guess about the channels.
+    pub note: Option<String>,
 }
 
 /// How well a layer serves as the picture; the first layer of the best kind is taken.
@@ -37,23 +39,25 @@ pub(super) enum Fit {
     OtherChannel,
 }
 
-/// Picks, in this order: the first layer with R, G and B; with Y; with some of R, G, B; any channel but alpha. A
-/// single channel is shown as grey, of two colours the third is black. A layer is the part of a channel name before
-/// the last dot, in one part of the file; deep parts are passed over.
+/// Picks, in this order: the first layer with R, G and B; with Y; with some of R, G, B; with a single channel beside
+/// alpha. A single channel is shown as grey, of two colours the third is black. A layer is the part of a channel name
+/// before the last dot, in one part of the file; deep parts are passed over.
 pub(super) fn choose(path: &Path, headers: &[Header]) -> Result<Choice> {
-    let mut best: Option<(Fit, Choice)> = None;
+    let mut best: Option<Choice> = None;
     for (part, header) in headers.iter().enumerate().filter(|(_, h)| !h.deep) {
-        for Shown { fit, rgb, .. } in layers(header) {
-            if best.as_ref().is_none_or(|(found, _)| fit < *found) {
-                best = Some((fit, Choice { part, rgb }));
+        for layer in layers(header) {
+            if best.as_ref().is_none_or(|found| layer.fit < found.layer.fit) {
+                best = Some(Choice { part, layer });
             }
         }
     }
-    let Some((_, choice)) = best else {
+    let Some(choice) = best else {
         return Err(if headers.iter().any(|h| h.deep) {
             Error::unsupported(path, "deep OpenEXR data are not read").with_hint("flatten the image when saving it")
         } else {
-            Error::input(path, "the OpenEXR file has no colour channel")
+            let channels = list(headers.iter().flat_map(|h| &h.channels.list).map(|c| c.name.to_string()));
+            Error::unsupported(path, format!("no R, G, B or Y among the channels of the OpenEXR file: {channels}"))
+                .with_hint("save the image as RGB; X, Y, Z (CIE) and vectors are not converted")
         });
     };
     let channels = &headers[choice.part].channels.list;
@@ -62,6 +66,44 @@ pub(super) fn choose(path: &Path, headers: &[Header]) -> Result<Choice> {
             .with_hint("save the image as RGB"));
     }
     Ok(choice)
+}
+
+/// What is a guess about a choice, in sentences.
+///
+/// # Errors
+/// [`Error::Unsupported`] when several named layers of the part would do and none of them stands out.
+pub(super) fn notes(path: &Path, headers: &[Header], choice: &Choice) -> Result<Vec<String>> {
+    let Choice { part, layer } = choice;
+    let others = layers(&headers[*part]);
+    let rivals: Vec<&Shown> = others.iter().filter(|other| other.fit == layer.fit).collect();
+    if !layer.name.is_empty() && rivals.len() > 1 {
+        let names = list(rivals.iter().map(|rival| rival.name.clone()));
+        return Err(Error::unsupported(path, format!("which layer of the OpenEXR file is the image? It has {names}"))
+            .with_hint("save one of them as R, G, B: oiiotool in.exr --ch R=NAME.R,G=NAME.G,B=NAME.B -o out.exr"));
+    }
+    let mut notes: Vec<String> = layer.note.clone().into_iter().collect();
+    if !layer.name.is_empty() && others.iter().any(|other| other.name.is_empty()) {
+        notes.push(format!("the layer {:?} is taken, not the channels without a layer", layer.name));
+    }
+    let fits = |header: &&Header| !header.deep && layers(header).iter().any(|other| other.fit == layer.fit);
+    let parts = headers.iter().filter(fits).count();
+    if parts > 1 {
+        let name = headers[*part]
+            .own_attributes
+            .layer_name
+            .as_ref()
+            .map_or(String::new(), |name| format!(" ({:?})", name.to_string()));
+        notes.push(format!("part {}{name} is taken, the first of {parts} that hold an image", part + 1));
+    }
+    Ok(notes)
+}
+
+/// Names for a message: quoted, and not too many.
+fn list(names: impl Iterator<Item = String>) -> String {
+    const MOST: usize = 12;
+    let quoted: Vec<String> = names.map(|name| format!("{:?}", name.chars().take(60).collect::<String>())).collect();
+    let rest = if quoted.len() > MOST { format!(" and {} more", quoted.len() - MOST) } else { String::new() };
+    quoted[..quoted.len().min(MOST)].join(", ") + &rest
 }
 
 fn is_luminance_chroma(header: &Header) -> bool {
@@ -83,22 +125,37 @@ pub(super) fn layers(header: &Header) -> Vec<Shown> {
         }
         before += description.sample_type.bytes_per_sample();
     }
-    let shown = |(name, channels): (String, Vec<_>)| picture(&channels).map(|(fit, rgb)| Shown { name, fit, rgb });
-    groups.into_iter().filter_map(shown).collect()
+    groups.into_iter().filter_map(|(name, channels)| shown(name, &channels)).collect()
 }
 
-fn picture(channels: &[(String, Channel)]) -> Option<(Fit, [Option<Channel>; 3])> {
+/// A layer as a picture, if its channels can be one.
+fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
+    const COLOURS: [[&str; 2]; 3] = [["r", "red"], ["g", "green"], ["b", "blue"]];
     let find = |names: [&str; 2]| channels.iter().find(|(role, _)| names.contains(&role.as_str())).map(|&(_, c)| c);
-    let rgb = [find(["r", "red"]), find(["g", "green"]), find(["b", "blue"])];
-    let luminance = find(["y", "luminance"]);
-    let other = channels.iter().find(|(role, _)| role != "a" && role != "alpha").map(|&(_, c)| c);
-    match rgb.iter().flatten().count() {
-        3 => Some((Fit::Colour, rgb)),
-        _ if luminance.is_some() => Some((Fit::Luminance, [luminance; 3])),
-        2 => Some((Fit::SomeColour, rgb)),
-        1 => Some((Fit::SomeColour, [rgb[0].or(rgb[1]).or(rgb[2]); 3])),
-        _ => other.map(|c| (Fit::OtherChannel, [Some(c); 3])),
-    }
+    let rgb = COLOURS.map(find);
+    // The y of x, y and z is a CIE tristimulus value or the component of a vector.
+    let luminance = find(["y", "luminance"]).filter(|_| find(["x", "x"]).is_none());
+    let mut others = channels.iter().filter(|(role, _)| role != "a" && role != "alpha");
+    let colours = || rgb.iter().zip(COLOURS).map(|(found, [letter, _])| (found, letter.to_uppercase()));
+    let (fit, rgb, note) = match rgb.iter().flatten().count() {
+        3 => (Fit::Colour, rgb, None),
+        _ if luminance.is_some() => (Fit::Luminance, [luminance; 3], None),
+        2 => {
+            let missing: String = colours().filter(|(found, _)| found.is_none()).map(|(_, letter)| letter).collect();
+            (Fit::SomeColour, rgb, Some(format!("there is no channel {missing}: it is taken as black")))
+        }
+        1 => {
+            let only: String = colours().filter(|(found, _)| found.is_some()).map(|(_, letter)| letter).collect();
+            let note = format!("{only} is the only channel of R, G and B: it is taken as grey");
+            (Fit::SomeColour, [rgb[0].or(rgb[1]).or(rgb[2]); 3], Some(note))
+        }
+        _ => {
+            let (role, channel) = others.next().filter(|_| others.next().is_none())?;
+            let note = format!("the only channel, {role:?}, is neither a colour nor Y: it is taken as grey");
+            (Fit::OtherChannel, [Some(*channel); 3], Some(note))
+        }
+    };
+    Some(Shown { name, fit, rgb, note })
 }
 
 #[cfg(test)]
@@ -113,7 +170,51 @@ mod tests {
 
     /// The positions, in the channel list, of what is shown as R, G, B.
     fn shown(names: &[&str]) -> [Option<usize>; 3] {
-        choose(Path::new("a.exr"), &[part(names)]).unwrap().rgb.map(|c| c.map(|c| c.before / 2))
+        choose(Path::new("a.exr"), &[part(names)]).unwrap().layer.rgb.map(|c| c.map(|c| c.before / 2))
+    }
+
+    /// What is said about the choice.
+    fn said(parts: &[&[&str]]) -> Result<String> {
+        let (path, headers) = (Path::new("a.exr"), parts.iter().map(|names| part(names)).collect::<Vec<_>>());
+        notes(path, &headers, &choose(path, &headers)?).map(|notes| notes.join("; "))
+    }
+
+    #[test]
+    fn guesses_are_said() {
+        for plain in [
+            &["A", "B", "G", "R"][..],
+            &["A", "Y"],
+            &["B", "G", "R", "id.Y", "noise.B", "noise.G", "noise.R"],
+            &["N.x", "N.y", "N.z", "beauty.B", "beauty.G", "beauty.R", "depth.Z"],
+        ] {
+            assert_eq!(said(&[plain]).unwrap(), "", "{plain:?}");
+        }
+        for (guessed, expected) in [
+            (&["G"][..], "G is the only channel of R, G and B: it is taken as grey"),
+            (&["A", "G", "R"], "no channel B: it is taken as black"),
+            (&["A", "Z"], "\"z\", is neither a colour nor Y"),
+            (&["Y", "beauty.B", "beauty.G", "beauty.R"], "the layer \"beauty\" is taken"),
+        ] {
+            let said = said(&[guessed]).unwrap();
+            assert!(said.contains(expected), "{guessed:?}: {said}");
+        }
+        let said = said(&[&["Z"], &["B", "G", "R"], &["B", "G", "R"]]).unwrap();
+        assert!(said.contains("part 2 (\"part\") is taken, the first of 2"), "{said}");
+    }
+
+    #[test]
+    fn what_no_guess_can_settle_is_refused_with_the_names() {
+        for (names, expected) in [
+            (&["X", "Y", "Z"][..], "\"X\", \"Y\", \"Z\""),
+            (&["N.x", "N.y", "N.z"], "\"N.x\""),
+            (&["u", "v"], "\"u\", \"v\""),
+            (&["albedo.B", "albedo.G", "albedo.R", "beauty.B", "beauty.G", "beauty.R"], "\"albedo\", \"beauty\""),
+            (&["depth.Z", "mask.m"], "\"depth\", \"mask\""),
+        ] {
+            let error = said(&[names]).unwrap_err();
+            assert!(matches!(error, Error::Unsupported { .. }) && error.hint().is_some());
+            assert!(error.to_string().contains(expected), "{names:?}: {error}");
+        }
     }
 
     #[test]
@@ -137,7 +238,7 @@ mod tests {
     #[test]
     fn what_cannot_be_shown_is_an_error() {
         let path = Path::new("a.exr");
-        assert!(matches!(choose(path, &[part(&["A"])]), Err(Error::Input { .. })));
+        assert!(matches!(choose(path, &[part(&["A"])]), Err(Error::Unsupported { .. })));
         assert!(matches!(choose(path, &[part(&["BY", "RY", "Y"])]), Err(Error::Unsupported { .. })));
         let mut halved = part(&["B", "G", "R"]);
         halved.channels.list[0].sampling = Vec2(2, 2);

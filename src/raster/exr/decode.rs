@@ -1,12 +1,12 @@
 //! Reading an OpenEXR file: the header, the blocks of the full resolution, the display window.
 
-use super::choose::{Channel, choose};
+use super::choose::{Channel, Fit, choose, notes};
 use super::chunks::Block;
 use super::file::Exr;
 use crate::error::{Error, Result};
-use crate::raster::read::{blank, check_size};
-use crate::raster::{Image, Rgb};
-use exr::meta::attribute::{IntegerBounds, SampleType};
+use crate::raster::read::{Decoded, blank, check_size};
+use crate::raster::{Image, Rgb, primaries};
+use exr::meta::attribute::{Chromaticities, EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -15,9 +15,10 @@ use std::path::Path;
 /// Reads the picture of an OpenEXR file; which channels that is, see [`choose`].
 ///
 /// The image is the display window: data outside it are dropped, pixels of it without data are black.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
+pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let file = Exr::parse(path, bytes)?;
     let choice = choose(path, file.headers())?;
+    let mut notes = notes(path, file.headers(), &choice)?;
     let header = &file.headers()[choice.part];
     let (data, window) = (header.data_window(), header.shared_attributes.display_window);
     check_window(path, data, window, bytes.len())?;
@@ -26,10 +27,17 @@ pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let mut image = blank(path, window.size.0, window.size.1)?;
     let place = Placement::of(header);
     blocks.read(
-        |block, bytes| pixels(header, &choice.rgb, block, &bytes),
+        |block, bytes| pixels(header, &choice.layer.rgb, block, &bytes),
         |block, pixels| place.copy(&mut image, block, &pixels),
     )?;
-    Ok(image)
+    if matches!(choice.layer.fit, Fit::Colour | Fit::SomeColour) {
+        let found = header.shared_attributes.chromaticities;
+        notes.extend(found.and_then(|Chromaticities { red, green, blue, white }| {
+            primaries::note("chromaticities", [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1])
+        }));
+    }
+    let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+    Ok(Decoded { image, notes, is_cube })
 }
 
 /// Where the data window lies in the image, which is the display window.

@@ -2,6 +2,7 @@
 
 use super::chunks::{Block, locate};
 use crate::error::{Error, Place, Result};
+use exr::compression::Compression;
 use exr::meta::MetaData;
 use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
@@ -66,6 +67,14 @@ impl<'a> Exr<'a> {
     /// promises. So it is safe to allocate the result afterwards.
     pub fn blocks(&self, part: usize) -> Result<Blocks<'_>> {
         let header = &self.meta.headers[part];
+        let unread = match header.compression {
+            Compression::HTJ2K32 => Some("HTJ2K32"),
+            Compression::HTJ2K256 => Some("HTJ2K256"),
+            _ => None,
+        };
+        if let Some(name) = unread {
+            return Err(unread_compression(self.path, name));
+        }
         let blocks = locate(self.path, self.bytes, &self.meta, part, self.table)?;
         let pixels = blocks.iter().map(|b| b.width * b.height).max().unwrap_or(1);
         let largest = pixels.saturating_mul(header.channels.bytes_per_pixel);
@@ -135,8 +144,9 @@ fn attribute<'a>(rest: &mut &'a [u8]) -> Option<(&'a [u8], &'a [u8], &'a [u8])> 
 /// An error of the `exr` crate in the words of this one.
 fn foreign(path: &Path, error: &exr::error::Error) -> Error {
     match error {
-        exr::error::Error::NotSupported(what) => Error::unsupported(path, format!("OpenEXR: {what}"))
-            .with_hint("save the image with ZIP, PIZ or DWAA compression, not deep"),
+        exr::error::Error::NotSupported(what) => {
+            Error::unsupported(path, format!("OpenEXR: {what}")).with_hint(CONVERT)
+        }
         exr::error::Error::Invalid(what) if what == "reference to missing bytes" => {
             damaged(path, "the header runs beyond the end of the file")
         }
@@ -155,9 +165,16 @@ fn compression_method(bytes: &[u8]) -> Option<u8> {
     bytes.get(at + name.len()).copied()
 }
 
+/// What turns nearly any OpenEXR file into one that is read.
+const CONVERT: &str = "convert it: exrmetrics --convert -z zip in.exr -o out.exr, or oiiotool in.exr --compression zip -o \
+                       out.exr";
+
 fn unknown_method(path: &Path, method: u8) -> Error {
-    Error::unsupported(path, format!("OpenEXR: compression method {method} is not known here"))
-        .with_hint("save the image with ZIP, PIZ or DWAA compression")
+    unread_compression(path, &format!("number {method}, which is newer than this program,"))
+}
+
+fn unread_compression(path: &Path, name: &str) -> Error {
+    Error::unsupported(path, format!("the OpenEXR compression {name} is not read")).with_hint(CONVERT)
 }
 
 fn damaged(path: &Path, what: &str) -> Error {

@@ -58,7 +58,8 @@ impl ExrFile {
     }
 
     /// The layers in the part of the file that holds the picture, the unnamed one first, then by name. Each is shown as
-    /// [`read`](crate::raster::read()) shows the picture; layers of unsigned integers, which are no light, are left out.
+    /// [`read`](crate::raster::read()) shows the picture. Layers of unsigned integers, which are no light, are left out, and
+    /// so are those of several channels without a colour or Y.
     ///
     /// # Errors
     /// Those of [`read`](crate::raster::read()), and [`Error::Limit`] when the layers have more than 2^28 pixels in all.

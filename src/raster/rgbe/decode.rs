@@ -2,14 +2,15 @@
 
 use super::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
-use crate::raster::read::{blank, check_size, cut_off};
-use crate::raster::{Image, Rgb};
+use crate::raster::read::{Decoded, blank, check_size, cut_off};
+use crate::raster::{Rgb, primaries};
 use std::path::Path;
 
 /// Reads a Radiance picture. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
 /// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: what the scene had, not what the
-/// file was adjusted to. `GAMMA`, `PRIMARIES`, `PIXASPECT` and other lines have no effect.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
+/// file was adjusted to. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
+/// effect.
+pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let header = Header::parse(path, bytes)?;
     let (outer, inner) = (header.outer.length, header.inner.length);
     let (width, height) = if header.outer.vertical { (inner, outer) } else { (outer, inner) };
@@ -28,7 +29,7 @@ pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
             image.set(x, y, linear(pixel) * header.factor);
         }
     }
-    Ok(image)
+    Ok(Decoded { notes: header.note.into_iter().collect(), ..Decoded::from(image) })
 }
 
 /// One axis of the picture, in file order.
@@ -44,6 +45,8 @@ struct Header {
     factor: Rgb,
     outer: Axis,
     inner: Axis,
+    /// What is to be said of its primaries.
+    note: Option<String>,
     /// Where the scan lines begin.
     end: usize,
 }
@@ -51,7 +54,7 @@ struct Header {
 impl Header {
     fn parse(path: &Path, bytes: &[u8]) -> Result<Self> {
         let mut factor = glam::DVec3::ONE;
-        let (mut at, mut in_size_line) = (0, false);
+        let (mut at, mut in_size_line, mut note) = (0, false, None);
         loop {
             let error = |message: String| Error::input(path, message).at(Place::Byte(at as u64));
             let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
@@ -67,12 +70,13 @@ impl Header {
                     _ => None,
                 };
                 let (outer, inner) = axes.ok_or_else(|| error(format!("no proper size line: {line:?}")))?;
-                return Ok(Self { factor: (1.0 / factor).as_vec3(), outer, inner, end });
+                return Ok(Self { factor: (1.0 / factor).as_vec3(), outer, inner, note, end });
             }
             let numbers = |text: &str| {
                 let read: std::result::Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-                read.ok().filter(|v| v.iter().all(|v| v.is_finite() && *v > 0.0))
+                read.ok().filter(|v| v.iter().all(|v| v.is_finite()))
             };
+            let factors = |text: &str| numbers(text).filter(|v| v.iter().all(|v| *v > 0.0));
             match line.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
                 None => in_size_line = line.is_empty(),
                 Some(("FORMAT", "32-bit_rle_rgbe")) => {}
@@ -80,11 +84,16 @@ impl Header {
                     return Err(Error::unsupported(path, format!("the pixels are {other}"))
                         .with_hint("convert the file to 32-bit_rle_rgbe (Radiance: ra_xyze -r)"));
                 }
-                Some((name @ ("EXPOSURE" | "COLORCORR"), value)) => match numbers(value).as_deref() {
+                Some((name @ ("EXPOSURE" | "COLORCORR"), value)) => match factors(value).as_deref() {
                     Some(&[e]) if name == "EXPOSURE" => factor *= e,
                     Some(&[r, g, b]) if name == "COLORCORR" => factor *= glam::DVec3::new(r, g, b),
                     _ => return Err(error(format!("no proper {name}: {value:?}"))),
                 },
+                Some((name @ "PRIMARIES", value)) => {
+                    let found = numbers(value).and_then(|v| <[f64; 8]>::try_from(v).ok());
+                    let found = found.ok_or_else(|| error(format!("no proper {name}: {value:?}")))?;
+                    note = primaries::note(name, found.map(|v| v as f32));
+                }
                 Some(_) => {}
             }
             at = end;
@@ -184,9 +193,10 @@ impl<'a> Input<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::Image;
 
     fn parse(bytes: &[u8]) -> Result<Image> {
-        decode(Path::new("a.hdr"), bytes)
+        decode(Path::new("a.hdr"), bytes).map(|decoded| decoded.image)
     }
 
     fn file(header: &str, data: &[u8]) -> Vec<u8> {
@@ -202,6 +212,15 @@ mod tests {
         assert_eq!(halved.get(0, 0), Rgb::new(0.5, 0.125, 0.0));
         let other_magic = [b"#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\n".as_slice(), &data].concat();
         assert_eq!(parse(&other_magic).unwrap(), image);
+    }
+
+    #[test]
+    fn other_primaries_are_noted() {
+        let notes =
+            |line: &str| decode(Path::new("a.hdr"), &file(&format!("{line}\n\n-Y 1 +X 1\n"), &[0; 4])).map(|d| d.notes);
+        assert!(notes("PRIMARIES= .64 .33 .3 .6 .15 .06 .3127 .329").unwrap().is_empty());
+        assert!(notes("PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329").unwrap()[0].contains("Rec. 709"));
+        assert!(notes("PRIMARIES=.708 .292").is_err() && notes("PRIMARIES=XYZ").is_err());
     }
 
     #[test]

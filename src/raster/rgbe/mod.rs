@@ -49,7 +49,7 @@ mod tests {
     fn round_trip(image: &Image) -> Image {
         let mut bytes = Vec::new();
         encode(image, &Metadata::default().with("note", "two\nlines"), &mut bytes).unwrap();
-        decode(Path::new("a.hdr"), &bytes).unwrap()
+        decode(Path::new("a.hdr"), &bytes).unwrap().image
     }
 
     #[test]

@@ -124,9 +124,10 @@ impl<D: Gridded> GridDensity<D> {
 
 impl GridDensity<Directions> {
     /// Reads a lat-long image of densities per sr, with the orientation of environment maps: +y is up, and columns go from
-    /// +x towards +z ([`LatLong`](crate::envmap)). The channels must be equal.
-    pub fn read_image(path: &Path) -> Result<Self> {
-        let image = raster::read(path, ReadOptions::default())?;
+    /// +x towards +z ([`LatLong`](crate::envmap)). The channels must be equal. Also returns the reader's notes (see
+    /// [`read_lat_long`](raster::read_lat_long)).
+    pub fn read_image(path: &Path) -> Result<(Self, Vec<String>)> {
+        let (image, notes) = raster::read_lat_long(path, ReadOptions::default())?;
         let (width, height) = (image.width(), image.height());
         if image.pixels().iter().any(|p| p.x != p.y || p.y != p.z) {
             return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
@@ -138,7 +139,7 @@ impl GridDensity<Directions> {
             edges.windows(2).map(|edge| ((1.25 - 0.5 * (edge[0] + edge[1])).fract() * width as f64) as usize).collect();
         let row = |y: usize| columns.iter().map(move |&x| (x, y));
         let values = (0..height).flat_map(row).map(|(x, y)| f64::from(image.get(x.min(width - 1), y).x)).collect();
-        Ok(Self { steps: [rows, turns], values, domain })
+        Ok((Self { steps: [rows, turns], values, domain }, notes))
     }
 }
 
