@@ -8,8 +8,9 @@ use super::grid::Grid;
 use super::mass::Integral;
 use crate::error::Result;
 
-/// Fewest and most random places at which integrals are checked; between these as many as samples.
-const CHECKS: [u64; 2] = [1 << 16, 1 << 20];
+/// Random places at which integrals are checked: one for so many samples, between a least and a largest number.
+const SAMPLES_PER_CHECK: u64 = 4;
+const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
 /// moves by 0.025 standard deviations.
 const SLACK: f64 = 0.0025;
@@ -61,6 +62,7 @@ impl<D: Domain> Counting<'_, D> {
             let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
             refinement.learn(&found)?;
         }
+        let places = (self.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
         let attempts = if sampler.supply().is_some() { 1 } else { ATTEMPTS };
         let mut corrections: Option<Vec<Correction>> = None;
         let mut attempt = 1;
@@ -72,7 +74,7 @@ impl<D: Domain> Counting<'_, D> {
                 let (integral, values) = (Integral::exact(&integrals), integrals.values);
                 return Ok(Counted { values, integral, uncertain: false, fault: integrals.fault, tally });
             };
-            let check = refinement.check(self.samples.clamp(CHECKS[0], CHECKS[1]), seed, checks)?;
+            let check = refinement.check(places, seed, checks)?;
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
             let fault = integrals.fault.or(check.fault);
 

@@ -3,6 +3,7 @@
 use super::super::domain::Domain;
 use super::super::draws::{BATCH, FOUND};
 use super::super::fixed::{Share, add};
+use super::pieces::LARGE;
 use super::{Fault, Place, Refinement, first_fault};
 use crate::error::Result;
 use crate::sampling::stream::CounterRng;
@@ -54,9 +55,6 @@ impl<P> Check<P> {
         [scale * (above - below), scale * (above + below).sqrt()]
     }
 }
-
-/// A difference from which a place is worth learning.
-const LARGE: f64 = 0.1;
 
 impl<D: Domain> Refinement<'_, D> {
     /// Compares the density with the polynomials at `count` random places.

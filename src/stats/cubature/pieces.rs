@@ -7,6 +7,10 @@ use super::rule::{interpolate, rules};
 /// How far above the values at its nodes a piece may be expected to reach. What is above counts as not seen.
 const REACH: f64 = 1.25;
 
+/// A difference between a density and a polynomial, as a share of what the piece reaches, that is worth learning: more than
+/// rounding of f32 explains, even in the narrowest lobes.
+pub(super) const LARGE: f64 = 0.1;
+
 /// A rectangle that one rule is applied to.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
@@ -17,7 +21,7 @@ pub(super) struct Piece {
     pub(super) integral: f64,
     /// |K − G| for each axis.
     pub(super) errors: [f64; 2],
-    /// What the largest difference between the density and the rule's polynomial at a known place would do to the
+    /// What the largest contradiction between the density at a known place and the rule's polynomial would do to the
     /// integral; infinite where the density is beyond reach.
     pub(super) doubt: f64,
     /// The largest density that the piece is expected to reach, and the densities at the nodes as shares of it.
@@ -62,9 +66,14 @@ impl Piece {
 
     /// Learns the density at a place in it.
     pub(super) fn learn(&mut self, place: &Place, measure: f64) {
-        let doubt =
-            if self.seen(place.pdf) < 1.0 { f64::INFINITY } else { self.difference(place).abs() * self.reach(measure) };
-        self.doubt = self.doubt.max(doubt);
+        if self.seen(place.pdf) < 1.0 {
+            self.doubt = f64::INFINITY;
+            return;
+        }
+        let difference = self.difference(place).abs();
+        if difference > LARGE {
+            self.doubt = self.doubt.max(difference * self.reach(measure));
+        }
     }
 
     /// Its parts: halves along the axis whose rules differ more; quarters where known places contradict the rules and these do
