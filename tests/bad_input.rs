@@ -140,7 +140,7 @@ fn names_that_are_not_there() {
         ("render atlantis", &["SCENE: ", "atlantis", "hint: ", "sphere-env"]),
         ("render gone.pbrt", &["gone.pbrt: "]),
         ("render gone.dae", &["gone.dae: "]),
-        ("render gone.dae --envmap sun", &["--envmap: ", "hint: "]),
+        ("render gone.dae --envmap sun", &["gone.dae: "]),
         ("render gone.dae --mesh gone.ply", &["--mesh: ", "hint: "]),
         ("render gone.pbrt -c gone.txt", &["-c: ", "hint: "]),
         ("render sphere-env --envmap gone.hdr", &["gone.hdr: "]),

@@ -46,21 +46,29 @@ fn bad_input_is_refused() {
 #[test]
 fn extreme_replays_do_not_panic() {
     let dir = tempfile::tempdir().unwrap();
-    for case in [
-        "fresnel:eta=0,cos=0",
-        "fresnel:eta=-1,cos=2",
-        "fresnel:eta=1e-38,cos=1e-38",
-        "conductor:eta=0,k=0,cos=0",
-        "beckmann-d:alpha=0,x=0,y=0,z=0",
-        "beckmann-g:alpha=-1,x=3e38,y=0,z=-0.0",
-        "beckmann-normal:alpha=0,wo_x=0,wo_y=0,wo_z=0,u0=0,u1=1",
-        "beckmann-normal:alpha=1,wo_x=1,wo_y=0,wo_z=-1,u0=-1,u1=2",
-        "ggx-normal:alpha=1,wo_x=0,wo_y=0,wo_z=-1,u0=3e38,u1=3e38",
-        "half-vector:wo_x=0,wo_y=0,wo_z=1,wi_x=0,wi_y=0,wi_z=-1",
-        "sphere:radius=0,x=0,y=0,z=0,dx=0,dy=0,dz=0",
-        "triangle:ax=0,ay=0,az=0,bx=0,by=0,bz=0,cx=0,cy=0,cz=0,dx=0,dy=0,dz=0",
+    for (case, code) in [
+        ("fresnel:eta=1e-18,cos=1e-38", 0),
+        ("fresnel:eta=1e18,cos=0", 0),
+        ("conductor:eta=0,k=0,cos=0", 0),
+        ("beckmann-d:alpha=1e38,x=0,y=0,z=0", 0),
+        ("beckmann-g:alpha=1e-37,x=3e38,y=0,z=-0.0", 0),
+        ("beckmann-normal:alpha=1e-37,wo_x=0,wo_y=0,wo_z=0,u0=0,u1=1", 0),
+        ("beckmann-normal:alpha=1,wo_x=1,wo_y=0,wo_z=-1,u0=-1,u1=2", 0),
+        ("ggx-normal:alpha=1,wo_x=0,wo_y=0,wo_z=-1,u0=3e38,u1=3e38", 0),
+        ("half-vector:wo_x=0,wo_y=0,wo_z=1,wi_x=0,wi_y=0,wi_z=-1", 0),
+        ("sphere:radius=1e-37,x=0,y=0,z=0,dx=0,dy=0,dz=0", 0),
+        ("triangle:ax=0,ay=0,az=0,bx=0,by=0,bz=0,cx=0,cy=0,cz=0,dx=0,dy=0,dz=0", 0),
+        // Outside of the formulas' domains.
+        ("fresnel:eta=0,cos=0", 2),
+        ("fresnel:eta=-1,cos=0.5", 2),
+        ("fresnel:eta=1e20,cos=0.5", 2),
+        ("fresnel:eta=1.5,cos=2", 2),
+        ("beckmann-d:alpha=0,x=0,y=0,z=0", 2),
+        ("beckmann-g:alpha=-1,x=3e38,y=0,z=-0.0", 2),
+        ("sphere:radius=0,x=0,y=0,z=0,dx=0,dy=0,dz=0", 2),
     ] {
         let ran = etalon(dir.path(), &["stability", "--replay", case]);
-        assert_eq!(ran.code, 0, "{case}: {}", ran.stderr);
+        assert_eq!(ran.code, code, "{case}: {}", ran.stderr);
+        assert_eq!(ran.stderr.contains(" is not from "), code == 2, "{case}: {}", ran.stderr);
     }
 }
