@@ -87,7 +87,7 @@ impl Process {
                 }
                 Err(RecvTimeoutError::Timeout) => {
                     let (progress, limit) = (answer.progress(), self.limit.as_secs_f64());
-                    return Err(format!("it had not answered \"{END}\" after {limit} s, only {progress}"));
+                    return Err(format!("it had answered {progress}, but not \"{END}\" within {limit} s"));
                 }
                 Err(RecvTimeoutError::Disconnected) => {
                     let ended = self.ended(Duration::from_millis(500)).map_or_else(
