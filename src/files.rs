@@ -3,19 +3,64 @@
 
 use crate::error::{Error, Result};
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
+
+/// The temporary files that are being written.
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file, and its place in the list.
+struct Part {
+    file: NamedTempFile,
+    _listed: Listed,
+}
+
+impl Part {
+    fn new(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> std::io::Result<Self> {
+        // Locked until the file is in the list: none is made while the process ends.
+        let mut parts = parts();
+        let file = builder.tempfile_in(folder)?;
+        parts.push(file.path().into());
+        let listed = Listed(file.path().into());
+        Ok(Self { file, _listed: listed })
+    }
+}
+
+/// Takes a file off the list when it is there no more.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        parts().retain(|part| *part != self.0);
+    }
+}
+
+/// Ends the process at once, without leaving temporary files behind.
+pub fn exit_without_parts(code: i32) -> ! {
+    // Locked for good: whoever wants to begin a file waits until the end.
+    let parts = parts();
+    for part in parts.iter() {
+        // What cannot be removed stays; there is nobody left to tell.
+        let _ = std::fs::remove_file(part);
+    }
+    std::process::exit(code)
+}
 
 /// Writes `path` through `fill`; an error or a crash on the way leaves what stood there before untouched.
 ///
 /// Missing parent folders are made. The file gets the usual permissions (0666 less the umask).
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
-    let mut file = temporary(path)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
+    let mut part = temporary(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, part.file.as_file_mut());
     fill(&mut writer)?;
     writer.flush().map_err(|e| Error::io(path, e))?;
     drop(writer);
-    file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    part.file.persist(path).map_err(|e| Error::io(path, e.error))?;
     Ok(())
 }
 
@@ -28,7 +73,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 }
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
-fn temporary(path: &Path) -> Result<NamedTempFile> {
+fn temporary(path: &Path) -> Result<Part> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         Ok(there) if !there.is_file() => {
@@ -49,7 +94,7 @@ fn temporary(path: &Path) -> Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
+    Part::new(&builder, folder).map_err(|e| Error::io(path, e))
 }
 
 /// [`write_atomic`] for bytes that are at hand already.

@@ -5,6 +5,7 @@ use super::map_file::short_name;
 use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::interrupt;
 use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::report::output::Target;
 use clap::Args;
@@ -34,6 +35,7 @@ impl Compare {
         let read = |path| raster::read(path, ReadOptions { allow_ldr: true });
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let numbers = raster::compare(&a, &b)?;
+        interrupt::check()?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
             return Err(Error::input(&self.a, message).with_hint("`etalon envmap info` counts values by kind"));

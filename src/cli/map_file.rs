@@ -5,6 +5,7 @@ use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::raster::{self, ReadOptions};
 use crate::report::MapSource;
 use clap::Args;
@@ -35,6 +36,7 @@ pub fn load(name: &str, options: MapOptions, console: &Console) -> Result<MapSou
         None => raster::read(path, ReadOptions { allow_ldr: options.ldr })?,
     };
     let map = EnvMap::new(if options.flip { image.flipped_vertically() } else { image });
+    interrupt::check()?;
     let found = map.found();
     if found.nonfinite + found.negative > 0 {
         console.warn(&format!(

@@ -8,6 +8,7 @@
 use super::latlong::{Block, EnvMap};
 use super::sat::SummedArea;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
@@ -112,6 +113,7 @@ impl<'a> MedianCut<'a> {
         let mut done = Vec::new();
         let mut heap = BinaryHeap::from([self.candidate(Block { x0: 0, y0: 0, x1: width, y1: height })]);
         while done.len() + heap.len() < n {
+            interrupt::check()?;
             let Some(Candidate { block, .. }) = heap.pop() else { break };
             match self.cut(block) {
                 Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),

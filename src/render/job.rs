@@ -11,6 +11,7 @@ use super::strategies::Strategies;
 use super::workspace::Workspace;
 use super::{Settings, check, fingerprint};
 use crate::error::Result;
+use crate::interrupt;
 use crate::raster::Metadata;
 use crate::scene::{Request, Scene};
 use std::ops::Range;
@@ -27,11 +28,15 @@ pub trait Control: Sync {
     }
 }
 
-/// Lets a render run to its end without a word.
+/// Lets a render run without a word to its end, or until the process is asked to stop.
 pub struct Silent;
 
 impl Control for Silent {
     fn done(&self, _samples: u64) {}
+
+    fn stop(&self) -> bool {
+        interrupt::requested()
+    }
 }
 
 /// A scene made ready to be rendered.

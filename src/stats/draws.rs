@@ -5,6 +5,7 @@ use super::domain::Domain;
 use super::grid::Grid;
 use super::sampler::{Draw, Drawn, Sampler};
 use crate::error::Result;
+use crate::interrupt;
 use crate::sampling::stream::CounterRng;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -50,6 +51,7 @@ impl Tally {
 impl<D: Domain> Draws<'_, D> {
     /// Batch number `batch` of the first `count` samples of stream number `stream`: their numbers, and what was drawn.
     fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<(Vec<f64>, Drawn<D::Point>)> {
+        interrupt::check()?;
         let size = BATCH.min(count - batch * BATCH);
         // Streams are fewer than 2⁸, batches than 2⁵⁶.
         let mut rng = CounterRng::new(self.seed, batch << 8 | stream);

@@ -27,7 +27,11 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let files = [path];
     console.result(&Output { findings: &findings, files: &files }, || text(&findings, &files));
-    Ok(if findings.is_good() { Verdict::Good } else { Verdict::Rejected })
+    Ok(match findings.is_good() {
+        _ if findings.interrupted => Verdict::Inconclusive,
+        true => Verdict::Good,
+        false => Verdict::Rejected,
+    })
 }
 
 fn text(findings: &Findings, files: &[PathBuf]) -> String {
@@ -57,5 +61,8 @@ fn text(findings: &Findings, files: &[PathBuf]) -> String {
         findings.false_alarms,
         findings.seconds,
     );
+    if findings.interrupted {
+        text += "interrupted before all tests were finished\n";
+    }
     text + &files_written(files)
 }

@@ -30,6 +30,9 @@ pub fn text(validation: &Validation, files: &[PathBuf]) -> String {
         validation.inconclusive,
         validation.seconds
     );
+    if validation.interrupted {
+        text += "interrupted before all tests were finished\n";
+    }
     text + &files_written(files)
 }
 

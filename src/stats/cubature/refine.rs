@@ -6,6 +6,7 @@ use super::super::grid::{Cell, Grid};
 use super::rule::{KRONROD, nodes, rules};
 use super::{Fault, Integrals, first_fault};
 use crate::error::Result;
+use crate::interrupt;
 use rayon::prelude::*;
 
 /// Evaluations of the density after which refinement stops.
@@ -106,6 +107,7 @@ impl<D: Domain> Refinement<'_, D> {
         let pieces: Vec<(usize, Cell)> = pieces.collect();
         let plane = self.domain.is_plane();
         let apply = |batch: &[(usize, Cell)]| {
+            interrupt::check()?;
             let points: Vec<D::Point> =
                 batch.iter().flat_map(|(_, at)| nodes(at, plane)).map(|place| self.domain.point(place)).collect();
             let mut values = Vec::with_capacity(points.len());

@@ -15,11 +15,13 @@ pub mod roughness;
 pub mod strategy;
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::scene::{Request, Scene};
 use curve::{Curve, Measured, Run, Verdict};
 use ladder::{Deadline, Ladder};
 use reference::{Facts, Reference};
 use serde::Serialize;
+use std::time::Instant;
 use strategy::Strategy;
 
 /// How much to measure.
@@ -79,6 +81,8 @@ pub struct Convergence {
     pub curves: Vec<Curve>,
     /// What the budget did not allow, in words.
     pub cut: Vec<String>,
+    /// Whether the process was asked to stop before the end of the budget.
+    pub interrupted: bool,
     pub seconds: f64,
     #[serde(skip)]
     pub truth: Option<Reference>,
@@ -106,7 +110,7 @@ pub fn measure(
 ) -> Result<Convergence> {
     plan.check(request, strategies.len())?;
     strategies.iter().try_for_each(|strategy| strategy.check(scene))?;
-    let all = Deadline::after(plan.budget);
+    let (start, all) = (Instant::now(), Deadline::after(plan.budget));
     let mut result = Convergence {
         scene: scene.name.clone(),
         width: request.width,
@@ -114,6 +118,7 @@ pub fn measure(
         reference: None,
         curves: Vec::new(),
         cut: Vec::new(),
+        interrupted: false,
         seconds: 0.0,
         truth: None,
     };
@@ -128,7 +133,8 @@ pub fn measure(
     } else {
         result.cut.push("the reference: nothing was measured".into());
     }
-    result.seconds = plan.budget - all.left();
+    result.interrupted = interrupt::requested();
+    result.seconds = start.elapsed().as_secs_f64();
     Ok(result)
 }
 

@@ -35,6 +35,8 @@ pub struct Calibration {
     pub tests: Vec<Calibrated>,
     /// Tests that are uneven or at fault.
     pub uneven: usize,
+    /// Whether the process was asked to stop before all tests were finished; those that were not are left out.
+    pub interrupted: bool,
     pub accepted: bool,
     #[serde(skip)]
     pub p: Vec<f64>,
@@ -59,13 +61,18 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
         let outcomes = (0..seeds).into_par_iter().map(at).collect::<Result<Vec<Outcome>>>();
         done(&case.name);
-        outcomes
+        match outcomes {
+            Err(Error::Interrupted) => Ok(None),
+            other => other.map(Some),
+        }
     };
-    let outcomes = cases.par_iter().map(of_case).collect::<Result<Vec<_>>>()?;
+    let finished = cases.par_iter().map(of_case).collect::<Result<Vec<_>>>()?;
+    let interrupted = finished.iter().any(Option::is_none);
+    let finished: Vec<(&Case, Vec<Outcome>)> =
+        cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();
     let own = sidak(0.5 * protocol.level, cases.len());
-    let tests: Vec<Calibrated> = cases
+    let tests: Vec<Calibrated> = finished
         .iter()
-        .zip(&outcomes)
         .map(|(case, outcomes)| {
             let p: Vec<f64> = outcomes.iter().filter_map(Outcome::continuous_p).collect();
             let evenness = evenness(&p);
@@ -73,7 +80,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
             Calibrated { name: case.name.clone(), evenness, uneven: evenness.p < own, fault }
         })
         .collect();
-    let p: Vec<f64> = outcomes.iter().flatten().filter_map(Outcome::continuous_p).collect();
+    let p: Vec<f64> = finished.iter().flat_map(|(_, outcomes)| outcomes).filter_map(Outcome::continuous_p).collect();
     let below = |level: f64| p.iter().filter(|p| **p < level).count() as f64 / p.len().max(1) as f64;
     let all = evenness(&p);
     let uneven = tests.iter().filter(|test| test.uneven || test.fault.is_some()).count();
@@ -84,7 +91,8 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         evenness: all,
         below_5_percent: below(0.05),
         below_1_percent: below(0.01),
-        accepted: uneven == 0 && all.p >= 0.5 * protocol.level,
+        interrupted,
+        accepted: !interrupted && uneven == 0 && all.p >= 0.5 * protocol.level,
         tests,
         uneven,
         p,

@@ -1,7 +1,7 @@
 //! A run of tests: all rounds, and the verdicts on all of them together.
 
 use super::case::Case;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
@@ -26,6 +26,8 @@ pub struct Validation {
     pub accepted: usize,
     pub rejected: usize,
     pub inconclusive: usize,
+    /// Whether the process was asked to stop before all tests were finished; those that were not are inconclusive.
+    pub interrupted: bool,
     /// Whether the p-values are spread as those of true claims are.
     pub evenness: Evenness,
     /// Wall-clock time of the run.
@@ -42,6 +44,7 @@ impl Validation {
             accepted: count(Verdict::Accept),
             rejected: count(Verdict::Reject),
             inconclusive: count(Verdict::Inconclusive),
+            interrupted: tests.iter().any(|test| test.outcome.interrupted),
             evenness: evenness(&p),
             seconds: start.elapsed().as_secs_f64(),
             tests,
@@ -55,13 +58,17 @@ pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) ->
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
     cases.iter().for_each(Case::prepare);
-    let examine = |case: &Case| {
-        let outcome = case.examine(&protocol, 0);
+    let examine = |case: &Case, round| match case.examine(&protocol, round) {
+        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
+        other => other,
+    };
+    let first = |case: &Case| {
+        let outcome = examine(case, 0);
         done(&case.name);
         outcome
     };
-    let mut outcomes = cases.par_iter().map(examine).collect::<Result<Vec<_>>>()?;
-    decide(&mut outcomes, protocol.level, |i| cases[i].examine(&protocol, 1))?;
+    let mut outcomes = cases.par_iter().map(first).collect::<Result<Vec<_>>>()?;
+    decide(&mut outcomes, protocol.level, |i| examine(&cases[i], 1))?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
     Ok(Validation::new(&protocol, tested.collect(), start))
 }
