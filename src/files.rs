@@ -2,6 +2,7 @@
 //! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and anybody may remove.
 
 use crate::error::{Error, Result};
+use crate::memory;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -115,7 +116,8 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
             .with_hint("what a pipe brings can be read from /dev/stdin"));
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
-    let mut bytes = Vec::new();
+    let size = if there.is_file() { there.len().min(limit) as usize } else { 0 };
+    let mut bytes = memory::reserved(size, || format!("{}, a file", path.display()))?;
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     if bytes.len() as u64 > limit {
         let size = if limit < 1 << 20 { format!("{limit} bytes") } else { format!("{} MiB", limit >> 20) };

@@ -48,6 +48,32 @@ pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
     }
 }
 
+/// `count` times the same value, for `what`.
+///
+/// # Errors
+/// As [`request`]; also when the system refuses all the same.
+pub fn filled<T: Clone>(count: usize, value: T, what: impl Fn() -> String) -> Result<Vec<T>> {
+    let mut values = reserved(count, what)?;
+    values.resize(count, value);
+    Ok(values)
+}
+
+/// An empty vector with room for `count` values, for `what`.
+///
+/// # Errors
+/// As [`filled`].
+pub fn reserved<T>(count: usize, what: impl Fn() -> String) -> Result<Vec<T>> {
+    let bytes = count.saturating_mul(size_of::<T>());
+    request(bytes, &what)?;
+    let mut values = Vec::new();
+    let refused = |_| {
+        let (needed, held) = (bytes as u64, Usage::now().resident);
+        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
+    };
+    values.try_reserve_exact(count).map_err(refused)?;
+    Ok(values)
+}
+
 impl Limits {
     fn of_machine() -> Self {
         let available = available().map(|bytes| (bytes + Usage::now().resident, "which is what the machine has left"));
@@ -122,6 +148,8 @@ mod tests {
         request(1 << 20, || "a mebibyte".into()).unwrap();
         let error = request(1 << 60, || "an exbibyte".into()).unwrap_err();
         assert!(error.to_string().starts_with("an exbibyte: this takes 1099511627776 MiB beside"), "{error}");
+        assert_eq!(filled(3, 7u8, || "three bytes".into()).unwrap(), [7; 3]);
+        assert!(reserved::<u64>(usize::MAX, || "everything".into()).is_err());
     }
 
     #[test]

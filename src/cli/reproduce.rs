@@ -131,7 +131,7 @@ impl Reproduce {
         let info = Info::of(&source.map);
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
             console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", self.envmap));
-            let map = Arc::new(EnvMap::new(source.map.image().flipped_vertically()));
+            let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
             return Ok(Context::new(MapSource { map, ..source }, originals, global.seed, self.quick));
         }
         map_file::warn_upside_down(&info, &self.envmap, console);

@@ -7,6 +7,7 @@ pub mod info;
 pub mod irradiance;
 pub mod latlong;
 pub mod report_model;
+mod request;
 pub mod sampler;
 pub(crate) mod sat;
 pub mod strata;

@@ -16,6 +16,7 @@ pub mod strategy;
 
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::memory;
 use crate::scene::{Request, Scene};
 use curve::{Curve, Measured, Run, Verdict};
 use ladder::{Deadline, Ladder};
@@ -37,8 +38,6 @@ pub struct Plan {
 
 /// Largest budget, in seconds: a day.
 const LONGEST: f64 = 86_400.0;
-/// Films and pictures may take so many bytes.
-const MEMORY: usize = 1 << 29;
 /// A film's bytes per pixel, and an image's.
 const FILM: usize = 104;
 const IMAGE: usize = 12;
@@ -62,11 +61,9 @@ impl Plan {
         let levels = self.max_spp.ilog2() as usize + 1;
         let each = FILM + IMAGE * (levels + self.replicates as usize);
         let bytes = request.width.saturating_mul(request.height).saturating_mul(strategies * each);
-        if bytes > MEMORY {
-            let message = format!("the films of {}x{} pixels need {} MiB", request.width, request.height, bytes >> 20);
-            return Err(Error::parameter("-r", message).with_hint("at most 512 MiB: a small picture measures as well"));
-        }
-        Ok(())
+        memory::request(bytes, || {
+            format!("the films of {strategies} strategies at {}x{}", request.width, request.height)
+        })
     }
 }
 

@@ -1,7 +1,9 @@
 //! The harness tests itself: over many seeds, are the p-values of samplers that are right spread evenly?
 
 use super::case::Case;
+use super::run::of_each;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::multiple::sidak;
 use crate::stats::{Outcome, Protocol, Samples};
@@ -56,17 +58,21 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let samples = if let Samples::Count(n) = protocol.samples { n } else { SAMPLES };
     let protocol = Protocol { samples: Samples::Count(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().for_each(Case::prepare);
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
     let of_case = |case: &Case| {
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
-        let outcomes = (0..seeds).into_par_iter().map(at).collect::<Result<Vec<Outcome>>>();
+        let outcomes = if case.is_large() {
+            (0..seeds).map(at).collect::<Result<Vec<Outcome>>>()
+        } else {
+            (0..seeds).into_par_iter().map(at).collect()
+        };
         done(&case.name);
         match outcomes {
             Err(Error::Interrupted) => Ok(None),
             other => other.map(Some),
         }
     };
-    let finished = cases.par_iter().map(of_case).collect::<Result<Vec<_>>>()?;
+    let finished = of_each(cases, of_case)?;
     let interrupted = finished.iter().any(Option::is_none);
     let finished: Vec<(&Case, Vec<Outcome>)> =
         cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();

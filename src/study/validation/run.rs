@@ -2,6 +2,7 @@
 
 use super::case::Case;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
@@ -52,12 +53,19 @@ impl Validation {
     }
 }
 
+/// Does something with every case: with large ones one after the other, with the others side by side.
+pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<T>> {
+    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { one(case).map(Some) });
+    let small = small.collect::<Result<Vec<Option<T>>>>()?;
+    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| one(case), Ok)).collect()
+}
+
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` after each.
 pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Validation> {
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().for_each(Case::prepare);
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
     let examine = |case: &Case, round| match case.examine(&protocol, round) {
         Err(Error::Interrupted) => Ok(Outcome::interrupted()),
         other => other,
@@ -67,7 +75,7 @@ pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) ->
         done(&case.name);
         outcome
     };
-    let mut outcomes = cases.par_iter().map(first).collect::<Result<Vec<_>>>()?;
+    let mut outcomes = of_each(cases, first)?;
     decide(&mut outcomes, protocol.level, |i| examine(&cases[i], 1))?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
     Ok(Validation::new(&protocol, tested.collect(), start))
