@@ -31,6 +31,23 @@ pub enum Error {
     Limit { path: PathBuf, message: String, hint: Option<String> },
     /// The operating system refused.
     Io { path: PathBuf, source: std::io::Error },
+    /// This would need more memory than is allowed; see [`crate::memory`].
+    Memory(Shortage),
+    /// The process was asked to stop; see [`crate::interrupt`].
+    Interrupted,
+}
+
+/// What would take how much memory, and why it cannot have it. Sizes are in bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shortage {
+    /// What the memory is for.
+    pub what: String,
+    pub needed: u64,
+    /// What the process holds already.
+    pub held: u64,
+    pub limit: u64,
+    /// Where the limit comes from.
+    pub source: &'static str,
 }
 
 impl Error {
@@ -76,7 +93,7 @@ impl Error {
             | Error::Parameter { hint, .. }
             | Error::Unsupported { hint, .. }
             | Error::Limit { hint, .. } => *hint = Some(text.into()),
-            Error::Io { .. } => {}
+            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => {}
         }
         self
     }
@@ -89,7 +106,7 @@ impl Error {
             | Error::Parameter { hint, .. }
             | Error::Unsupported { hint, .. }
             | Error::Limit { hint, .. } => hint.as_deref(),
-            Error::Io { .. } => None,
+            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => None,
         }
     }
 }
@@ -113,7 +130,22 @@ impl fmt::Display for Error {
             Error::Parameter { name, message, .. } => write!(f, "{name}: {message}"),
             Error::Limit { path, message, .. } => write!(f, "{}: {message}", path.display()),
             Error::Io { path, source } => write!(f, "{}: {source}", path.display()),
+            Error::Memory(Shortage { what, needed, held, limit, source }) => {
+                let [needed, held, limit] = [needed, held, limit].map(|bytes| Mebibytes(*bytes));
+                write!(f, "{what}: this takes {needed} beside the {held} in use; the limit is {limit}, {source}")
+            }
+            Error::Interrupted => f.write_str("interrupted"),
         }
+    }
+}
+
+/// A number of bytes as people read it.
+struct Mebibytes(u64);
+
+impl fmt::Display for Mebibytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mebibytes = self.0 as f64 / f64::from(1 << 20);
+        if mebibytes < 10.0 { write!(f, "{mebibytes:.1} MiB") } else { write!(f, "{mebibytes:.0} MiB") }
     }
 }
 

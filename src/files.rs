@@ -2,9 +2,55 @@
 //! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and anybody may remove.
 
 use crate::error::{Error, Result};
+use crate::memory;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
+
+/// The temporary files that are being written.
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file, and its place in the list.
+struct Part {
+    file: NamedTempFile,
+    _listed: Listed,
+}
+
+impl Part {
+    fn new(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> std::io::Result<Self> {
+        // Locked until the file is in the list: none is made while the process ends.
+        let mut parts = parts();
+        let file = builder.tempfile_in(folder)?;
+        parts.push(file.path().into());
+        let listed = Listed(file.path().into());
+        Ok(Self { file, _listed: listed })
+    }
+}
+
+/// Takes a file off the list when it is there no more.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        parts().retain(|part| *part != self.0);
+    }
+}
+
+/// Ends the process at once, without leaving temporary files behind.
+pub fn exit_without_parts(code: i32) -> ! {
+    // Locked for good: whoever wants to begin a file waits until the end.
+    let parts = parts();
+    for part in parts.iter() {
+        // What cannot be removed stays; there is nobody left to tell.
+        let _ = std::fs::remove_file(part);
+    }
+    std::process::exit(code)
+}
 
 /// Writes `path` through `fill`; an error or a crash on the way leaves what stood there before untouched.
 ///
@@ -12,12 +58,12 @@ use tempfile::NamedTempFile;
 /// link: the file that it leads to is replaced, or made if it is missing.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &link_target(path)?;
-    let mut file = temporary(path)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
+    let mut part = temporary(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, part.file.as_file_mut());
     fill(&mut writer)?;
     writer.flush().map_err(|e| Error::io(path, e))?;
     drop(writer);
-    file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    part.file.persist(path).map_err(|e| Error::io(path, e.error))?;
     Ok(())
 }
 
@@ -61,7 +107,7 @@ fn is_same_inode(_: &Path, _: &Path) -> bool {
 }
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
-fn temporary(path: &Path) -> Result<NamedTempFile> {
+fn temporary(path: &Path) -> Result<Part> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         Ok(there) if !there.is_file() => {
@@ -82,7 +128,7 @@ fn temporary(path: &Path) -> Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
+    Part::new(&builder, folder).map_err(|e| Error::io(path, e))
 }
 
 /// [`write_atomic`] for bytes that are at hand already.
@@ -103,7 +149,8 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
             .with_hint("what a pipe brings can be read from /dev/stdin"));
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
-    let mut bytes = Vec::new();
+    let size = if there.is_file() { there.len().min(limit) as usize } else { 0 };
+    let mut bytes = memory::reserved(size, || format!("{}, a file", path.display()))?;
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     if bytes.len() as u64 > limit {
         let size = if limit < 1 << 20 { format!("{limit} bytes") } else { format!("{} MiB", limit >> 20) };

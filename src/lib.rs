@@ -12,7 +12,7 @@
 //! | 3 | [`stats`], [`bsdf`], [`envmap`] | tests and errors; materials; environment maps |
 //! | 2 | [`sampling`], [`figure`] | random streams, warps and tables; drawing |
 //! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
-//! | 0 | [`error`], [`files`] | what every room needs |
+//! | 0 | [`error`], [`files`], [`interrupt`], [`memory`] | what every room needs |
 
 pub mod bsdf;
 pub mod cli;
@@ -21,6 +21,8 @@ pub mod error;
 pub mod figure;
 pub mod files;
 pub mod import;
+pub mod interrupt;
+pub mod memory;
 pub mod optics;
 pub mod raster;
 pub mod render;

@@ -1,17 +1,28 @@
-//! Killed at any moment, the program leaves whole files or none, and goes on from them to the same bits.
+//! Killed or interrupted at any moment, the program leaves whole files or none, and goes on from them to the same bits.
+//!
+//! Each command is stopped a few times, or as often as `ETALON_KILLS` says: `ETALON_KILLS=100 cargo test --test kill`.
+
+#![cfg(unix)]
 
 mod program;
 
 use etalon::raster::{ExrFile, ReadOptions, read};
+use nix::sys::signal::{Signal, kill as send};
+use nix::unistd::Pid;
 use program::{etalon, json};
+use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant, SystemTime};
 
-/// Moments at which a command is killed, spread over the time that it takes alone.
-const MOMENTS: u32 = 4;
+/// How a command is stopped: by one signal, or by the same one twice.
+const WAYS: [&[Signal]; 5] =
+    [&[Signal::SIGKILL], &[Signal::SIGTERM], &[Signal::SIGINT], &[Signal::SIGHUP], &[Signal::SIGINT, Signal::SIGINT]];
 
-/// Runs a command to its end, then again and again in folders of their own, killed at one moment after the other;
+/// Time between two signals: the second must not be lost in the first.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// Runs a command to its end, then again and again in folders of their own, each time stopped at a random moment;
 /// `check` gets each folder.
 fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
     let run = |folder: &Path| {
@@ -23,15 +34,47 @@ fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
     assert!(run(&folder.join("alone")).wait().unwrap().success());
     let time = start.elapsed();
     check(&folder.join("alone"));
-    for moment in 0..=MOMENTS {
-        let here = folder.join(moment.to_string());
+    let trials = std::env::var("ETALON_KILLS").map_or(WAYS.len() as u32, |n| n.parse().unwrap());
+    let chance = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().subsec_nanos();
+    for trial in 0..trials {
+        let here = folder.join(trial.to_string());
+        let signals = WAYS[trial as usize % WAYS.len()];
+        // Moments spread evenly over the command's time, in an order and from a start that are different each time.
+        let moment = time.mul_f64((f64::from(chance) * 1e-9 + f64::from(trial) * 0.618_034).fract());
         let mut child = run(&here);
-        std::thread::sleep(time * moment / MOMENTS);
-        child.kill().unwrap();
+        std::thread::sleep(moment);
+        for signal in signals {
+            // It may have ended by itself.
+            if child.try_wait().unwrap().is_none() {
+                send(Pid::from_raw(child.id() as i32), *signal).unwrap();
+                std::thread::sleep(PAUSE);
+            }
+        }
         let output = child.wait_with_output().unwrap();
-        assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"));
+        let (status, said) = (output.status, String::from_utf8_lossy(&output.stderr));
+        let what = format!("{args:?}, {signals:?} after {moment:?}: {status}: {said}");
+        assert!(!said.contains("panicked"), "{what}");
+        let untouched = std::fs::read_dir(&here).unwrap().next().is_none();
+        let right = match (status.code(), status.signal()) {
+            (Some(0), _) => true,
+            (Some(3), _) => signals[0] != Signal::SIGKILL,
+            (Some(130), _) => signals.len() == 2,
+            // Before the program has taken notice of signals, they end it.
+            (_, Some(signal)) => signal == signals[0] as i32 && (signals[0] == Signal::SIGKILL || untouched),
+            _ => false,
+        };
+        assert!(right, "{what}");
+        assert!(signals[0] == Signal::SIGKILL || !has_parts(&here), "a temporary file is left: {what}");
         check(&here);
     }
+}
+
+fn has_parts(folder: &Path) -> bool {
+    std::fs::read_dir(folder).unwrap().any(|entry| is_part(entry.unwrap().file_name().to_str().unwrap()))
+}
+
+fn is_part(name: &str) -> bool {
+    name.starts_with(".etalon-") && name.ends_with(".part")
 }
 
 /// Every file in a folder is whole, but for hidden temporary ones.
@@ -39,7 +82,7 @@ fn assert_whole(folder: &Path) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap();
-        if name.starts_with(".etalon-") && name.ends_with(".part") {
+        if is_part(name) {
             continue;
         }
         let bytes = std::fs::read(&path).unwrap();
@@ -100,5 +143,18 @@ fn a_killed_merge_leaves_what_was_there() {
 fn killed_figures_are_whole_or_missing() {
     let dir = tempfile::tempdir().unwrap();
     let args = ["reproduce", "--quick", "--only", "fresnel-enter,fresnel-exit,metals-table", "-o", "."];
+    kill(dir.path(), &args, |folder| {
+        assert_whole(folder);
+        // What was left is a sound beginning for the next run.
+        assert_eq!(etalon(folder, &args).code, 0, "{}", folder.display());
+        assert_whole(folder);
+    });
+}
+
+#[test]
+fn killed_measurements_are_whole_or_missing() {
+    let dir = tempfile::tempdir().unwrap();
+    let args =
+        ["converge", "cornell-lambert", "-r", "12", "9", "--budget", "1.5", "--strategies", "mis,light", "-o", "."];
     kill(dir.path(), &args, assert_whole);
 }

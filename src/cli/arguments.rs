@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const OUTPUTS: [&str; 4] = ["out", "file", "resume", "junit"];
 
 /// Arguments that change nothing in the results but where they go, how fast they come and what is said.
-const OPERATIONAL: [&str; 8] = ["json", "quiet", "threads", "list", "general", "timeout", "figures", "ldr"];
+const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
 
 /// What the command line holds beside the parsed values.
 #[derive(Default)]

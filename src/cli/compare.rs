@@ -5,6 +5,7 @@ use super::map_file::short_name;
 use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::interrupt;
 use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::report::output::{self, Written};
 use clap::Args;
@@ -43,6 +44,7 @@ impl Compare {
         let stem = target.stem(&name, "", &output::DRAWING)?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let numbers = raster::compare(&a, &b)?;
+        interrupt::check()?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
             return Err(Error::input(&self.a, message).with_hint("`etalon envmap info` counts values by kind"));
@@ -69,12 +71,24 @@ impl Compare {
     }
 }
 
+/// Longest side of the difference as it is shown.
+const LONGEST_SIDE: usize = 2048;
+
 /// Difference of the intensities, diverging colours around 0.
 fn difference(a: &Image, b: &Image) -> Result<Drawing> {
-    let values: Vec<f64> =
-        a.pixels().iter().zip(b.pixels()).map(|(p, q)| (p.as_dvec3() - q.as_dvec3()).element_sum() / 3.0).collect();
-    let map = Heatmap::new(a.width(), values, Shading::Diverging, "(R + G + B)/3 of A − B")?;
-    let (width, height) = (a.width() as f64, a.height() as f64);
+    let (width, height) = (a.width(), a.height());
+    // Large images are shown in squares of pixels, each by its mean.
+    let side = width.max(height).div_ceil(LONGEST_SIDE);
+    let at = |x: usize, y: usize| (a.get(x, y).as_dvec3() - b.get(x, y).as_dvec3()).element_sum() / 3.0;
+    let square = |x: usize, y: usize| {
+        let (columns, rows) = (x..width.min(x + side), y..height.min(y + side));
+        let count = (columns.len() * rows.len()) as f64;
+        rows.flat_map(|y| columns.clone().map(move |x| at(x, y))).sum::<f64>() / count
+    };
+    let rows = (0..height).step_by(side);
+    let values = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
+    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, "(R + G + B)/3 of A − B")?;
+    let (width, height) = (width as f64, height as f64);
     let panel =
         Panel::new(Axis::linear("column").range(0.0, width), Axis::linear("row").range(height, 0.0)).heatmap(map);
     let longer = 480.0 / width.max(height);

@@ -53,7 +53,8 @@ impl Console {
     pub fn error(error: &Error) {
         let mut stderr = std::io::stderr();
         let _ = writeln!(stderr, "error: {error}");
-        if let Some(hint) = error.hint() {
+        let more_memory = matches!(error, Error::Memory(_)).then_some("ask for less, or allow more by --memory SIZE");
+        if let Some(hint) = error.hint().or(more_memory) {
             let _ = writeln!(stderr, "hint: {hint}");
         }
     }

@@ -46,7 +46,7 @@ fn after_help() -> String {
          without its metal ball), else against two\nlong renders for which half of the budget is spent; pictures are at \
          most {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
          SCENE-converge-pictures.{{svg,png,pdf}}.\n\nExit codes: 0 good, 2 usage or bad input, 3 the budget was too small \
-         for any verdict.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
+         for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
          etalon converge sphere-env --envmap sun --strategies light,strata-64,median-cut-64"
     )
 }
@@ -80,15 +80,17 @@ impl Converge {
         let strategies = if strategies.is_empty() { Strategy::usual(&scene) } else { strategies };
         let plan = Plan { budget: self.budget, max_spp: self.max_spp, replicates: self.replicates, seed: global.seed };
         let result = measure(&scene, &request, &strategies, &plan, None)?;
+        let end =
+            if result.interrupted { "the interruption".into() } else { format!("the budget of {} s", self.budget) };
         for what in &result.cut {
-            console.warn(&format!("the budget of {} s cut off {what}", self.budget));
+            console.warn(&format!("{end} cut off {what}"));
         }
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
         files.extend(view::pictures(&result)?.write(&pictures)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
         console.result(&output, || text(&output));
-        Ok(if result.has_verdict() { Verdict::Good } else { Verdict::Inconclusive })
+        Ok(if result.has_verdict() && !result.interrupted { Verdict::Good } else { Verdict::Inconclusive })
     }
 
     /// A picture small enough to be rendered thousands of times, unless a size was asked for.
@@ -134,5 +136,8 @@ fn text(output: &Output<'_>) -> String {
     }
     text +=
         &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);
+    if result.interrupted {
+        text += "interrupted: this is what was measured until then\n";
+    }
     text + &written.text()
 }

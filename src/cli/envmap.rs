@@ -7,6 +7,7 @@ use crate::envmap::cut;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::raster::{self, Metadata, Precision, WriteOptions};
 use crate::report::map::{Display, Look};
 use crate::report::output::{self, Written};
@@ -164,6 +165,28 @@ struct SampleOutput {
 struct Outputs<T> {
     map: String,
     results: Vec<T>,
+    interrupted: bool,
+}
+
+impl<T> Outputs<T> {
+    /// The results, one after the other: those that were finished if the process is asked to stop.
+    fn of(map: &str, all: impl Iterator<Item = Result<T>>) -> Result<Self> {
+        let mut outputs = Self { map: map.to_owned(), results: Vec::new(), interrupted: false };
+        for result in all {
+            match result {
+                Err(Error::Interrupted) if !outputs.results.is_empty() => {
+                    outputs.interrupted = true;
+                    break;
+                }
+                result => outputs.results.push(result?),
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn verdict(&self) -> Verdict {
+        if self.interrupted { Verdict::Inconclusive } else { Verdict::Good }
+    }
 }
 
 impl SampleArgs {
@@ -182,8 +205,8 @@ impl SampleArgs {
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
-        let mut results = Vec::new();
-        for &n in &self.n {
+        let one = |n: usize| -> Result<SampleOutput> {
+            interrupt::check()?;
             let samples = map_samples::draw(&source.map, self.method(), n, global.seed)?;
             if samples.rows.is_empty() {
                 console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
@@ -196,9 +219,9 @@ impl SampleArgs {
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
             let complete = self.method() != Method::Compensated && !samples.rows.is_empty();
             let flux_estimate = complete.then_some(samples.flux_estimate);
-            results.push(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) });
-        }
-        let outputs = Outputs { map: source.name, results };
+            Ok(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) })
+        };
+        let outputs = Outputs::of(&source.name, self.n.iter().map(|&n| one(n)))?;
         console.result(&outputs, || {
             let line = |r: &SampleOutput| {
                 let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
@@ -206,7 +229,7 @@ impl SampleArgs {
             };
             outputs.results.iter().map(line).collect()
         });
-        Ok(Verdict::Good)
+        Ok(outputs.verdict())
     }
 }
 
@@ -279,20 +302,16 @@ impl CutArgs {
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
-        let mut results = Vec::new();
-        for (&n, rows) in self.n.iter().zip(&cuts) {
+        let one = |(&n, rows): (&usize, &Vec<median_cut::Row>)| -> Result<CutOutput> {
+            interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
             let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
             files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
-            results.push(CutOutput {
-                n,
-                flux_error: median_cut::flux_error(rows, info.flux_rgb),
-                imbalance: median_cut::imbalance(rows),
-                written: target.written(files),
-            });
-        }
-        let outputs = Outputs { map: source.name, results };
+            let (flux_error, imbalance) = (median_cut::flux_error(rows, info.flux_rgb), median_cut::imbalance(rows));
+            Ok(CutOutput { n, flux_error, imbalance, written: target.written(files) })
+        };
+        let outputs = Outputs::of(&source.name, self.n.iter().zip(&cuts).map(one))?;
         console.result(&outputs, || {
             let line = |r: &CutOutput| {
                 format!(
@@ -305,7 +324,7 @@ impl CutArgs {
             };
             outputs.results.iter().map(line).collect()
         });
-        Ok(Verdict::Good)
+        Ok(outputs.verdict())
     }
 }
 
@@ -373,6 +392,7 @@ impl MakeArgs {
                 .with_hint(format!("built-in maps: {}", known.join("; "))));
         };
         let image = synthetic.make();
+        interrupt::check()?;
         let target = global.target(&["name"]);
         let format = output::image_format(global.out.as_deref())?.unwrap_or("exr");
         let path = output::with_extension(&target.stem(synthetic.name(), "", &[format])?, format);

@@ -5,6 +5,7 @@ use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::envmap::{EnvMap, check_range};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::raster::{self, ReadOptions};
 use crate::report::MapSource;
 use clap::Args;
@@ -41,6 +42,7 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSo
         }
     };
     let map = EnvMap::new(if options.flip { image.flipped_vertically() } else { image });
+    interrupt::check()?;
     let found = map.found();
     if found.nonfinite + found.negative > 0 {
         console.warn(&format!(

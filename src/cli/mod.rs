@@ -12,10 +12,12 @@ mod render;
 mod reproduce;
 mod scene_file;
 mod scenes;
+mod signals;
 mod stability;
 mod validate;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::memory;
 use crate::report::output::Target;
 use arguments::Arguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -34,7 +36,7 @@ struct Cli {
 }
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 good, 1 a check was rejected, 2 usage or bad input, 3 inconclusive (too few samples).
+Exit codes: 0 good, 1 a check was rejected, 2 usage or bad input, 3 inconclusive (too few samples) or interrupted.
 
 Examples:
   etalon reproduce                      all figures, from built-in data, into figures/
@@ -62,6 +64,9 @@ struct Global {
     /// Worker threads (default: one per core)
     #[arg(short, long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
+    /// Most memory to take, in bytes or with K, M or G (default: what the machine has left)
+    #[arg(long, global = true, value_name = "SIZE", value_parser = size)]
+    memory: Option<u64>,
     /// No progress bars and no warnings
     #[arg(long, global = true)]
     quiet: bool,
@@ -116,12 +121,25 @@ enum Model {
     Report,
 }
 
+/// Reads a number of bytes, for example `512M`.
+fn size(text: &str) -> std::result::Result<u64, String> {
+    let shift = match text.chars().last().map(|unit| unit.to_ascii_uppercase()) {
+        Some('K') => 10,
+        Some('M') => 20,
+        Some('G') => 30,
+        _ => 0,
+    };
+    let digits = if shift > 0 { &text[..text.len() - 1] } else { text };
+    let bytes = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1 << shift));
+    bytes.ok_or("not a number of bytes such as 512M or 2G".into())
+}
+
 /// What a command that ran to its end has to say to the shell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Good,
     Rejected,
-    /// Too few samples, for example because somebody interrupted.
+    /// Too few samples, or somebody interrupted.
     Inconclusive,
 }
 
@@ -134,6 +152,12 @@ pub fn main() -> ExitCode {
     let mut cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     cli.global.arguments = Arguments::of(&command, &matches);
     let console = Console::new(cli.global.json, cli.global.quiet);
+    if let Err(e) = signals::install() {
+        console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
+    }
+    if let Some(bytes) = cli.global.memory {
+        memory::set_limit(bytes);
+    }
     let verdict = run(&cli, &console);
     match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
         Ok(Verdict::Good) => ExitCode::SUCCESS,
@@ -141,7 +165,7 @@ pub fn main() -> ExitCode {
         Ok(Verdict::Inconclusive) => ExitCode::from(3),
         Err(error) => {
             Console::error(&error);
-            ExitCode::from(2)
+            ExitCode::from(if matches!(error, Error::Interrupted) { 3 } else { 2 })
         }
     }
 }
@@ -172,6 +196,16 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn sizes_are_bytes_or_have_a_unit() {
+        let read = |text| super::size(text).ok();
+        assert_eq!(
+            [read("77"), read("2K"), read("100M"), read("3g")],
+            [Some(77), Some(2048), Some(100 << 20), Some(3 << 30)]
+        );
+        assert!(["", "M", "-1", "1.5G", "2T", "99999999999G", "é"].into_iter().all(|text| read(text).is_none()));
+    }
+
     #[test]
     fn the_arguments_are_consistent() {
         use clap::CommandFactory;

@@ -5,7 +5,7 @@ use super::map_file::{self, MapOptions};
 use super::{DEFAULT_SEED, Global, Verdict};
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::report::{self, Context, MapSource, Originals, Reproduced, output};
 use clap::{ArgAction, Args};
 use serde::Serialize;
@@ -19,7 +19,7 @@ use std::time::Instant;
 #[command(
     after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
                         given with -o, with checks.csv and index.html, a page that shows all figures there, those of \
-                        earlier runs (reproduce.json) too. Exit code 1 if a check fails.\n\nExamples:\n  etalon reproduce\n  \
+                        earlier runs (reproduce.json) too. Exit code 1 if a check fails, 3 if interrupted.\n\nExamples:\n  etalon reproduce\n  \
                         etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr\n  \
                         etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
@@ -49,6 +49,7 @@ struct Output<'a> {
     figures: &'a [Reproduced],
     passed: usize,
     failed: usize,
+    interrupted: bool,
     seconds: f64,
 }
 
@@ -79,16 +80,24 @@ impl Reproduce {
         self.spare_the_map(folder)?;
         let count = if self.only.is_empty() { report::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
-        let figures = report::reproduce(&context, &self.only, folder, &self.options(global), &mut |entry| {
+        let made = report::reproduce(&context, &self.only, folder, &self.options(global), &mut |entry| {
             bar.set_message(entry.id);
             bar.inc(1);
         })?;
         bar.finish_and_clear();
+        let (figures, interrupted) = (made.figures, made.interrupted);
+        if interrupted && figures.is_empty() {
+            return Err(Error::Interrupted);
+        }
         let passed = figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass).count();
         let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
-        let output = Output { figures: &figures, passed, failed, seconds: start.elapsed().as_secs_f64() };
+        let output = Output { figures: &figures, passed, failed, interrupted, seconds: start.elapsed().as_secs_f64() };
         console.result(&output, || human(&output, folder));
-        Ok(if failed == 0 { Verdict::Good } else { Verdict::Rejected })
+        Ok(match failed {
+            _ if interrupted => Verdict::Inconclusive,
+            0 => Verdict::Good,
+            _ => Verdict::Rejected,
+        })
     }
 
     /// Refuses a map that one of the figures in `folder` would replace.
@@ -134,7 +143,7 @@ impl Reproduce {
         let info = Info::of(&source.map);
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
             console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", source.name));
-            let map = Arc::new(EnvMap::new(source.map.image().flipped_vertically()));
+            let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
             return Ok(Context::new(MapSource { map, ..source }, originals, global.seed, self.quick));
         }
         map_file::warn_upside_down(&info, &source.name, console);
@@ -164,6 +173,9 @@ fn human(output: &Output<'_>, folder: &Path) -> String {
                 c.name, c.expected, c.got, c.tolerance
             );
         }
+    }
+    if output.interrupted {
+        text += "interrupted: the other figures were not made\n";
     }
     text + &format!(
         "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",

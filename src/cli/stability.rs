@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::{Global, Verdict};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::report::output::{self, Written};
 use crate::report::{stability as maps, stability_summary as summary};
 use crate::study::stability::{self, EXPERIMENTS, Effort, FAMILIES, Promise, Replay, Row};
@@ -14,7 +14,7 @@ use serde::Serialize;
 #[command(
     after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
                   input; beside it stands the condition number: the relative change of the answer per relative change \
-                  of the input. Exit code 1 if a promise is broken. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
+                  of the input. Exit code 1 if a promise is broken, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
 )]
@@ -35,6 +35,7 @@ struct Output<'a> {
     rows: &'a [Row],
     promises: &'a [Promise],
     effort: Effort,
+    interrupted: bool,
     #[serde(flatten)]
     written: &'a Written,
 }
@@ -68,15 +69,23 @@ impl Stability {
             bar.inc(1);
         })?;
         bar.finish_and_clear();
+        if result.interrupted && result.rows.is_empty() {
+            return Err(Error::Interrupted);
+        }
         let mut files = output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?)?;
         if !self.families.is_empty() && !result.sweeps.is_empty() {
             files.extend(maps::maps(&result.sweeps)?.write(&maps_stem)?);
         }
+        let (rows, promises, interrupted) = (&result.rows, &result.promises, result.interrupted);
         let written = target.written(files);
-        let output = Output { rows: &result.rows, promises: &result.promises, effort, written: &written };
+        let output = Output { rows, promises, effort, interrupted, written: &written };
         console.result(&output, || human(&output));
         let kept = result.promises.iter().all(|promise| promise.kept);
-        Ok(if kept { Verdict::Good } else { Verdict::Rejected })
+        Ok(match kept {
+            _ if interrupted => Verdict::Inconclusive,
+            true => Verdict::Good,
+            false => Verdict::Rejected,
+        })
     }
 }
 
@@ -147,6 +156,9 @@ fn human(output: &Output<'_>) -> String {
         let verdict = if p.kept { "kept  " } else { "BROKEN" };
         text += &format!("{verdict} {}: {:.3e}, at most {:.0e}", p.name, p.got, p.limit);
         text += &if p.kept || p.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", p.worst) };
+    }
+    if output.interrupted {
+        text += "interrupted: the other families were not run\n";
     }
     text + &output.written.text()
 }

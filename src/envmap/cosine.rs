@@ -32,6 +32,8 @@ pub struct CosineSampler {
     map: Arc<EnvMap>,
     /// Side of a block of the finest level, in texels.
     side: usize,
+    /// The energies of these blocks, if they are of several texels.
+    energies: Vec<f64>,
     /// From the coarsest, of at most [`ROOT`] quads, to the finest.
     levels: Vec<Level>,
 }
@@ -191,7 +193,19 @@ impl CosineSampler {
             levels.push(Level::new(&map, block_side, columns, &blocks));
         }
         levels.reverse();
-        Self { map, side, levels }
+        let mut sampler = Self { map, side, energies: Vec::new(), levels };
+        if side > 1 {
+            sampler.energies = sampler.block_energies();
+        }
+        sampler
+    }
+
+    /// The sums that [`CosineSampler::texels`] has, row by row.
+    fn block_energies(&self) -> Vec<f64> {
+        let g = self.map.geometry();
+        let [columns, rows] = [g.width(), g.height()].map(|texels| texels.div_ceil(self.side));
+        let energy = |i: usize| self.texels(i % columns, i / columns).map(|(_, _, energy)| energy).sum();
+        (0..columns * rows).into_par_iter().map(energy).collect()
     }
 
     /// The texels of a block of the finest level, each with its energy.
@@ -244,9 +258,8 @@ impl SurfaceSampler for CosineSampler {
             probability *= share(&vertical, y % 2) * share(&horizontal[y % 2], x % 2);
         }
         if self.side > 1 {
-            let energies: Vec<f64> = self.texels(bx, by).map(|(_, _, energy)| energy).collect();
-            let i = self.texels(bx, by).position(|(x, y, _)| (x, y) == (tx, ty));
-            probability *= i.map_or(0.0, |i| share(&energies, i));
+            let total = self.energies[by * g.width().div_ceil(self.side) + bx];
+            probability *= if total > 0.0 { self.map.energy(tx, ty) / total } else { 0.0 };
         }
         probability / g.solid_angle(ty)
     }

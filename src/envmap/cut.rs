@@ -11,6 +11,7 @@
 use super::latlong::{Block, EnvMap};
 use super::sat::SummedArea;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
@@ -96,6 +97,12 @@ pub struct MedianCut<'a> {
 }
 
 impl<'a> MedianCut<'a> {
+    /// Memory that the tables take for each texel.
+    #[must_use]
+    pub fn bytes(split: Split) -> usize {
+        size_of::<f64>() * if split == Split::Variance { 4 } else { 1 }
+    }
+
     #[must_use]
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();
@@ -119,6 +126,7 @@ impl<'a> MedianCut<'a> {
         let mut done = Vec::new();
         let mut heap: BinaryHeap<Candidate> = blocks.into_iter().map(|block| self.candidate(block)).collect();
         while done.len() + heap.len() < n {
+            interrupt::check()?;
             let Some(Candidate { block, .. }) = heap.pop() else { break };
             match self.cut(block) {
                 Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),

@@ -8,6 +8,7 @@ pub mod irradiance;
 pub mod latlong;
 mod range;
 pub mod report_model;
+mod request;
 pub mod sampler;
 pub(crate) mod sat;
 pub mod strata;

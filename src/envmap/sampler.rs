@@ -136,10 +136,8 @@ pub struct AliasSampler {
 impl AliasSampler {
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
-        let g = map.geometry();
-        let weights: Vec<f64> =
-            (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).collect();
-        let table = AliasTable::new(&weights);
+        let width = map.geometry().width();
+        let table = AliasTable::from_fn(map.image().pixels().len(), |i| map.energy(i % width, i / width));
         Self { map, table }
     }
 

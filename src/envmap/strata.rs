@@ -37,6 +37,7 @@ impl StrataSampler {
     /// # Errors
     /// As [`MedianCut::regions`].
     pub fn new(map: Arc<EnvMap>, count: usize) -> Result<Self> {
+        map.request(MedianCut::bytes(Split::Energy) + size_of::<u32>(), "the table of regions")?;
         let regions = MedianCut::new(&map, Split::Energy, SideRule::default()).regions(count)?;
         let (width, rows) = (map.geometry().width(), map.geometry().height());
         let energies: Vec<f64> = regions.iter().map(|region| region.energy).collect();

@@ -81,8 +81,12 @@ impl Image {
 
     /// The image upside-down.
     #[must_use]
-    pub fn flipped_vertically(&self) -> Self {
-        Self::from_fn(self.width, self.height, |x, y| self.get(x, self.height - 1 - y))
+    pub fn flipped_vertically(mut self) -> Self {
+        for y in 0..self.height / 2 {
+            let (upper, lower) = self.pixels.split_at_mut((self.height - 1 - y) * self.width);
+            upper[y * self.width..][..self.width].swap_with_slice(&mut lower[..self.width]);
+        }
+        self
     }
 
     /// The image with every pixel passed through `f`.

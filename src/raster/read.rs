@@ -3,6 +3,7 @@
 use super::{Image, Rgb, exr, ldr, pfm, rgbe};
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
+use crate::memory;
 use std::path::Path;
 
 /// Larger files are refused unread: 2 GiB holds a 16384x8192 map of 32-bit floats.
@@ -35,7 +36,7 @@ pub struct ReadOptions {
 /// # Errors
 /// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented
 /// or for a clipped format that was not asked for, [`Error::Limit`] when a side exceeds 65536, the image 2^28 pixels
-/// or the file 2 GiB, and [`Error::Io`]. Memory is taken only in proportion to what the file can really hold.
+/// or the file 2 GiB, [`Error::Memory`] when it does not fit, and [`Error::Io`]. Memory is taken only in proportion to what the file can really hold.
 pub fn read(path: &Path, options: ReadOptions) -> Result<Image> {
     read_with_notes(path, options).map(|(image, _)| image)
 }
@@ -154,14 +155,10 @@ pub(super) fn check_size(path: &Path, width: u64, height: u64, bytes: usize, pix
     Ok(())
 }
 
-/// A black image whose size has passed [`check_size`]; running out of memory is an error here, not an abort.
+/// A black image whose size has passed [`check_size`], if there is memory for it.
 pub(super) fn blank(path: &Path, width: usize, height: usize) -> Result<Image> {
-    let mut pixels: Vec<Rgb> = Vec::new();
-    pixels
-        .try_reserve_exact(width * height)
-        .map_err(|_| Error::limit(path, format!("not enough memory for {width}x{height} pixels")))?;
-    pixels.resize(width * height, Rgb::ZERO);
-    Ok(Image::from_pixels(width, height, pixels))
+    let what = || format!("{}, {width}x{height} pixels", path.display());
+    Ok(Image::from_pixels(width, height, memory::filled(width * height, Rgb::ZERO, what)?))
 }
 
 /// A file that ends before its data does.

@@ -11,8 +11,11 @@ use super::strategies::Strategies;
 use super::workspace::Workspace;
 use super::{Settings, check, fingerprint};
 use crate::error::Result;
-use crate::raster::Metadata;
-use crate::scene::{Request, Scene};
+use crate::interrupt;
+use crate::memory;
+use crate::raster::{Metadata, Rgb};
+use crate::scene::bvh::MeshBvh;
+use crate::scene::{Object, Request, Scene, Shape};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -27,11 +30,15 @@ pub trait Control: Sync {
     }
 }
 
-/// Lets a render run to its end without a word.
+/// Lets a render run without a word to its end, or until the process is asked to stop.
 pub struct Silent;
 
 impl Control for Silent {
     fn done(&self, _samples: u64) {}
+
+    fn stop(&self) -> bool {
+        interrupt::requested()
+    }
 }
 
 /// A scene made ready to be rendered.
@@ -57,6 +64,9 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
         let strategies = Strategies::new(scene, settings, &needs)?;
+        let of_mesh = |object: &Object| if let Shape::Mesh(mesh) = &object.shape { mesh.triangles.len() } else { 0 };
+        let triangles: usize = scene.objects.iter().map(of_mesh).sum();
+        memory::request(triangles * MeshBvh::BYTES_PER_TRIANGLE, || format!("the tree of {triangles} triangles"))?;
         let geometry = Geometry::new(scene, needs.meshes);
         let integrator = Integrator::new(scene, request, settings, strategies, geometry)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
@@ -69,6 +79,15 @@ impl<'a> Job<'a> {
     /// As [`Exposure::new`].
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
         let Request { width, height, spp, .. } = self.integrator.request;
+        // The file at the end takes memory, too, and nothing must be lost then: images of the mean, of its error and of
+        // every path class, and the compressed sums, about half as large as the film.
+        let splats = 1 + usize::from(self.integrator.light_tracing.is_some());
+        let classes = self.settings.paths.map_or(0, |most| Classes::up_to(most).count());
+        let bytes = splats * (Exposure::BYTES + classes * Exposure::BYTES_PER_CLASS);
+        let images = (2 + classes) * size_of::<Rgb>();
+        memory::request(width.saturating_mul(height).saturating_mul(bytes + bytes / 2 + images), || {
+            format!("the film of {width}x{height} pixels and the files of it")
+        })?;
         let exposure = Exposure::new(width, height, self.settings.paths.map(Classes::up_to))?;
         let exposure = if self.integrator.light_tracing.is_some() { exposure.with_splats()? } else { exposure };
         Ok(Part::new(exposure, spp, self.fingerprint(), metadata))

@@ -126,11 +126,15 @@ pub struct Rendered {
 /// threads, and not on what was left out.
 ///
 /// # Errors
-/// [`Error::Parameter`] for an impossible request and for settings that exclude each other.
+/// [`Error::Parameter`] for an impossible request and for settings that exclude each other, [`Error::Interrupted`] if
+/// `control` stopped it.
 pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &dyn Control) -> Result<Rendered> {
     let job = Job::new(scene, request, settings)?;
     let mut part = job.part(Metadata::default())?;
     job.run(&mut part, 0..request.spp, control);
+    if !part.is_complete() {
+        return Err(Error::Interrupted);
+    }
     Ok(Rendered {
         image: part.exposure.image(),
         dropped: part.exposure.dropped(),

@@ -7,6 +7,7 @@ use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{CdfSampler, CompensatedSampler, Complete, SurfaceSampler};
 use crate::envmap::strata::StrataSampler;
 use crate::error::{Error, Result};
+use crate::sampling::table::Table2;
 use crate::sampling::warp;
 use crate::scene::Scene;
 use glam::DVec3;
@@ -65,6 +66,9 @@ impl Strategies {
             return Ok(Strategies::None);
         }
         let map = environment.map.clone();
+        if matches!(settings.density, LightDensity::Map | LightDensity::Compensated) {
+            map.request(Table2::BYTES, "the sampling table")?;
+        }
         Ok(match (settings.sampling, settings.density) {
             // They are among the scene's lights.
             (_, LightDensity::CutLights(..)) => Strategies::None,

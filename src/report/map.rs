@@ -48,7 +48,8 @@ impl Display {
         let (width, height) = (map.image().width(), map.image().height());
         let (enlarge, reduce) =
             (PAGE[0].div_ceil(width).min(PAGE[0] / height.min(PAGE[0])).max(1), width.div_ceil(PAGE[1]));
-        let image = map.image().enlarged(enlarge).reduced(reduce);
+        // One of the two factors is 1.
+        let image = if reduce > 1 { map.image().reduced(reduce) } else { map.image().enlarged(enlarge) };
         let base = Rgb8::new(image.width(), image.height(), to_rgb8(&image, &tone));
         Self { base, look, width, height, scale: enlarge as f64 / reduce as f64 }
     }

@@ -34,4 +34,4 @@ pub use check::Check;
 pub use context::{Context, MapSource};
 pub use erratum::Erratum;
 pub use originals::Originals;
-pub use registry::{Entry, Made, Picture, Reproduced, registry, reproduce};
+pub use registry::{Entry, Made, Picture, Reproduced, Reproduction, registry, reproduce};

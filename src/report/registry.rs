@@ -8,6 +8,7 @@ use super::{audit_entry, converge_entries, entries, output, second_report, self_
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
 use crate::files;
+use crate::interrupt;
 use crate::raster::{self, Image, Metadata, ToneMap, WriteOptions};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -88,6 +89,13 @@ pub struct Reproduced {
     pub errata: Vec<Erratum>,
 }
 
+/// What a run made.
+pub struct Reproduction {
+    pub figures: Vec<Reproduced>,
+    /// Whether the process was asked to stop before all figures were made.
+    pub interrupted: bool,
+}
+
 /// All figures, in the order in which they are made.
 #[must_use]
 pub fn registry() -> Vec<Entry> {
@@ -103,7 +111,8 @@ pub fn registry() -> Vec<Entry> {
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
 ///
 /// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They cover what earlier runs left in the
-/// folder, too, as far as this run does not make it again. `options` are the flags that make the same again.
+/// folder, too, as far as this run does not make it again. `options` are the flags that make the same again. If the
+/// process is asked to stop, they cover the figures that were finished.
 ///
 /// # Errors
 /// An unknown id, a damaged `reproduce.json`, those of the figures and of writing them.
@@ -113,7 +122,7 @@ pub fn reproduce(
     folder: &Path,
     options: &str,
     before: &mut dyn FnMut(&Entry),
-) -> Result<Vec<Reproduced>> {
+) -> Result<Reproduction> {
     let all = registry();
     if let Some(unknown) = ids.iter().find(|id| all.iter().all(|e| e.id != id.as_str())) {
         let known: Vec<_> = all.iter().map(|e| e.id).collect();
@@ -122,25 +131,42 @@ pub fn reproduce(
     }
     let mut records = page::read_records(folder, &all)?;
     let setup = Setup::of(context, options);
-    let mut done = Vec::new();
+    let (mut done, mut interrupted) = (Vec::new(), false);
     for entry in all.iter().filter(|e| ids.is_empty() || ids.iter().any(|id| id == e.id)) {
         before(entry);
-        let start = Instant::now();
-        let made = (entry.make)(context)?;
-        let stem = folder.join(entry.id);
-        let mut paths = output::write(&stem, &made.drawing, &made.table)?;
-        if let Some(picture) = &made.picture {
-            paths.extend(write_picture(&stem, picture, &Metadata::default().with("figure", entry.id))?);
-        }
-        let errata = entry.audit.as_ref().map_or_else(|| Ok(Vec::new()), |audit| audit(context))?;
-        let (seconds, checks) = (start.elapsed().as_secs_f64(), made.checks);
-        let (new, made_by) = (entry.id.to_owned(), setup.clone());
-        records.insert(new, Record { seconds, checks: checks.clone(), errata: errata.clone(), setup: made_by });
-        done.push(Reproduced { id: entry.id, files: paths, seconds, checks, errata });
+        let figure = match figure(entry, context, folder) {
+            Err(Error::Interrupted) => {
+                interrupted = true;
+                break;
+            }
+            figure => figure?,
+        };
+        let Reproduced { seconds, ref checks, ref errata, .. } = figure;
+        let record = Record { seconds, checks: checks.clone(), errata: errata.clone(), setup: setup.clone() };
+        records.insert(entry.id.to_owned(), record);
+        done.push(figure);
     }
-    files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
-    page::write(folder, &all, &records)?;
-    Ok(done)
+    if !done.is_empty() {
+        files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
+        page::write(folder, &all, &records)?;
+    }
+    Ok(Reproduction { figures: done, interrupted })
+}
+
+/// Makes one figure and writes its files.
+fn figure(entry: &Entry, context: &Context, folder: &Path) -> Result<Reproduced> {
+    interrupt::check()?;
+    let start = Instant::now();
+    let made = (entry.make)(context)?;
+    let errata = entry.audit.as_ref().map_or_else(|| Ok(Vec::new()), |audit| audit(context))?;
+    // Studies that were cut short return what they have: that is no figure.
+    interrupt::check()?;
+    let stem = folder.join(entry.id);
+    let mut files = output::write(&stem, &made.drawing, &made.table)?;
+    if let Some(picture) = &made.picture {
+        files.extend(write_picture(&stem, picture, &Metadata::default().with("figure", entry.id))?);
+    }
+    Ok(Reproduced { id: entry.id, files, seconds: start.elapsed().as_secs_f64(), checks: made.checks, errata })
 }
 
 /// Writes a picture as EXR and PFM (as it is) and as the PPM of its report.

@@ -24,43 +24,68 @@ struct AliasEntry {
     probability: f64,
 }
 
+/// The end of a stack of entries.
+const END: u32 = u32::MAX;
+
+/// Puts an entry on a stack, given by its top.
+fn push(entries: &mut [AliasEntry], top: &mut u32, i: u32) {
+    entries[i as usize].other = *top;
+    *top = i;
+}
+
 impl AliasTable {
+    /// Memory that a table takes for each weight.
+    pub const BYTES: usize = size_of::<AliasEntry>();
+
     /// From at least one and fewer than 2³² weights, all finite and ≥ 0.
     #[must_use]
     pub fn new(weights: &[f64]) -> Self {
-        let n = weights.len();
-        let total: f64 = weights.iter().sum();
+        Self::from_fn(weights.len(), |i| weights[i])
+    }
+
+    /// [`AliasTable::new`] of the weights `weight(0)` to `weight(n − 1)`, each of which is asked for several times.
+    ///
+    /// While the table is built it needs no memory beside its entries: those that are not finished hold their scaled
+    /// weight as their probability, and are linked into two stacks, of small and of large ones, through `other`.
+    #[must_use]
+    pub fn from_fn(n: usize, weight: impl Fn(usize) -> f64) -> Self {
+        let total: f64 = (0..n).map(&weight).sum();
         let mut entries: Vec<AliasEntry> =
             (0..n).map(|i| AliasEntry { keep: 1.0, other: i as u32, probability: 0.0 }).collect();
         if total <= 0.0 {
             return Self { entries, total: 0.0 };
         }
-        let mut scaled: Vec<f64> = weights.iter().map(|w| w / total * n as f64).collect();
-        let (mut small, mut large): (Vec<u32>, Vec<u32>) = (0..n as u32).partition(|&i| scaled[i as usize] < 1.0);
-        while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
-            small.pop();
-            let (s, l) = (s as usize, l as usize);
-            entries[s] = AliasEntry { keep: scaled[s] as f32, other: l as u32, probability: 0.0 };
-            scaled[l] -= 1.0 - scaled[s];
-            if scaled[l] < 1.0 {
-                large.pop();
-                small.push(l as u32);
+        let [mut small, mut large] = [END; 2];
+        for i in 0..n {
+            let scaled = weight(i) / total * n as f64;
+            entries[i].probability = scaled;
+            push(&mut entries, if scaled < 1.0 { &mut small } else { &mut large }, i as u32);
+        }
+        while small != END && large != END {
+            let (s, l) = (small, large as usize);
+            small = entries[s as usize].other;
+            let scaled = entries[s as usize].probability;
+            entries[s as usize] = AliasEntry { keep: scaled as f32, other: l as u32, probability: 0.0 };
+            entries[l].probability -= 1.0 - scaled;
+            if entries[l].probability < 1.0 {
+                large = entries[l].other;
+                push(&mut entries, &mut small, l as u32);
             }
         }
         // What is left over is 1 but for rounding, unless its weight is 0: such a cell must never be drawn.
-        let heaviest = (0..n).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
-        for &i in &small {
-            if weights[i as usize] == 0.0 {
-                entries[i as usize] = AliasEntry { keep: 0.0, other: heaviest as u32, probability: 0.0 };
+        let heaviest = (0..n).max_by(|&a, &b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
+        for mut next in [small, large] {
+            while next != END {
+                let i = next as usize;
+                next = entries[i].other;
+                let (keep, other) = if weight(i) == 0.0 { (0.0, heaviest) } else { (1.0, i) };
+                entries[i] = AliasEntry { keep, other: other as u32, probability: 0.0 };
             }
         }
-        let mut probability = vec![0.0; n];
-        for (i, e) in entries.iter().enumerate() {
-            probability[i] += f64::from(e.keep) / n as f64;
-            probability[e.other as usize] += (1.0 - f64::from(e.keep)) / n as f64;
-        }
-        for (e, p) in entries.iter_mut().zip(probability) {
-            e.probability = p;
+        for i in 0..n {
+            let AliasEntry { keep, other, .. } = entries[i];
+            entries[i].probability += f64::from(keep) / n as f64;
+            entries[other as usize].probability += (1.0 - f64::from(keep)) / n as f64;
         }
         Self { entries, total }
     }

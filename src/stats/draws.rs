@@ -7,6 +7,7 @@ use super::fixed::{Share, add};
 use super::grid::Grid;
 use super::sampler::{Draw, Drawn, Sampler};
 use crate::error::Result;
+use crate::interrupt;
 use crate::sampling::hash::{mix32, mix64};
 use crate::sampling::stream::CounterRng;
 use rand::RngExt;
@@ -64,6 +65,7 @@ impl Tally {
 impl<D: Domain> Draws<'_, D> {
     /// Batch number `batch` of the first `count` samples of stream number `stream`: their numbers, and what was drawn.
     fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<(Vec<f64>, Drawn<D::Point>)> {
+        interrupt::check()?;
         let size = BATCH.min(count - batch * BATCH) as usize;
         // Streams are fewer than 2⁸, batches than 2²⁴.
         let counter = batch << 8 | stream;

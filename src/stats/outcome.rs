@@ -66,6 +66,8 @@ pub struct Outcome {
     pub fault: Option<String>,
     /// Why no verdict is possible.
     pub doubt: Option<String>,
+    /// Whether the process was asked to stop before the test was finished, or before its repetition was.
+    pub interrupted: bool,
     #[serde(skip)]
     pub counts: Option<Counts>,
 }
@@ -89,8 +91,15 @@ impl Outcome {
             repeated: false,
             fault: None,
             doubt: None,
+            interrupted: false,
             counts: None,
         }
+    }
+
+    /// Of a test that the process was asked to stop before.
+    #[must_use]
+    pub fn interrupted() -> Self {
+        Self { interrupted: true, ..Self::open(0) }
     }
 
     #[must_use]
@@ -107,7 +116,8 @@ impl Outcome {
     /// What there is to say beyond numbers.
     #[must_use]
     pub fn remark(&self) -> Option<&str> {
-        self.fault.as_deref().or(self.doubt.as_deref())
+        let interrupted = self.interrupted.then_some("interrupted before the test was finished");
+        self.fault.as_deref().or(interrupted).or(self.doubt.as_deref())
     }
 
     /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
@@ -119,6 +129,7 @@ impl Outcome {
         self.samples += second.samples;
         self.seconds += second.seconds;
         self.fault = self.fault.take().or_else(|| second.fault.clone());
+        self.interrupted |= second.interrupted;
     }
 }
 
@@ -140,7 +151,7 @@ impl fmt::Display for Outcome {
 ///
 /// What Holm's step-down rejects is repeated once with fresh numbers by `repeat` (given the test's index), the two
 /// p-values are combined by Fisher's method, and the step-down is done again. Nothing is chosen: a repetition always counts, and
-/// a test that fails an exact check stays rejected.
+/// a test that fails an exact check stays rejected. What was interrupted is inconclusive.
 pub fn decide(outcomes: &mut [Outcome], level: f64, mut repeat: impl FnMut(usize) -> Result<Outcome>) -> Result<()> {
     let rejected = |outcomes: &[Outcome]| {
         let p: Vec<f64> = outcomes.iter().map(|o| o.p.unwrap_or(f64::NAN)).collect();
@@ -154,9 +165,9 @@ pub fn decide(outcomes: &mut [Outcome], level: f64, mut repeat: impl FnMut(usize
     }
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
-        outcome.verdict = if outcome.fault.is_some() || rejected {
+        outcome.verdict = if outcome.fault.is_some() || rejected && !outcome.interrupted {
             Verdict::Reject
-        } else if outcome.doubt.is_some() {
+        } else if outcome.interrupted || outcome.doubt.is_some() {
             Verdict::Inconclusive
         } else {
             Verdict::Accept

@@ -5,6 +5,7 @@
 
 use super::seen::{Kind, Seen};
 use crate::error::Result;
+use crate::interrupt;
 use crate::raster::{Image, Metadata, Rgb};
 use crate::render::exposure::{Classes, Exposure, Part};
 use crate::render::{Dropped, Job, Settings, Silent, render};
@@ -155,6 +156,7 @@ fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<
         let film = Exposure::strip(width, top..height.min(top + ROWS), settings.paths.map(Classes::up_to))?;
         let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
         job.run(&mut part, 0..spp, &Silent);
+        interrupt::check()?;
         dropped = dropped.merge(part.exposure.dropped());
         let strips = part.exposure.path_layers();
         if top == 0 {

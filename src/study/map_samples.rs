@@ -6,7 +6,9 @@ use crate::envmap::latlong::intensity;
 use crate::envmap::report_model::ReportSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample};
 use crate::error::{Error, Result};
+use crate::sampling::alias::AliasTable;
 use crate::sampling::stream::{Independent, Stream};
+use crate::sampling::table::Table2;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -58,6 +60,8 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
             Error::parameter("-n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
+    let bytes = if method == Method::Alias { AliasTable::BYTES } else { Table2::BYTES };
+    map.request(bytes, "the sampling table")?;
     let sampler: Box<dyn DirectionSampler> = match method {
         Method::Cdf => Box::new(CdfSampler::new(map.clone())),
         Method::Alias => Box::new(AliasSampler::new(map.clone())),

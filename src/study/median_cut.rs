@@ -43,6 +43,7 @@ pub fn cut(
     sides: SideRule,
     centroid: Centroid,
 ) -> Result<Vec<Vec<Row>>> {
+    map.request(MedianCut::bytes(split), "the summed-area tables")?;
     let tables = MedianCut::new(map, split, sides);
     let row = |region: Region| {
         let (x, y) = if centroid == Centroid::Energy { region.centroid } else { region.median };

@@ -2,6 +2,7 @@
 
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::sampling::stream::CounterRng;
 use crate::sampling::table::Table1;
 use crate::stats::chi_square::{ChiSquare, chi_square};
@@ -34,6 +35,9 @@ pub struct Proposal {
 /// Standard deviation of the Gaussian proposals around ½; draws outside \[0, 1) are repeated.
 pub const SIGMA: f64 = 1.0 / 6.0;
 
+/// After so many draws it is asked whether to stop.
+const POLL: usize = 1 << 16;
+
 /// Draws rows of `map` by inverting its row CDF, `draws` times with each kind of number.
 ///
 /// `None` when the map's light falls into too few rows to test how it is spread over them.
@@ -45,17 +49,20 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     let energies: Vec<f64> =
         (0..g.height()).map(|y| (0..g.width()).map(|x| map.intensity(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
     let table = Table1::new(&energies);
-    let count = |number: &mut dyn FnMut() -> f64| -> Vec<u64> {
+    let count = |number: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
         let mut counts = vec![0; energies.len()];
-        for _ in 0..draws {
+        for i in 0..draws {
+            if i % POLL == 0 {
+                interrupt::check()?;
+            }
             if let Some(draw) = table.draw(number()) {
                 counts[draw.cell] += 1;
             }
         }
-        counts
+        Ok(counts)
     };
     let mut rng = CounterRng::new(seed, 0);
-    let uniform = count(&mut || rng.random::<f64>());
+    let uniform = count(&mut || rng.random::<f64>())?;
     let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
     let mut rng = CounterRng::new(seed, 1);
     let gaussian = count(&mut || {
@@ -65,7 +72,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
                 return z;
             }
         }
-    });
+    })?;
     let expected: Vec<f64> = (0..energies.len()).map(|y| table.probability(y) * draws as f64).collect();
     let tests = chi_square(&uniform, &expected).zip(chi_square(&gaussian, &expected));
     Ok(tests.map(|(uniform_test, gaussian_test)| Proposal {

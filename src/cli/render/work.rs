@@ -2,15 +2,12 @@
 
 use crate::cli::console::Console;
 use crate::error::Result;
+use crate::interrupt;
 use crate::render::exposure::Part;
 use crate::render::{Control, Job};
 use indicatif::ProgressBar;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-
-/// Set by SIGINT and SIGTERM once a render has begun.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// The state of a render is saved about as often, unless saving takes more than a tenth of that.
 const PAUSE: Duration = Duration::from_secs(60);
@@ -28,9 +25,6 @@ pub fn run(
     name: &str,
     save: Option<Save>,
 ) -> Result<()> {
-    if let Err(e) = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
-        console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
-    }
     let pixels = part.exposure.pixels().len() as u64;
     let bar = console.progress(pixels * samples.len() as u64, name);
     bar.set_position(part.count());
@@ -40,7 +34,7 @@ pub fn run(
         let until = save.map(|_| Instant::now() + pause);
         job.run(part, samples.clone(), &Watch { bar: &bar, until });
         let Some(save) = save.filter(|_| until.is_some_and(|until| Instant::now() >= until)) else { break };
-        if INTERRUPTED.load(Ordering::Relaxed) {
+        if interrupt::requested() {
             break;
         }
         let start = Instant::now();
@@ -63,6 +57,6 @@ impl Control for Watch<'_> {
     }
 
     fn stop(&self) -> bool {
-        INTERRUPTED.load(Ordering::Relaxed) || self.until.is_some_and(|until| Instant::now() >= until)
+        interrupt::requested() || self.until.is_some_and(|until| Instant::now() >= until)
     }
 }

@@ -26,7 +26,11 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
     let table = output::table(&view::calibration_rows(&found))?;
     let written = target.written(output::write(&stem, &view::calibration_drawing(&found), &table)?);
     console.result(&Output { calibration: &found, written: &written }, || text(&found) + &written.text());
-    Ok(if found.accepted { Verdict::Good } else { Verdict::Rejected })
+    Ok(match found.accepted {
+        _ if found.interrupted => Verdict::Inconclusive,
+        true => Verdict::Good,
+        false => Verdict::Rejected,
+    })
 }
 
 fn text(found: &Calibration) -> String {
@@ -34,6 +38,9 @@ fn text(found: &Calibration) -> String {
     for test in found.tests.iter().filter(|test| test.uneven || test.fault.is_some()) {
         let why = test.fault.clone().unwrap_or_else(|| format!("p-values are uneven, p = {:.1e}", test.evenness.p));
         text += &format!("{}: {why}\n", test.name);
+    }
+    if found.interrupted {
+        text += "interrupted: the other tests are left out\n";
     }
     text + &format!(
         "{} tests under {} seeds of {} samples: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\

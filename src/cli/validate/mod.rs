@@ -24,7 +24,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(
     after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
-                        inconclusive.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
+                        inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
@@ -107,6 +107,7 @@ impl Validate {
         }
         console.result(&Output { validation: &validation, written: &written }, || summary::text(&validation, &written));
         Ok(match validation {
+            Validation { interrupted: true, .. } => Verdict::Inconclusive,
             Validation { rejected: 1.., .. } => Verdict::Rejected,
             Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
             _ => Verdict::Good,

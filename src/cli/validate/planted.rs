@@ -29,7 +29,11 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let written = target.written(vec![path]);
     console.result(&Output { findings: &findings, written: &written }, || text(&findings, &written));
-    Ok(if findings.is_good() { Verdict::Good } else { Verdict::Rejected })
+    Ok(match findings.is_good() {
+        _ if findings.interrupted => Verdict::Inconclusive,
+        true => Verdict::Good,
+        false => Verdict::Rejected,
+    })
 }
 
 fn text(findings: &Findings, written: &Written) -> String {
@@ -59,5 +63,8 @@ fn text(findings: &Findings, written: &Written) -> String {
         findings.false_alarms,
         findings.seconds,
     );
+    if findings.interrupted {
+        text += "interrupted before all tests were finished\n";
+    }
     text + &written.text()
 }

@@ -29,6 +29,9 @@ pub fn text(validation: &Validation, written: &Written) -> String {
         validation.inconclusive,
         validation.seconds
     );
+    if validation.interrupted {
+        text += "interrupted before all tests were finished\n";
+    }
     text + &written.text()
 }
 

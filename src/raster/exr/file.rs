@@ -2,6 +2,7 @@
 
 use super::chunks::{Block, locate};
 use crate::error::{Error, Place, Result};
+use crate::interrupt;
 use exr::compression::Compression;
 use exr::meta::MetaData;
 use exr::meta::attribute::IntegerBounds;
@@ -103,6 +104,7 @@ impl Blocks<'_> {
         mut put: impl FnMut(&Block<'_>, T),
     ) -> Result<()> {
         for group in self.blocks.chunks(self.at_once) {
+            interrupt::check()?;
             let taken = group.par_iter().map(|block| Ok(take(block, self.decompress(block)?)));
             let taken: Vec<T> = taken.collect::<Result<_>>()?;
             group.iter().zip(taken).for_each(|(block, value)| put(block, value));

@@ -2,6 +2,7 @@
 
 use super::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
+use crate::interrupt;
 use crate::raster::read::{Decoded, blank, check_size, cut_off};
 use crate::raster::{Rgb, primaries};
 use std::path::Path;
@@ -21,6 +22,7 @@ pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let mut input = Input { path, bytes, at: header.end };
     let mut line = vec![[0; 4]; inner];
     for i in 0..outer {
+        interrupt::check()?;
         input.scan_line(&mut line)?;
         let slow = if header.outer.reversed { outer - 1 - i } else { i };
         for (j, &pixel) in line.iter().enumerate() {

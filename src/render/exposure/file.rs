@@ -99,9 +99,8 @@ impl Part {
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;
         let film = || {
-            let too_large = |e: Error| Error::limit(path, e.to_string());
             let film = Exposure::new(width, height, classes);
-            if splats { film.and_then(Exposure::with_splats) } else { film }.map_err(too_large)
+            if splats { film.and_then(Exposure::with_splats) } else { film }
         };
         let mut exposure =
             file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;

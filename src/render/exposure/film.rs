@@ -4,6 +4,7 @@ use super::fixed::Fixed;
 use super::splats::Splats;
 use super::{Classes, Dropped, Pixel, Row};
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::raster::{Image, Rgb};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -36,15 +37,18 @@ pub struct PixelEstimate {
     pub error: Rgb,
 }
 
-/// More pixels (or pixels times path classes) than these are refused: 7 (or 13) GB, twice that with splats.
-const MAX_PIXELS: usize = 1 << 26;
-const MAX_SUMS: usize = 1 << 28;
+/// A film of more pixels than this could not be read back from a file.
+const MAX_PIXELS: usize = 1 << 28;
 
 impl Exposure {
+    /// Memory that a film takes for each pixel, and for each path class of a pixel.
+    pub const BYTES: usize = size_of::<Pixel>();
+    pub const BYTES_PER_CLASS: usize = size_of::<[Fixed; 3]>();
+
     /// A film without samples; with `classes`, it also keeps the light apart by the class of its path.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for no pixel, for more than 2^26, and for more than 2^28 pixels times classes.
+    /// [`Error::Parameter`] for no pixel and for more than 2^28, [`Error::Memory`] when they do not fit.
     pub fn new(width: usize, height: usize, classes: Option<Classes>) -> Result<Self> {
         Self::strip(width, 0..height, classes)
     }
@@ -58,17 +62,19 @@ impl Exposure {
         let (top, height) = (rows.start, rows.len());
         let count = width.saturating_mul(height);
         let sums = count.saturating_mul(classes.map_or(0, Classes::count));
-        if count == 0 || count > MAX_PIXELS || sums > MAX_SUMS {
-            let layers = classes.map_or(String::new(), |c| format!(" in {} path classes", c.count()));
-            return Err(Error::parameter("-r", format!("no film for {width}x{height} pixels{layers}"))
-                .with_hint("at least 1x1 and at most 2^26 pixels, and at most 2^28 pixels times path classes"));
+        if count == 0 || count > MAX_PIXELS {
+            return Err(Error::parameter("-r", format!("no film for {width}x{height} pixels"))
+                .with_hint("at least 1x1 and at most 2^28 pixels"));
         }
-        let out_of_memory = |_| Error::parameter("-r", format!("not enough memory for {width}x{height} pixels"));
+        let what = || {
+            let layers = classes.map_or(String::new(), |c| format!(" in {} path classes", c.count()));
+            format!("a film of {width}x{height} pixels{layers}")
+        };
         let paths = match classes {
-            Some(classes) => Some(Paths { classes, sums: zeros(sums).map_err(out_of_memory)? }),
+            Some(classes) => Some(Paths { classes, sums: memory::filled(sums, Default::default(), what)? }),
             None => None,
         };
-        let pixels = zeros(count).map_err(out_of_memory)?;
+        let pixels = memory::filled(count, Pixel::default(), what)?;
         Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths, splats: None })
     }
 
@@ -76,12 +82,9 @@ impl Exposure {
     /// other.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when there is not enough memory.
+    /// [`Error::Memory`] when it does not fit.
     pub fn with_splats(self) -> Result<Self> {
-        let (width, height) = (self.width, self.height);
-        let out_of_memory = |_| Error::parameter("-r", format!("not enough memory for {width}x{height} pixels"));
-        let classes = self.classes().map_or(0, Classes::count);
-        let splats = Splats::new(self.pixels.len(), classes).map_err(out_of_memory)?;
+        let splats = Splats::new([self.width, self.height], self.classes().map_or(0, Classes::count))?;
         Ok(Self { splats: Some(splats), ..self })
     }
 
@@ -201,14 +204,6 @@ impl Exposure {
         self.dropped = self.dropped.merge(other.dropped);
         Ok(())
     }
-}
-
-/// `count` zeros; running out of memory is an error here, not an abort.
-pub(super) fn zeros<T: Copy + Default>(count: usize) -> std::result::Result<Vec<T>, std::collections::TryReserveError> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(count)?;
-    values.resize(count, T::default());
-    Ok(values)
 }
 
 #[cfg(test)]
@@ -376,7 +371,7 @@ mod tests {
     #[test]
     fn impossible_films_are_refused() {
         for (width, height, classes) in
-            [(0, 1, None), (1, 0, None), (1 << 14, 1 << 13, None), (usize::MAX, 2, None), (1 << 13, 1 << 13, Some(2))]
+            [(0, 1, None), (1, 0, None), (1 << 15, 1 << 14, None), (usize::MAX, 2, None), (1 << 14, 1 << 14, Some(6))]
         {
             assert!(Exposure::new(width, height, classes.map(Classes::up_to)).is_err());
         }

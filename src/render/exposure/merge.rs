@@ -3,6 +3,7 @@
 use super::ranges::list;
 use super::{Part, Ranges};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::raster::Metadata;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,7 @@ pub fn merge_files(paths: &[PathBuf]) -> Result<Part> {
     let mut merged = Part::read(first)?;
     let mut seen: Vec<(&Path, Ranges)> = vec![(first, merged.ranges())];
     for path in others {
+        interrupt::check()?;
         let part = Part::read(path)?;
         same_picture(first, &merged, path, &part)?;
         let ranges = part.ranges();

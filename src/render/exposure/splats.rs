@@ -4,9 +4,10 @@
 //! to it over the number of samples per pixel, whichever pixels' samples it came with.
 
 use super::fixed::Fixed;
+use crate::error::Result;
+use crate::memory;
 use crate::raster::Rgb;
 use crate::sampling::prefetch::prefetch;
-use std::collections::TryReserveError;
 
 /// What one path brings to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +38,13 @@ pub(super) struct Received {
 const AHEAD: usize = 8;
 
 impl Splats {
-    pub fn new(pixels: usize, classes: usize) -> Result<Self, TryReserveError> {
-        Ok(Self { pixels: super::film::zeros(pixels)?, classes: super::film::zeros(pixels * classes)? })
+    pub fn new([width, height]: [usize; 2], classes: usize) -> Result<Self> {
+        let (pixels, sums) = (width * height, width * height * classes);
+        let what = || format!("the light paths on a film of {width}x{height} pixels");
+        Ok(Self {
+            pixels: memory::filled(pixels, Received::default(), what)?,
+            classes: memory::filled(sums, Default::default(), what)?,
+        })
     }
 
     /// Adds light to the pixels of a film of that width.

@@ -33,6 +33,9 @@ pub struct Table2 {
 }
 
 impl Table2 {
+    /// Memory that a table takes for each cell, if rows are not of a few cells only.
+    pub const BYTES: usize = size_of::<f64>() + 2 * size_of::<u16>();
+
     /// From `width * height` weights (finite, ≥ 0) given row by row through `weight(x, y)`.
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> Self {

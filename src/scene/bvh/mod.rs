@@ -64,6 +64,9 @@ pub struct MeshBvh {
 }
 
 impl MeshBvh {
+    /// About the memory that building a tree takes for each triangle.
+    pub const BYTES_PER_TRIANGLE: usize = 256;
+
     /// Sorts the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, so neither depth nor time runs
     /// away whatever the triangles are.
     ///

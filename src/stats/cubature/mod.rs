@@ -18,6 +18,7 @@ use super::density::Density;
 use super::domain::Domain;
 use super::grid::{Cell, Grid};
 use crate::error::Result;
+use crate::interrupt;
 use rayon::prelude::*;
 
 /// Integrals over the cells of a grid.
@@ -101,6 +102,7 @@ fn sums<D: Domain>(
         let (mut total, mut fault, mut points, mut values) = (0.0, None, Vec::new(), Vec::new());
         let (rows, columns): (Vec<&[f64]>, Vec<&[f64]>) = (xs.windows(2).collect(), ys.windows(2).collect());
         for rows in rows.chunks(POINTS.div_ceil(columns.len())) {
+            interrupt::check()?;
             points.clear();
             values.clear();
             let middle = |x: &[f64], y: &[f64]| domain.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);

@@ -7,6 +7,7 @@ use super::pieces::{Piece, Tree};
 use super::rule::{KRONROD, nodes};
 use super::{Fault, Integrals, Place, first_fault};
 use crate::error::Result;
+use crate::interrupt;
 use rayon::prelude::*;
 
 /// Evaluations of the density after which refinement stops, each time that places are learned.
@@ -121,6 +122,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         const PARTS: usize = 16;
         let (plane, measure, known) = (self.domain.is_plane(), self.domain.measure(), &self.places);
         let apply = |batch: &[Part]| {
+            interrupt::check()?;
             let points: Vec<D::Point> =
                 batch.iter().flat_map(|part| nodes(&part.at, plane)).map(|place| self.domain.point(place)).collect();
             let mut values = Vec::with_capacity(points.len());

@@ -1,6 +1,7 @@
 //! A render that doubles its samples step by step, its time taken around the rendering alone.
 
 use crate::error::Result;
+use crate::interrupt;
 use crate::raster::{Image, Metadata};
 use crate::render::exposure::Part;
 use crate::render::{Control, Job, Settings};
@@ -8,7 +9,7 @@ use crate::scene::{Request, Scene};
 use cpu_time::ProcessTime;
 use std::time::{Duration, Instant};
 
-/// When everything must be over.
+/// When everything must be over: at a moment, or as soon as the process is asked to stop.
 #[derive(Debug, Clone, Copy)]
 pub struct Deadline(Instant);
 
@@ -27,12 +28,12 @@ impl Deadline {
     /// Seconds until then, at least 0.
     #[must_use]
     pub fn left(&self) -> f64 {
-        self.0.saturating_duration_since(Instant::now()).as_secs_f64()
+        if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
     #[must_use]
     pub fn is_over(&self) -> bool {
-        Instant::now() >= self.0
+        interrupt::requested() || Instant::now() >= self.0
     }
 }
 

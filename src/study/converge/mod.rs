@@ -15,11 +15,14 @@ pub mod roughness;
 pub mod strategy;
 
 use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::memory;
 use crate::scene::{Request, Scene};
 use curve::{Curve, Measured, Run, Verdict};
 use ladder::{Deadline, Ladder};
 use reference::{Facts, Reference};
 use serde::Serialize;
+use std::time::Instant;
 use strategy::Strategy;
 
 /// How much to measure.
@@ -35,8 +38,6 @@ pub struct Plan {
 
 /// Largest budget, in seconds: a day.
 const LONGEST: f64 = 86_400.0;
-/// Films and pictures may take so many bytes.
-const MEMORY: usize = 1 << 29;
 /// A film's bytes per pixel, and an image's.
 const FILM: usize = 104;
 const IMAGE: usize = 12;
@@ -60,11 +61,9 @@ impl Plan {
         let levels = self.max_spp.ilog2() as usize + 1;
         let each = FILM + IMAGE * (levels + self.replicates as usize);
         let bytes = request.width.saturating_mul(request.height).saturating_mul(strategies * each);
-        if bytes > MEMORY {
-            let message = format!("the films of {}x{} pixels need {} MiB", request.width, request.height, bytes >> 20);
-            return Err(Error::parameter("-r", message).with_hint("at most 512 MiB: a small picture measures as well"));
-        }
-        Ok(())
+        memory::request(bytes, || {
+            format!("the films of {strategies} strategies at {}x{}", request.width, request.height)
+        })
     }
 }
 
@@ -79,6 +78,8 @@ pub struct Convergence {
     pub curves: Vec<Curve>,
     /// What the budget did not allow, in words.
     pub cut: Vec<String>,
+    /// Whether the process was asked to stop before the end of the budget.
+    pub interrupted: bool,
     pub seconds: f64,
     #[serde(skip)]
     pub truth: Option<Reference>,
@@ -106,7 +107,7 @@ pub fn measure(
 ) -> Result<Convergence> {
     plan.check(request, strategies.len())?;
     strategies.iter().try_for_each(|strategy| strategy.check(scene))?;
-    let all = Deadline::after(plan.budget);
+    let (start, all) = (Instant::now(), Deadline::after(plan.budget));
     let mut result = Convergence {
         scene: scene.name.clone(),
         width: request.width,
@@ -114,6 +115,7 @@ pub fn measure(
         reference: None,
         curves: Vec::new(),
         cut: Vec::new(),
+        interrupted: false,
         seconds: 0.0,
         truth: None,
     };
@@ -128,7 +130,8 @@ pub fn measure(
     } else {
         result.cut.push("the reference: nothing was measured".into());
     }
-    result.seconds = plan.budget - all.left();
+    result.interrupted = interrupt::requested();
+    result.seconds = start.elapsed().as_secs_f64();
     Ok(result)
 }
 

@@ -39,6 +39,7 @@ pub use row::Row;
 pub use sweep::{Case, Sweep};
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// All quantities that a formula defines.
 pub static FAMILIES: [Family; 15] = [
@@ -74,10 +75,12 @@ pub struct Stability {
     pub promises: Vec<Promise>,
     /// Of the families, for maps of their errors.
     pub sweeps: Vec<Sweep>,
+    /// Whether the process was asked to stop before all of them had been run.
+    pub interrupted: bool,
 }
 
 /// Runs the families and experiments of those names (all when empty); `before` is called with each name before it is
-/// run.
+/// run. If the process is asked to stop, the families and experiments so far are the result.
 ///
 /// # Errors
 /// [`Error::Parameter`] for an unknown name.
@@ -94,17 +97,29 @@ pub fn run<S: AsRef<str>>(
     let wanted = |name: &str| only.is_empty() || only.iter().any(|o| o.as_ref() == name);
     let mut sweeps = Vec::new();
     let mut rows = Vec::new();
+    let mut interrupted = false;
     for family in FAMILIES.iter().filter(|family| wanted(family.name)) {
+        interrupted |= interrupt::requested();
+        if interrupted {
+            break;
+        }
         before(family.name);
         let sweep = Sweep::new(family, effort.side);
         rows.extend(Row::of_sweep(&sweep));
         sweeps.push(sweep);
     }
     for experiment in EXPERIMENTS.iter().filter(|experiment| wanted(experiment.name)) {
+        interrupted |= interrupt::requested();
+        if interrupted {
+            break;
+        }
         before(experiment.name);
-        rows.extend((experiment.run)(effort, seed)?);
+        match (experiment.run)(effort, seed) {
+            Err(Error::Interrupted) => interrupted = true,
+            found => rows.extend(found?),
+        }
     }
-    Ok(Stability { promises: promises(&sweeps, &rows), rows, sweeps })
+    Ok(Stability { promises: promises(&sweeps, &rows), rows, sweeps, interrupted })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE, TEXTBOOK};
 use super::row::Row;
 use crate::error::Result;
+use crate::memory;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::Table2;
 use rayon::prelude::*;
@@ -19,6 +20,7 @@ const COLD: f64 = 1e-12;
 
 fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
     let [width, height] = effort.map;
+    memory::request(width * height * Table2::BYTES, || format!("the table of a map of {width}x{height} texels"))?;
     let weight = hot_texel(effort.map);
     let table = Table2::new(width, height, weight);
     let total = HOT + COLD * (width * height - 1) as f64;

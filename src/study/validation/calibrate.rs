@@ -1,7 +1,9 @@
 //! The harness tests itself: over many seeds, are the p-values of samplers that are right spread evenly?
 
 use super::case::Case;
+use super::run::of_each;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::multiple::sidak;
 use crate::stats::{Outcome, Protocol, Samples};
@@ -35,6 +37,8 @@ pub struct Calibration {
     pub tests: Vec<Calibrated>,
     /// Tests that are uneven or at fault.
     pub uneven: usize,
+    /// Whether the process was asked to stop before all tests were finished; those that were not are left out.
+    pub interrupted: bool,
     pub accepted: bool,
     #[serde(skip)]
     pub p: Vec<f64>,
@@ -54,18 +58,27 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let samples = if let Samples::Count(n) = protocol.samples { n } else { SAMPLES };
     let protocol = Protocol { samples: Samples::Count(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().for_each(Case::prepare);
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
     let of_case = |case: &Case| {
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
-        let outcomes = (0..seeds).into_par_iter().map(at).collect::<Result<Vec<Outcome>>>();
+        let outcomes = if case.is_large() {
+            (0..seeds).map(at).collect::<Result<Vec<Outcome>>>()
+        } else {
+            (0..seeds).into_par_iter().map(at).collect()
+        };
         done(&case.name);
-        outcomes
+        match outcomes {
+            Err(Error::Interrupted) => Ok(None),
+            other => other.map(Some),
+        }
     };
-    let outcomes = cases.par_iter().map(of_case).collect::<Result<Vec<_>>>()?;
+    let finished = of_each(cases, of_case)?;
+    let interrupted = finished.iter().any(Option::is_none);
+    let finished: Vec<(&Case, Vec<Outcome>)> =
+        cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();
     let own = sidak(0.5 * protocol.level, cases.len());
-    let tests: Vec<Calibrated> = cases
+    let tests: Vec<Calibrated> = finished
         .iter()
-        .zip(&outcomes)
         .map(|(case, outcomes)| {
             let p: Vec<f64> = outcomes.iter().filter_map(Outcome::continuous_p).collect();
             let evenness = evenness(&p);
@@ -73,7 +86,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
             Calibrated { name: case.name.clone(), evenness, uneven: evenness.p < own, fault }
         })
         .collect();
-    let p: Vec<f64> = outcomes.iter().flatten().filter_map(Outcome::continuous_p).collect();
+    let p: Vec<f64> = finished.iter().flat_map(|(_, outcomes)| outcomes).filter_map(Outcome::continuous_p).collect();
     let below = |level: f64| p.iter().filter(|p| **p < level).count() as f64 / p.len().max(1) as f64;
     let all = evenness(&p);
     let uneven = tests.iter().filter(|test| test.uneven || test.fault.is_some()).count();
@@ -84,7 +97,8 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         evenness: all,
         below_5_percent: below(0.05),
         below_1_percent: below(0.01),
-        accepted: uneven == 0 && all.p >= 0.5 * protocol.level,
+        interrupted,
+        accepted: !interrupted && uneven == 0 && all.p >= 0.5 * protocol.level,
         tests,
         uneven,
         p,

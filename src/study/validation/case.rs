@@ -1,6 +1,7 @@
 //! A named test, ready to run: what a suite is a list of.
 
 use crate::error::Result;
+use crate::memory;
 use crate::sampling::hash;
 use crate::stats::{Density, Domain, Outcome, Protocol, Sampler, examine};
 
@@ -13,7 +14,12 @@ pub struct Case {
     test: Box<Test>,
     /// What has to be there before tests run side by side.
     preparation: Option<Box<dyn Fn() + Send + Sync>>,
+    /// Bytes that its tables take.
+    memory: usize,
 }
+
+/// Tests whose tables take more bytes than this are run one after the other.
+const LARGE: usize = 1 << 26;
 
 impl Case {
     /// A test of any kind.
@@ -21,13 +27,24 @@ impl Case {
         name: impl Into<String>,
         test: impl Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), test: Box::new(test), preparation: None }
+        Self { name: name.into(), test: Box::new(test), preparation: None, memory: 0 }
     }
 
     /// Adds the making of what the test shares with others, which is then not made twice by tests side by side.
     #[must_use]
     pub fn with_preparation(self, preparation: impl Fn() + Send + Sync + 'static) -> Self {
         Self { preparation: Some(Box::new(preparation)), ..self }
+    }
+
+    /// Says how many bytes the tables of the test take, if they are many.
+    #[must_use]
+    pub fn with_memory(self, memory: usize) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// Whether the test is to be run while no other is: it uses all threads by itself.
+    pub(super) fn is_large(&self) -> bool {
+        self.memory > LARGE
     }
 
     /// The test of a sampler against its density. `make` builds both, when the test runs and not before: tables of large maps
@@ -53,6 +70,7 @@ impl Case {
 
     /// Runs one round. The random numbers depend on the name and the seed alone, not on what else is in the run.
     pub fn examine(&self, protocol: &Protocol, round: u64) -> Result<Outcome> {
+        memory::request(self.memory, || format!("the tables of the test {}", self.name))?;
         let seed = self.name.bytes().fold(protocol.seed, |key, byte| hash::mix64(key ^ u64::from(byte)));
         (self.test)(&Protocol { seed, ..*protocol }, round)
     }

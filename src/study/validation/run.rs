@@ -1,7 +1,8 @@
 //! A run of tests: all rounds, and the verdicts on all of them together.
 
 use super::case::Case;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::stats::kolmogorov::{Evenness, evenness};
 use crate::stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
@@ -26,6 +27,8 @@ pub struct Validation {
     pub accepted: usize,
     pub rejected: usize,
     pub inconclusive: usize,
+    /// Whether the process was asked to stop before all tests were finished; those that were not are inconclusive.
+    pub interrupted: bool,
     /// Whether the p-values are spread as those of true claims are.
     pub evenness: Evenness,
     /// Wall-clock time of the run.
@@ -42,6 +45,7 @@ impl Validation {
             accepted: count(Verdict::Accept),
             rejected: count(Verdict::Reject),
             inconclusive: count(Verdict::Inconclusive),
+            interrupted: tests.iter().any(|test| test.outcome.interrupted),
             evenness: evenness(&p),
             seconds: start.elapsed().as_secs_f64(),
             tests,
@@ -49,19 +53,30 @@ impl Validation {
     }
 }
 
+/// Does something with every case: with large ones one after the other, with the others side by side.
+pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<T>> {
+    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { one(case).map(Some) });
+    let small = small.collect::<Result<Vec<Option<T>>>>()?;
+    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| one(case), Ok)).collect()
+}
+
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` after each.
 pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Validation> {
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().for_each(Case::prepare);
-    let examine = |case: &Case| {
-        let outcome = case.examine(&protocol, 0);
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
+    let examine = |case: &Case, round| match case.examine(&protocol, round) {
+        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
+        other => other,
+    };
+    let first = |case: &Case| {
+        let outcome = examine(case, 0);
         done(&case.name);
         outcome
     };
-    let mut outcomes = cases.par_iter().map(examine).collect::<Result<Vec<_>>>()?;
-    decide(&mut outcomes, protocol.level, |i| cases[i].examine(&protocol, 1))?;
+    let mut outcomes = of_each(cases, first)?;
+    decide(&mut outcomes, protocol.level, |i| examine(&cases[i], 1))?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
     Ok(Validation::new(&protocol, tested.collect(), start))
 }

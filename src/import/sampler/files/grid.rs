@@ -5,6 +5,7 @@ use crate::envmap::LatLong;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
+use crate::memory;
 use crate::raster::{self, ReadOptions};
 use crate::stats::{Density, Directions, Discrete, Domain, Line, Pole, Square};
 use std::f64::consts::PI;
@@ -132,6 +133,7 @@ impl GridDensity<Directions> {
         if image.pixels().iter().any(|p| p.x != p.y || p.y != p.z) {
             return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
         }
+        memory::request(width * height * size_of::<f64>(), || format!("{}, a table of densities", path.display()))?;
         let domain = Directions::sphere(Pole::Y);
         let [rows, turns] = LatLong::new(width, height).edges();
         let edges = [&[0.0], &turns[..], &[1.0]].concat();

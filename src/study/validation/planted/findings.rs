@@ -71,6 +71,8 @@ pub struct Findings {
     pub inconclusive: usize,
     /// Tests without a mistake that were not accepted.
     pub false_alarms: usize,
+    /// Whether the process was asked to stop before all tests were finished.
+    pub interrupted: bool,
     /// Wall-clock time of the run.
     pub seconds: f64,
 }
@@ -108,6 +110,7 @@ pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sy
         rejected: count(Verdict::Reject),
         inconclusive: count(Verdict::Inconclusive),
         false_alarms: tests.iter().filter(|test| test.sound != Verdict::Accept).count(),
+        interrupted: validation.interrupted,
         seconds: validation.seconds,
         tests,
     })

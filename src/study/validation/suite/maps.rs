@@ -7,6 +7,7 @@ use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, SurfaceSampler};
 use crate::envmap::synthetic::Synthetic;
 use crate::raster::{Image, Rgb};
+use crate::sampling::alias::AliasTable;
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
 use glam::DVec3;
 use std::sync::Arc;
@@ -48,8 +49,11 @@ pub fn cases() -> Vec<Case> {
 /// The cases of a map of the user's own.
 #[must_use]
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
+    let texels = map.image().pixels().len();
     let known = Lazy { map: Shared::from(map), make: Box::new(|| Image::new(1, 1)) };
-    of(&(name.to_owned(), Arc::new(known)))
+    let cases = of(&(name.to_owned(), Arc::new(known)));
+    // No sampler's table takes more than the alias table.
+    cases.into_iter().map(|case| case.with_memory(texels * AliasTable::BYTES)).collect()
 }
 
 /// Dark texels beside bright ones, and one that outshines all.

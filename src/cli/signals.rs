@@ -1,0 +1,49 @@
+//! Signals: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP asks the command to stop, a second one ends the process at once.
+
+use crate::interrupt;
+use std::io;
+
+/// Installs the handlers.
+///
+/// SIGXFSZ gets a handler, too, in place of the default action, which would end the process: a write beyond the limit
+/// of file sizes is then an error like that of a full disk.
+///
+/// # Errors
+/// Those of the operating system, for example when there can be no further thread.
+#[cfg(unix)]
+pub fn install() -> io::Result<()> {
+    use crate::files;
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::iterator::Signals;
+    use std::sync::atomic::Ordering;
+
+    signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default())?;
+    let ignored = ignored();
+    let mut signals =
+        Signals::new([SIGINT, SIGTERM, SIGHUP].iter().filter(|signal| ignored >> (*signal - 1) & 1 == 0))?;
+    let requested = interrupt::flag();
+    let answer = move || {
+        for signal in signals.forever() {
+            if requested.swap(true, Ordering::Relaxed) {
+                files::exit_without_parts(128 + signal);
+            }
+        }
+    };
+    std::thread::Builder::new().name("signals".into()).spawn(answer).map(drop)
+}
+
+/// The signals that this process was started to ignore, one bit each, as `nohup` and shell scripts do: they stay ignored.
+#[cfg(unix)]
+fn ignored() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+#[cfg(not(unix))]
+pub fn install() -> io::Result<()> {
+    use signal_hook::consts::SIGINT;
+
+    signal_hook::flag::register_conditional_shutdown(SIGINT, 130, interrupt::flag())?;
+    signal_hook::flag::register(SIGINT, interrupt::flag()).map(drop)
+}

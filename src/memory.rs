@@ -1,0 +1,177 @@
+//! How much memory the process may take.
+//!
+//! What depends on the size of an input or of a request asks here before it allocates, so that too much is an error
+//! that says what would take how much, and not the end of the process. The estimates are of what is about to be
+//! allocated; what the process holds already is measured.
+
+use crate::error::{Error, Result, Shortage};
+use std::path::Path;
+use std::sync::OnceLock;
+
+static LIMITS: OnceLock<Limits> = OnceLock::new();
+
+/// Limits in bytes, with the words that say where they come from.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// Of memory in use.
+    resident: (u64, &'static str),
+    /// Of addresses, in use or not.
+    addresses: (u64, &'static str),
+}
+
+/// What a process holds, in bytes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Usage {
+    resident: u64,
+    addresses: u64,
+}
+
+/// Sets the limit, in place of what the machine has. It holds from the first request on, and cannot be changed then.
+pub fn set_limit(bytes: u64) {
+    let chosen = Limits { resident: (bytes, "as it was chosen"), addresses: address_space() };
+    // Whoever asked before has settled it.
+    let _ = LIMITS.set(chosen);
+}
+
+/// Asks for so many bytes more than the process holds. Nothing is reserved.
+///
+/// # Errors
+/// [`Error::Memory`] when they exceed the limit, with `what` they are for.
+pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
+    let (limits, used) = (LIMITS.get_or_init(Limits::of_machine), Usage::now());
+    let pairs = [(limits.resident, used.resident), (limits.addresses, used.addresses)];
+    match pairs.into_iter().find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
+        None => Ok(()),
+        Some(((limit, source), held)) => {
+            Err(Error::Memory(Shortage { what: what(), needed: bytes as u64, held, limit, source }))
+        }
+    }
+}
+
+/// `count` times the same value, for `what`.
+///
+/// # Errors
+/// As [`request`]; also when the system refuses all the same.
+pub fn filled<T: Clone>(count: usize, value: T, what: impl Fn() -> String) -> Result<Vec<T>> {
+    let mut values = reserved(count, what)?;
+    values.resize(count, value);
+    Ok(values)
+}
+
+/// An empty vector with room for `count` values, for `what`.
+///
+/// # Errors
+/// As [`filled`].
+pub fn reserved<T>(count: usize, what: impl Fn() -> String) -> Result<Vec<T>> {
+    let bytes = count.saturating_mul(size_of::<T>());
+    request(bytes, &what)?;
+    let mut values = Vec::new();
+    let refused = |_| {
+        let (needed, held) = (bytes as u64, Usage::now().resident);
+        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
+    };
+    values.try_reserve_exact(count).map_err(refused)?;
+    Ok(values)
+}
+
+impl Limits {
+    fn of_machine() -> Self {
+        let available = available().map(|bytes| (bytes + Usage::now().resident, "which is what the machine has left"));
+        let group = control_group().map(|bytes| (bytes, "which is what its control group may have"));
+        let least = available.into_iter().chain(group).min();
+        Self { resident: least.unwrap_or((u64::MAX, "")), addresses: address_space() }
+    }
+}
+
+impl Usage {
+    /// From Linux's `/proc`; elsewhere it is not known, and counts as nothing.
+    fn now() -> Self {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let bytes = |name| field(&status, name).unwrap_or(0);
+        Self { resident: bytes("VmRSS:"), addresses: bytes("VmSize:") }
+    }
+}
+
+/// A line of `/proc` such as `VmRSS:   1234 kB`, in bytes.
+fn field(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
+}
+
+/// What can be had without swapping.
+fn available() -> Option<u64> {
+    field(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
+}
+
+/// The least limit of the control groups (version 1 or 2) that this process is in.
+fn control_group() -> Option<u64> {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let limits = groups.lines().filter_map(|line| {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (controllers, path) = (parts.next()?, Path::new(parts.next()?.trim_start_matches('/')));
+        let (root, file) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            _ if controllers.split(',').any(|name| name == "memory") => {
+                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+            }
+            _ => return None,
+        };
+        // A group's limit holds for those within it, too. A container may see its own group as the root.
+        path.ancestors().filter_map(|group| read_number(&Path::new(root).join(group).join(file))).min()
+    });
+    limits.min()
+}
+
+/// The number in a file; nothing if there is none, or the word `max`.
+fn read_number(path: &Path) -> Option<u64> {
+    std::fs::read_to_string(path).ok()?.trim().parse().ok()
+}
+
+/// The limit of addresses (RLIMIT_AS).
+#[cfg(unix)]
+fn address_space() -> (u64, &'static str) {
+    use nix::sys::resource::{Resource, getrlimit};
+    (getrlimit(Resource::RLIMIT_AS).map_or(u64::MAX, |(soft, _)| soft), "of address space (`ulimit -v`)")
+}
+
+#[cfg(not(unix))]
+fn address_space() -> (u64, &'static str) {
+    (u64::MAX, "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_machine_has_is_refused_and_a_little_is_not() {
+        request(1 << 20, || "a mebibyte".into()).unwrap();
+        let error = request(1 << 60, || "an exbibyte".into()).unwrap_err();
+        assert!(error.to_string().starts_with("an exbibyte: this takes 1099511627776 MiB beside"), "{error}");
+        assert_eq!(filled(3, 7u8, || "three bytes".into()).unwrap(), [7; 3]);
+        assert!(reserved::<u64>(usize::MAX, || "everything".into()).is_err());
+    }
+
+    #[test]
+    fn lines_of_proc_are_in_kibibytes() {
+        let text = "VmPeak:\t  300 kB\nVmSize:\t     200 kB\nVmRSS:\t       3 kB\n";
+        assert_eq!(
+            (field(text, "VmSize:"), field(text, "VmRSS:"), field(text, "VmSwap:")),
+            (Some(204_800), Some(3072), None)
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_process_knows_what_it_holds() {
+        let before = Usage::now();
+        let held = vec![1u8; 1 << 26];
+        let after = Usage::now();
+        assert!(
+            before.resident > 0 && after.resident > before.resident + (1 << 25),
+            "{before:?} {after:?} {}",
+            held[9]
+        );
+        assert!(after.addresses >= after.resident);
+    }
+}
