@@ -14,6 +14,8 @@ const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
 /// moves by 0.025 standard deviations.
 const SLACK: f64 = 0.0025;
+/// Standard errors that chance explains of a measured difference.
+const CHANCE: f64 = 2.0;
 /// Attempts at counting, each with fresh samples.
 const ATTEMPTS: u64 = 3;
 
@@ -79,9 +81,14 @@ impl<D: Domain> Counting<'_, D> {
             let fault = integrals.fault.or(check.fault);
 
             let unseen = |cell: usize| tally.unseen_in[cell].sum() / self.samples as f64;
+            // What the rules say of their error, and what places and samples say beyond chance.
+            let found = |cell: usize| {
+                let [difference, error] = check.difference(cell);
+                (difference.abs() - CHANCE * error).max(0.0) + unseen(cell)
+            };
             let error = |cell: usize| match &corrections {
                 Some(corrections) => corrections[cell][1],
-                None => integrals.errors[cell] + check.difference(cell)[0].abs() + unseen(cell),
+                None => integrals.errors[cell] + found(cell),
             };
             let uncertain = self.is_uncertain(&integrals.values, error);
             if !uncertain || attempt == attempts || fault.is_some() {

@@ -24,9 +24,10 @@ pub struct Check<P> {
     pub count: u64,
     pub above: Share,
     pub below: Share,
-    /// The same sums over the places of each cell.
+    /// The same sums over the places of each cell, and those of the squares.
     pub above_in: Vec<Share>,
     pub below_in: Vec<Share>,
+    pub squares_in: Vec<Share>,
     /// Some of the places where the difference is large.
     pub found: Vec<Place>,
     pub fault: Option<Fault<P>>,
@@ -38,6 +39,7 @@ impl<P> Check<P> {
         self.below += other.below;
         add(&mut self.above_in, &other.above_in);
         add(&mut self.below_in, &other.below_in);
+        add(&mut self.squares_in, &other.squares_in);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
         self.fault = self.fault.or(other.fault);
@@ -46,13 +48,11 @@ impl<P> Check<P> {
 }
 
 impl<P> Check<P> {
-    /// The integral over a cell of what is within reach, less that of the polynomials, and the standard error of both.
+    /// The integral over a cell of what is within reach, minus that of the polynomials, and the standard error of this.
     #[must_use]
     pub fn difference(&self, cell: usize) -> [f64; 2] {
         let scale = self.reach / self.count.max(1) as f64;
-        let (above, below) = (self.above_in[cell].sum(), self.below_in[cell].sum());
-        // Differences are at most 1, so their squares are at most as large.
-        [scale * (above - below), scale * (above + below).sqrt()]
+        [scale * (self.above_in[cell].sum() - self.below_in[cell].sum()), scale * self.squares_in[cell].sum().sqrt()]
     }
 }
 
@@ -77,6 +77,7 @@ impl<D: Domain> Refinement<'_, D> {
             below: Share::default(),
             above_in: vec![Share::default(); self.grid.len()],
             below_in: vec![Share::default(); self.grid.len()],
+            squares_in: vec![Share::default(); self.grid.len()],
             found: Vec::new(),
             fault: None,
         };
@@ -108,6 +109,7 @@ impl<D: Domain> Refinement<'_, D> {
                 };
                 *sum += share;
                 of_cell[piece.cell] += share;
+                check.squares_in[piece.cell] += Share::new(difference * difference);
                 if check.found.len() < FOUND && (difference.abs() > LARGE || piece.seen(pdf) < 1.0) {
                     check.found.push(place);
                 }
