@@ -79,17 +79,17 @@ impl<'a> Job<'a> {
     /// As [`Exposure::new`].
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
         let Request { width, height, spp, .. } = self.integrator.request;
+        let classes = self.settings.paths.map(Classes::up_to);
+        let exposure = Exposure::new(width, height, classes)?;
+        let exposure = if self.integrator.light_tracing.is_some() { exposure.with_splats()? } else { exposure };
         // The file at the end takes memory, too, and nothing must be lost then: images of the mean, of its error and of
         // every path class, and the compressed sums, about half as large as the film.
-        let splats = 1 + usize::from(self.integrator.light_tracing.is_some());
-        let classes = self.settings.paths.map_or(0, |most| Classes::up_to(most).count());
-        let bytes = splats * (Exposure::BYTES + classes * Exposure::BYTES_PER_CLASS);
-        let images = (2 + classes) * size_of::<Rgb>();
-        memory::request(width.saturating_mul(height).saturating_mul(bytes + bytes / 2 + images), || {
-            format!("the film of {width}x{height} pixels and the files of it")
+        let (classes, splats) =
+            (classes.map_or(0, Classes::count), usize::from(self.integrator.light_tracing.is_some()));
+        let sums = (1 + splats) * (Exposure::BYTES + classes * Exposure::BYTES_PER_CLASS) / 2;
+        memory::request(width * height * (sums + (2 + classes) * size_of::<Rgb>()), || {
+            format!("the files of a film of {width}x{height} pixels")
         })?;
-        let exposure = Exposure::new(width, height, self.settings.paths.map(Classes::up_to))?;
-        let exposure = if self.integrator.light_tracing.is_some() { exposure.with_splats()? } else { exposure };
         Ok(Part::new(exposure, spp, self.fingerprint(), metadata))
     }
 
