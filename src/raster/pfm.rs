@@ -1,6 +1,6 @@
 //! Portable float maps: `PF` (RGB) and `Pf` (grey), 32-bit floats, rows stored from the bottom up.
 
-use super::read::{blank, check_size, cut_off};
+use super::read::{check_size, cut_off, room};
 use super::{Image, Rgb};
 use crate::error::{Error, Place, Result};
 use std::io::{self, Write};
@@ -17,9 +17,9 @@ pub(super) fn recognise(bytes: &[u8]) -> bool {
 /// positive one big-endian; its absolute value multiplies the samples (it is 1 in nearly all files). One byte of white
 /// space ends the header, or several that end with a line feed; the length of the file tells which, since a sample may
 /// look like white space.
-pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
+pub(super) fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<Image> {
     let channels = if bytes[1] == b'F' { 3 } else { 1 };
-    let mut header = Header { path, bytes, at: 2 };
+    let mut header = Header { path, bytes: &bytes, at: 2 };
     let width: u64 = header.number("width")?;
     let height: u64 = header.number("height")?;
     let scale: f32 = header.number("scale")?;
@@ -32,30 +32,34 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
         return Err(cut_off(path, needed.saturating_add(end as u64 + 1), bytes.len()));
     }
     check_size(path, width, height, bytes.len(), 1)?;
-    let (head, data) = bytes.split_at(bytes.len() - needed as usize);
-    let space = &head[end..];
+    let space = &bytes[end..bytes.len() - needed as usize];
     if space.iter().any(|b| !b.is_ascii_whitespace()) || (space.len() > 1 && !space.ends_with(b"\n")) {
         let surplus = present - needed;
         return Err(header
             .error(format!("the file is {surplus} bytes longer than its header, which ends here, and its pixels")));
     }
 
-    let mut image = blank(path, width as usize, height as usize)?;
+    // The last line of the file is the top row. The memory of lines that are done is given back, so that a large file and
+    // its image are not held at once.
+    const GIVEN_BACK: usize = 1 << 26;
+    let (width, height, length) = (width as usize, height as usize, 4 * channels * width as usize);
     let sample = |b: &[u8]| {
         let b = [b[0], b[1], b[2], b[3]];
         scale.abs() * if scale < 0.0 { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
     };
-    let lines = data.chunks_exact(4 * channels * width as usize);
-    for (line, row) in lines.zip(image.pixels_mut().chunks_exact_mut(width as usize).rev()) {
-        for (pixel, s) in row.iter_mut().zip(line.chunks_exact(4 * channels)) {
-            *pixel = if channels == 3 {
-                Rgb::new(sample(s), sample(&s[4..]), sample(&s[8..]))
-            } else {
-                Rgb::splat(sample(s))
-            };
+    let mut pixels = room(path, width, height)?;
+    for _ in 0..height {
+        let line = bytes.len() - length;
+        pixels.extend(bytes[line..].chunks_exact(4 * channels).map(|s| match channels {
+            3 => Rgb::new(sample(s), sample(&s[4..]), sample(&s[8..])),
+            _ => Rgb::splat(sample(s)),
+        }));
+        bytes.truncate(line);
+        if bytes.capacity() - line > GIVEN_BACK {
+            bytes.shrink_to_fit();
         }
     }
-    Ok(image)
+    Ok(Image::from_pixels(width, height, pixels))
 }
 
 /// Writes a little-endian `PF` file; exact for every value.
@@ -100,7 +104,7 @@ mod tests {
     use super::*;
 
     fn parse(bytes: &[u8]) -> Result<Image> {
-        decode(Path::new("a.pfm"), bytes)
+        decode(Path::new("a.pfm"), bytes.to_vec())
     }
 
     fn file(header: &str, values: &[f32], bytes: fn(f32) -> [u8; 4]) -> Vec<u8> {

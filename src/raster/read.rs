@@ -90,25 +90,25 @@ fn load(path: &Path, options: ReadOptions) -> Result<Decoded> {
         return Err(Error::input(path, "this is a directory, not an image file"));
     }
     let bytes = read_bounded(path, MAX_FILE_BYTES)?;
-    let mut decoded = decode(path, &bytes, options)?;
+    let mut decoded = decode(path, bytes, options)?;
     decoded.notes.iter_mut().for_each(|note| *note = format!("{}: {note}", path.display()));
     Ok(decoded)
 }
 
 /// [`load`] for bytes that are at hand; `path` is only named in errors.
-fn decode(path: &Path, bytes: &[u8], options: ReadOptions) -> Result<Decoded> {
+fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> {
     if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        exr::decode(path, bytes)
+        exr::decode(path, &bytes)
     } else if bytes.starts_with(b"#?") {
-        rgbe::decode(path, bytes)
-    } else if pfm::recognise(bytes) {
+        rgbe::decode(path, &bytes)
+    } else if pfm::recognise(&bytes) {
         pfm::decode(path, bytes).map(Decoded::from)
     } else if bytes.starts_with(b"PF4") {
         Err(Error::unsupported(path, "this is a PFM file of four channels (PF4, RGBA), a variant without a standard")
             .with_hint("save it without alpha, as PF"))
-    } else if let Some(format) = ldr::recognise(bytes) {
+    } else if let Some(format) = ldr::recognise(&bytes) {
         if options.allow_ldr {
-            return ldr::decode(path, bytes, format).map(Decoded::from);
+            return ldr::decode(path, &bytes, format).map(Decoded::from);
         }
         Err(Error::unsupported(
             path,
@@ -116,7 +116,7 @@ fn decode(path: &Path, bytes: &[u8], options: ReadOptions) -> Result<Decoded> {
         )
         .with_hint("use an OpenEXR, Radiance HDR or PFM file; --ldr takes this one all the same"))
     } else {
-        Err(no_image(path, bytes))
+        Err(no_image(path, &bytes))
     }
 }
 
@@ -157,8 +157,14 @@ pub(super) fn check_size(path: &Path, width: u64, height: u64, bytes: usize, pix
 
 /// A black image whose size has passed [`check_size`], if there is memory for it.
 pub(super) fn blank(path: &Path, width: usize, height: usize) -> Result<Image> {
-    let what = || format!("{}, {width}x{height} pixels", path.display());
-    Ok(Image::from_pixels(width, height, memory::filled(width * height, Rgb::ZERO, what)?))
+    let mut pixels = room(path, width, height)?;
+    pixels.resize(width * height, Rgb::ZERO);
+    Ok(Image::from_pixels(width, height, pixels))
+}
+
+/// Room for the pixels of such an image, if there is memory for it.
+pub(super) fn room(path: &Path, width: usize, height: usize) -> Result<Vec<Rgb>> {
+    memory::reserved(width * height, || format!("{}, {width}x{height} pixels", path.display()))
 }
 
 /// A file that ends before its data does.
@@ -172,7 +178,7 @@ mod tests {
     use super::*;
 
     fn refusal(bytes: &[u8]) -> Error {
-        decode(Path::new("x.exr"), bytes, ReadOptions::default()).unwrap_err()
+        decode(Path::new("x.exr"), bytes.to_vec(), ReadOptions::default()).unwrap_err()
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub struct ChiSquare {
 }
 
 /// Fewest expected counts of a pooled cell.
-const FEWEST: f64 = 5.0;
+pub const FEWEST: f64 = 5.0;
 
 /// Tests `observed` against `expected` counts, cell by cell; the totals should agree.
 ///

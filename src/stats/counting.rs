@@ -1,5 +1,6 @@
 //! Samples counted in cells against a density's integrals, which are made better until their errors do not show.
 
+use super::chi_square::FEWEST;
 use super::cubature::{Fault, Integration, Place};
 use super::density::Atom;
 use super::domain::Domain;
@@ -14,6 +15,8 @@ const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
 /// moves by 0.025 standard deviations.
 const SLACK: f64 = 0.0025;
+/// Share of the density that samples may find above what the nodes lead to expect before it is integrated again.
+const UNSEEN: f64 = 1e-4;
 /// Standard errors that chance explains of a measured difference.
 const CHANCE: f64 = 2.0;
 /// Attempts at counting, each with fresh samples.
@@ -31,6 +34,8 @@ pub struct Counting<'a, D: Domain> {
     pub grid: &'a Grid,
     pub atoms: &'a [Atom<D::Point>],
     pub samples: u64,
+    /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
+    pub whole: Option<f64>,
     /// The probability with which the bound of the integral may fail.
     pub risk: f64,
 }
@@ -91,7 +96,8 @@ impl<D: Domain> Counting<'_, D> {
                 None => integrals.errors[cell] + found(cell),
             };
             let uncertain = self.is_uncertain(&integrals.values, error);
-            if !uncertain || attempt == attempts || fault.is_some() {
+            let is_good = !uncertain && (corrections.is_some() || tally.unseen.sum() <= UNSEEN * self.samples as f64);
+            if is_good || attempt == attempts || fault.is_some() {
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
                 }
@@ -110,10 +116,17 @@ impl<D: Domain> Counting<'_, D> {
         }
     }
 
-    /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic.
+    /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it
+    /// is not declared, has the errors of all.
     fn is_uncertain(&self, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
         let n = self.samples as f64;
-        let terms = values.iter().enumerate().map(|(cell, value)| (n * error(cell)).powi(2) / (n * value).max(1.0));
-        terms.sum::<f64>() > SLACK * values.len() as f64
+        // Cells that expect less than this are pooled.
+        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).max(FEWEST);
+        let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
+        let of_none = self.whole.map_or(0.0, |whole| {
+            let squares: f64 = (0..values.len()).map(|cell| error(cell).powi(2)).sum();
+            term(whole - values.iter().sum::<f64>(), squares.sqrt())
+        });
+        of_cells + of_none > SLACK * values.len() as f64
     }
 }

@@ -1,6 +1,6 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
-use super::chi_square::chi_square;
+use super::chi_square::{FEWEST, chi_square};
 use super::counting::{Counted, Counting, streams};
 use super::cubature::{Fault, Place};
 use super::density::{Density, Mass};
@@ -144,10 +144,12 @@ pub fn examine<D: Domain>(
     let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
     let samples = count(grid.len() + atoms.len());
     let n = samples as f64;
-    let counting = Counting { draws: &draws, grid: &grid, atoms: &atoms, samples, risk: RISK * protocol.own_level() };
+    let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
+    let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
+    let risk = RISK * protocol.own_level();
+    let counting = Counting { draws: &draws, grid: &grid, atoms: &atoms, samples, whole, risk };
     let Counted { values, integral, uncertain, fault, tally } = counting.run(&pilot, round)?;
 
-    let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
     let mass = integral.plus(at_atoms);
     let tolerated = MASS + mass.error;
     let (none_expected, mass_fault) = match density.mass() {
@@ -240,8 +242,6 @@ fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
 
 /// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
 fn cells<D: Domain>(domain: &D, pilot: &[Place], shape: [usize; 2], samples: u64) -> Grid {
-    // What chi_square wants a cell to expect before it stands alone.
-    const FEWEST: f64 = 5.0;
     let equal = Grid::equal(shape, domain.outcomes());
     let mut seen = vec![0u64; equal.len()];
     let pilot: Vec<[f64; 2]> = pilot.iter().map(|place| place.at).collect();

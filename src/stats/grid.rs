@@ -110,20 +110,6 @@ impl Grid {
         }
         Self::new(rows, columns)
     }
-
-    /// The rectangle cut in the middle along each of `axes`; `None` where numbers are too coarse for that.
-    pub(super) fn halved(at: Cell, axes: [bool; 2]) -> Option<Self> {
-        let edges = |[from, to]: [f64; 2], cut: bool| {
-            let middle = 0.5 * (from + to);
-            if !cut {
-                return Some(vec![from, to]);
-            }
-            (from < middle && middle < to).then(|| vec![from, middle, to])
-        };
-        let (rows, columns) = (edges(at.x, axes[0])?, edges(at.y, axes[1])?);
-        let columns = vec![columns; rows.len() - 1];
-        Some(Self::new(rows, columns))
-    }
 }
 
 /// Ascending edges from `from` to `to` through those of `inner` that lie strictly between, without repetition.
@@ -211,13 +197,5 @@ mod tests {
         assert!(cells.len() > 6 && (cells.iter().map(Cell::area).sum::<f64>() - 1.0).abs() < 1e-12);
         assert!(cells.windows(2).all(|p| p[1].area() < 20.0 * p[0].area()));
         assert!(cells.iter().enumerate().all(|(i, at)| grid.find([0.5 * (at.x[0] + at.x[1]), 0.5]) == i));
-    }
-
-    #[test]
-    fn halves_of_a_rectangle() {
-        let at = Cell { x: [0.0, 0.5], y: [0.5, 1.0] };
-        assert_eq!(Grid::halved(at, [true, true]).unwrap().len(), 4);
-        assert_eq!(Grid::halved(at, [false, true]).unwrap().find([0.25, 0.8]), 1);
-        assert_eq!(Grid::halved(Cell { x: [1.0, 1f64.next_up()], ..at }, [true, false]), None);
     }
 }

@@ -47,7 +47,7 @@ impl Piece {
 
     /// The share of a density that is within reach.
     pub(super) fn seen(&self, pdf: f64) -> f64 {
-        if pdf > self.top { self.top / pdf } else { 1.0 }
+        share_within(self.top, pdf)
     }
 
     /// The difference between the density at a place, as far as it is within reach, and the rule's polynomial there, from −1
@@ -76,24 +76,22 @@ impl Piece {
         }
     }
 
-    /// Its parts: halves along the axis whose rules differ more; quarters where known places contradict the rules and these do
+    /// The axes to halve it along: that whose rules differ more; both where known places contradict the rules and these do
     /// not say along which axis.
-    pub(super) fn parts(&self, plane: bool) -> Option<Grid> {
+    pub(super) fn axes(&self, plane: bool) -> [bool; 2] {
         let [x, y] = self.errors;
-        let axes = if self.doubt <= x + y {
-            [x >= y, x < y]
-        } else {
-            // An axis is spared whose error is much smaller than the other's; errors near rounding say nothing.
-            const SMALL: f64 = 0.1;
-            const ROUNDING: f64 = 1e-6;
-            let silent = x + y < ROUNDING * self.integral;
-            [silent || x >= SMALL * y, plane && (silent || y >= SMALL * x)]
-        };
-        Grid::halved(self.at, axes)
+        if self.doubt <= x + y {
+            return [x >= y, x < y];
+        }
+        // An axis is spared whose error is much smaller than the other's; errors near rounding say nothing.
+        const SMALL: f64 = 0.1;
+        const ROUNDING: f64 = 1e-6;
+        let silent = x + y < ROUNDING * self.integral;
+        [silent || x >= SMALL * y, plane && (silent || y >= SMALL * x)]
     }
 }
 
-/// A partition of the chart: rectangles cut by grids, and their parts by further grids.
+/// A partition of the chart: rectangles cut by grids, and their parts halved again and again.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
@@ -101,40 +99,57 @@ pub(super) struct Tree {
 
 #[derive(Debug, Clone)]
 enum Node {
-    /// The number of a piece.
-    Leaf(usize),
-    /// Cut by the grid; the node of its first part.
-    Cut(Grid, usize),
+    /// The number of a piece, and the density that it is expected to reach.
+    Leaf { piece: u32, top: f64 },
+    /// Cut where a coordinate is `middle`; the node of the half below, which that above follows.
+    Halves { axis: u8, below: u32, middle: f64 },
+    /// Cut by a grid; the node of its first part.
+    Grid(Box<Grid>, u32),
 }
+
+const EMPTY: Node = Node::Leaf { piece: u32::MAX, top: 0.0 };
 
 impl Tree {
     /// The whole chart as one leaf, number 0.
     pub(super) fn new() -> Self {
-        Self { nodes: vec![Node::Leaf(usize::MAX)] }
+        Self { nodes: vec![EMPTY] }
     }
 
     /// Cuts a leaf; returns the leaves of the parts, in the grid's order.
     pub(super) fn cut(&mut self, leaf: usize, grid: Grid) -> std::ops::Range<usize> {
         let first = self.nodes.len();
-        let parts = first..first + grid.len();
-        self.nodes.extend(parts.clone().map(|_| Node::Leaf(usize::MAX)));
-        self.nodes[leaf] = Node::Cut(grid, first);
-        parts
+        self.nodes.resize(first + grid.len(), EMPTY);
+        self.nodes[leaf] = Node::Grid(Box::new(grid), first as u32);
+        first..self.nodes.len()
     }
 
-    /// Says which piece belongs to a leaf.
-    pub(super) fn set(&mut self, leaf: usize, piece: usize) {
-        self.nodes[leaf] = Node::Leaf(piece);
+    /// Halves a leaf; returns the leaves below and above.
+    pub(super) fn halve(&mut self, leaf: usize, axis: usize, middle: f64) -> [usize; 2] {
+        let below = self.nodes.len();
+        self.nodes.resize(below + 2, EMPTY);
+        self.nodes[leaf] = Node::Halves { axis: axis as u8, below: below as u32, middle };
+        [below, below + 1]
     }
 
-    /// The number of the piece that a place is in.
-    pub(super) fn find(&self, at: [f64; 2]) -> usize {
+    /// Says which piece belongs to its leaf.
+    pub(super) fn set(&mut self, piece: &Piece, number: usize) {
+        self.nodes[piece.leaf] = Node::Leaf { piece: number as u32, top: piece.top };
+    }
+
+    /// The number of the piece that a place is in, and the density that it is expected to reach.
+    pub(super) fn find(&self, at: [f64; 2]) -> (usize, f64) {
         let mut node = 0;
         loop {
-            match &self.nodes[node] {
-                Node::Leaf(piece) => return *piece,
-                Node::Cut(grid, first) => node = first + grid.find(at),
+            node = match &self.nodes[node] {
+                Node::Leaf { piece, top } => return (*piece as usize, *top),
+                Node::Halves { axis, below, middle } => *below as usize + usize::from(at[*axis as usize] >= *middle),
+                Node::Grid(grid, first) => *first as usize + grid.find(at),
             }
         }
     }
+}
+
+/// The share of a density that is within reach of `top`.
+pub(super) fn share_within(top: f64, pdf: f64) -> f64 {
+    if pdf > top { top / pdf } else { 1.0 }
 }

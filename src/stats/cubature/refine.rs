@@ -3,7 +3,7 @@
 use super::super::density::Density;
 use super::super::domain::Domain;
 use super::super::grid::{Cell, Grid};
-use super::pieces::{Piece, Tree};
+use super::pieces::{Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Fault, Integrals, Place, first_fault};
 use crate::error::Result;
@@ -49,13 +49,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
             let [x, y] = [part.at.x, part.at.y].map(|[from, to]| 0.5 * (from + to));
             part.cell = grid.find([x, y]);
         }
-        let parts: Vec<Part> = parts
-            .into_iter()
-            .flat_map(|part| match work.first_cut(&part) {
-                Some(grid) => work.cut(part, grid),
-                None => vec![part],
-            })
-            .collect();
+        let parts: Vec<Part> = parts.into_iter().flat_map(|part| work.first_cut(part)).collect();
         work.add(parts)?;
         work.refine()?;
         Ok(work)
@@ -65,7 +59,8 @@ impl<'a, D: Domain> Refinement<'a, D> {
     pub fn learn(&mut self, places: &[Place]) -> Result<()> {
         let measure = self.domain.measure();
         for place in places {
-            let piece = &mut self.pieces[self.tree.find(place.at)];
+            let (piece, _) = self.tree.find(place.at);
+            let piece = &mut self.pieces[piece];
             piece.places.push(self.places.len() as u32);
             piece.learn(place, measure);
             self.places.push(*place);
@@ -84,24 +79,22 @@ impl<'a, D: Domain> Refinement<'a, D> {
 
     /// The share of the density at a place that the nodes around it lead to expect: less than 1 for a spike.
     pub fn seen(&self, place: &Place) -> f64 {
-        self.piece_at(place.at).seen(place.pdf)
-    }
-
-    pub(super) fn piece_at(&self, at: [f64; 2]) -> &Piece {
-        &self.pieces[self.tree.find(at)]
+        let (_, top) = self.tree.find(place.at);
+        share_within(top, place.pdf)
     }
 
     /// Where a rectangle is cut before any rule is applied: where its known places are halved, and graded from there, so
     /// that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
-    fn first_cut(&self, part: &Part) -> Option<Grid> {
+    fn first_cut(&mut self, part: Part) -> Vec<Part> {
         const FEWEST: usize = 4;
         let plane = self.domain.is_plane();
         if part.places.len() < FEWEST {
-            return Grid::halved(part.at, [true, plane]);
+            return self.halve(part, [true, plane]).unwrap_or_else(|whole| vec![whole]);
         }
         let places: Vec<[f64; 2]> = part.places.iter().map(|&place| self.places[place as usize].at).collect();
         let shape = if plane { [2, 2] } else { [2, 1] };
-        Some(Grid::adapted(&places, shape, part.at, None).graded())
+        let grid = Grid::adapted(&places, shape, part.at, None).graded();
+        self.cut(part, grid)
     }
 
     /// The parts of a rectangle between the lines of `grid`, with the places in each.
@@ -114,6 +107,36 @@ impl<'a, D: Domain> Refinement<'a, D> {
         let leaves = self.tree.cut(whole.leaf, grid);
         let parts = leaves.zip(cells).zip(inside);
         parts.map(|((leaf, at), places)| Part { leaf, cell: whole.cell, at, places }).collect()
+    }
+
+    /// The halves of a rectangle along `axes`, or their halves; the rectangle itself where coordinates are too coarse for that.
+    fn halve(&mut self, whole: Part, axes: [bool; 2]) -> std::result::Result<Vec<Part>, Part> {
+        let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
+        let middles = [middle(whole.at.x), middle(whole.at.y)];
+        let divides = |axis: usize, [from, to]: [f64; 2]| !axes[axis] || from < middles[axis] && middles[axis] < to;
+        if !(divides(0, whole.at.x) && divides(1, whole.at.y)) {
+            return Err(whole);
+        }
+        let mut parts = vec![whole];
+        for axis in (0..2).filter(|&axis| axes[axis]) {
+            let middle = middles[axis];
+            let halves = |Part { leaf, cell, at, places }| {
+                let leaves = self.tree.halve(leaf, axis, middle);
+                let [mut below, mut above]: [Cell; 2] = [at; 2];
+                match axis {
+                    0 => (below.x[1], above.x[0]) = (middle, middle),
+                    _ => (below.y[1], above.y[0]) = (middle, middle),
+                }
+                let is_below = |place: &u32| self.places[*place as usize].at[axis] < middle;
+                let (low, high): (Vec<u32>, Vec<u32>) = places.into_iter().partition(is_below);
+                [
+                    Part { leaf: leaves[0], cell, at: below, places: low },
+                    Part { leaf: leaves[1], cell, at: above, places: high },
+                ]
+            };
+            parts = parts.into_iter().flat_map(halves).collect();
+        }
+        Ok(parts)
     }
 
     /// Applies the rules to `parts`.
@@ -141,7 +164,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         self.fault = faults.into_iter().flatten().next().or(self.fault);
         for (mut piece, part) in pieces.into_iter().flatten().zip(parts) {
             piece.places = part.places;
-            self.tree.set(piece.leaf, self.pieces.len());
+            self.tree.set(&piece, self.pieces.len());
             self.pieces.push(piece);
         }
         Ok(())
@@ -173,24 +196,22 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 self.pieces = fine;
                 break;
             }
-            let mut cuts = Vec::new();
+            let mut parts = Vec::new();
             for mut piece in coarse {
-                match piece.parts(plane) {
-                    Some(grid) => cuts.push((grid, piece)),
-                    // Coordinates are too coarse for a cut: nothing more is to be known here.
-                    None => {
-                        (piece.errors, piece.doubt) = ([0.0; 2], 0.0);
+                let axes = piece.axes(plane);
+                let (leaf, cell, at) = (piece.leaf, piece.cell, piece.at);
+                match self.halve(Part { leaf, cell, at, places: std::mem::take(&mut piece.places) }, axes) {
+                    Ok(halves) => parts.extend(halves),
+                    // Nothing more is to be known here.
+                    Err(Part { places, .. }) => {
+                        (piece.errors, piece.doubt, piece.places) = ([0.0; 2], 0.0, places);
                         fine.push(piece);
                     }
                 }
             }
             self.pieces = fine;
             for (number, piece) in self.pieces.iter().enumerate() {
-                self.tree.set(piece.leaf, number);
-            }
-            let mut parts = Vec::new();
-            for (grid, Piece { leaf, cell, at, places, .. }) in cuts {
-                parts.extend(self.cut(Part { leaf, cell, at, places }, grid));
+                self.tree.set(piece, number);
             }
             self.add(parts)?;
         }

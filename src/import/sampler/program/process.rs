@@ -7,6 +7,7 @@ use super::answer::{Answer, END};
 use super::group::Group;
 use super::peer::{Peer, fault};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -20,6 +21,9 @@ const COMPLAINTS: usize = 8192;
 const LONGEST_LINE: usize = 1000;
 /// How long a program that was asked to quit may take.
 const GRACE: Duration = Duration::from_secs(2);
+
+/// How long a request to stop may go unnoticed while an answer is waited for.
+const ATTENTION: Duration = Duration::from_millis(50);
 
 /// A running program. It is ended, with what it started, when this is dropped.
 pub struct Process {
@@ -79,12 +83,16 @@ impl Process {
         let mut answer = Answer::new(most);
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
-            match self.answers.recv_timeout(left) {
+            match self.answers.recv_timeout(left.min(ATTENTION)) {
                 Ok(block) => {
                     if let Some(text) = answer.add(&block)? {
                         return Ok(text);
                     }
                 }
+                Err(RecvTimeoutError::Timeout) if interrupt::requested() => {
+                    return Err("it was interrupted".to_owned());
+                }
+                Err(RecvTimeoutError::Timeout) if left > ATTENTION => {}
                 Err(RecvTimeoutError::Timeout) => {
                     let (progress, limit) = (answer.progress(), self.limit.as_secs_f64());
                     return Err(format!("it had answered {progress}, but not \"{END}\" within {limit} s"));
@@ -141,7 +149,7 @@ impl Peer for Process {
         self.exchange(request, most).map_err(|what| {
             let why = format!("asked {asked:?}, {what}{}", self.end());
             self.broken = Some(why.clone());
-            fault(&self.command, why)
+            if interrupt::requested() { Error::Interrupted } else { fault(&self.command, why) }
         })
     }
 }
