@@ -28,8 +28,11 @@ impl fmt::Display for Bound {
 /// An integral and the bound of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Integral {
+    #[serde(rename = "mass")]
     pub value: f64,
+    #[serde(rename = "mass_error")]
     pub error: f64,
+    #[serde(rename = "mass_bound")]
     pub bound: Bound,
 }
 

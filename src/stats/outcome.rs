@@ -54,6 +54,7 @@ pub struct Outcome {
     pub detectable: Option<f64>,
     pub seconds: f64,
     /// The integral of the density and its atoms.
+    #[serde(flatten)]
     pub mass: Option<Integral>,
     /// Cells, and groups of them after pooling.
     pub cells: usize,

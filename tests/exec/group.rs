@@ -84,6 +84,27 @@ fn signals_end_the_program_and_what_it_started() {
     }
 }
 
+/// A request to stop is noticed while an answer is waited for, long before its time limit.
+#[test]
+fn an_answer_is_not_waited_for_after_a_signal() {
+    for signal in [Signal::SIGINT, Signal::SIGTERM] {
+        let folder = tempdir().unwrap();
+        let script = format!("{HELLO}; echo > asked; sleep 1000");
+        std::fs::write(folder.path().join("client.sh"), script).unwrap();
+        let mut bench = Command::new(assert_cmd::cargo::cargo_bin("etalon"))
+            .args(["validate", "--exec", "sh client.sh", "--samples", "1000", "--timeout", "600"])
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let asked = wait_for(|| folder.path().join("asked").exists().then_some(()));
+        kill(Pid::from_raw(bench.id() as i32), signal).unwrap();
+        let ended = wait_for(|| bench.try_wait().unwrap());
+        assert!(asked.is_some() && ended.and_then(|status| status.code()) == Some(3), "{signal}: {ended:?}");
+    }
+}
+
 /// A program that ends by itself, after a right or a wrong answer, is not the last of its group.
 #[test]
 fn what_a_program_left_behind_is_ended() {

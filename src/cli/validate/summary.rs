@@ -49,7 +49,7 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
             p_value(outcome.p),
             percent(outcome.detectable),
             outcome.samples,
-            outcome.mass.map_or("-".into(), |mass| mass.to_string()),
+            outcome.mass.filter(|mass| mass.error.is_finite()).map_or("-".into(), |mass| mass.to_string()),
             outcome.seconds
         );
         if let Some(remark) = outcome.remark() {

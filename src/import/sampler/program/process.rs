@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const COMPLAINTS: usize = 8192;
 /// Longest line of standard error that a message shows whole, in bytes.
 const LONGEST_LINE: usize = 1000;
-/// How long a program that was asked to quit may take.
+/// How long a program that was asked to quit may take, and the end of its complaints to come.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// How long a request to stop may go unnoticed while an answer is waited for.
@@ -123,7 +123,7 @@ impl Process {
     fn end(&mut self) -> String {
         self.kill();
         // Something that left its group may hold the pipe open.
-        let complaints = self.complaints.recv_timeout(Duration::from_millis(500)).unwrap_or_default();
+        let complaints = self.complaints.recv_timeout(GRACE).unwrap_or_default();
         last_line(&complaints).map_or_else(String::new, |line| format!("; its standard error ends with {line}"))
     }
 
