@@ -102,3 +102,22 @@ pub(super) fn interpolate(values: &[f64], at: &Cell, [x, y]: [f64; 2]) -> f64 {
     let along_y = lagrange(local(y, at.y));
     along_x.iter().zip(values.chunks(KRONROD)).map(|(weight, row)| weight * sum(&along_y, row)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_of_degree_14_come_back() {
+        let f = |[x, y]: [f64; 2]| (2.0 * x - 0.3).powi(14) - 3.0 * x * (y - 0.2).powi(11) + y.powi(14);
+        let at = Cell { x: [0.25, 0.5], y: [-1.0, 1.0] };
+        let values: Vec<f64> = nodes(&at, true).map(f).collect();
+        let corners = [[0.25, -1.0], [0.5, 1.0]];
+        for place in [[0.3, 0.1], [0.44, -0.9]].into_iter().chain(corners).chain(nodes(&at, true).take(20)) {
+            let value = interpolate(&values, &at, place);
+            assert!((value - f(place)).abs() < 1e-11 * f(place).abs().max(1.0), "{place:?}: {value} {}", f(place));
+        }
+        let line: Vec<f64> = nodes(&at, false).map(|[x, _]| f([x, 0.5])).collect();
+        assert!((interpolate(&line, &at, [0.4, 0.5]) - f([0.4, 0.5])).abs() < 1e-12);
+    }
+}
