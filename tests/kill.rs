@@ -31,7 +31,9 @@ fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
         command.args(args).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
     };
     let start = Instant::now();
-    assert!(run(&folder.join("alone")).wait().unwrap().success());
+    // A measurement may find its budget too small on a busy machine: exit code 3.
+    let alone = run(&folder.join("alone")).wait().unwrap().code();
+    assert!(matches!(alone, Some(0 | 3)), "{args:?}: {alone:?}");
     let time = start.elapsed();
     check(&folder.join("alone"));
     let trials = std::env::var("ETALON_KILLS").map_or(WAYS.len() as u32, |n| n.parse().unwrap());
@@ -56,7 +58,7 @@ fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
         assert!(!said.contains("panicked"), "{what}");
         let untouched = std::fs::read_dir(&here).unwrap().next().is_none();
         let right = match (status.code(), status.signal()) {
-            (Some(0), _) => true,
+            (Some(code), _) if code == 0 || Some(code) == alone => true,
             (Some(3), _) => signals[0] != Signal::SIGKILL,
             (Some(130), _) => signals.len() == 2,
             // Before the program has taken notice of signals, they end it.

@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_strip_between_the_nodes_is_measured_and_then_integrated() {
+    fn a_strip_between_the_nodes_is_measured_and_integrated_where_it_was_found() {
         // Too high by 0.9 in a strip that has no node of any piece.
         let (from, width) = (0.518_05, 1e-4);
         let strip = density(move |[x, _]: [f64; 2]| if (from..from + width).contains(&x) { 1.9 } else { 1.0 });
@@ -259,6 +259,6 @@ mod tests {
         assert!((mean - 0.25 * width).abs() < 4.0 * 0.25 * (width / check.count as f64).sqrt(), "{mean}");
         refinement.learn(&check.found).unwrap();
         let (value, error) = total(&refinement.integrals());
-        assert!((value - 1.0 - 0.9 * width).abs() < 1e-6 + error && error < 5e-5, "{value} {error}");
+        assert!((1.0 + 1e-6..1.0 + 0.9 * width + error).contains(&value), "{value} {error}");
     }
 }
