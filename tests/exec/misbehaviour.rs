@@ -37,7 +37,7 @@ fn programs_that_misbehave_are_named() {
         ("head -c 5000 /dev/zero | tr '\\000' x; cat > /dev/null", "longer than 1024 bytes"),
         ("head -c 500 /dev/urandom | tr -d '\\n'; exit 1", "after 0 lines, at last"),
         ("exec >&-; cat > /dev/null", "it closed its standard output"),
-        ("yes complaint >&2 & exit 1", "its standard error ends with \""),
+        ("yes complaint >&2 & sleep 0.3; exit 1", "its standard error ends with \""),
         ("echo etalon 1 colour=red; echo end; cat > /dev/null", "colour=red"),
         ("echo etalon 1; echo end; cat > /dev/null", "does not say what its domain is"),
         ("echo etalon 1 domain=line; echo 0.5 2; echo end; cat > /dev/null", "atom \"0.5 2\""),
