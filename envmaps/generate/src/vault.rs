@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::plan::{BAY, END, OUTER_BAYS, RIB, RIB_HALF, Vault, bay, bay_z};
-use super::ray::Ray;
+use crate::plan::{BAY, END, OUTER_BAYS, RIB, RIB_HALF, Vault, bay, bay_z};
+use crate::ray::Ray;
 
 /// Where the ray leaves the union of the vault's tunnels between `from` and `to`, with the surface's normal there.
 pub fn exit(vault: &Vault, ray: &Ray, from: f64, to: f64) -> Option<(f64, DVec3)> {

@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::columns::{ALTAR, CANDLES, CHANDELIER_HEIGHT, CHANDELIER_RADIUS, CHANDELIERS, CIRCLE};
-use super::plan::Kind;
-use super::{glass, sun};
+use crate::columns::{ALTAR, CANDLES, CHANDELIER_HEIGHT, CHANDELIER_RADIUS, CHANDELIERS, CIRCLE};
+use crate::plan::Kind;
+use crate::{glass, sun};
 
 /// Radiant intensity of one candle, and its colour.
 pub const CANDLE: DVec3 = DVec3::new(0.050, 0.030, 0.011);

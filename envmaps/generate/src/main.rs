@@ -1,4 +1,9 @@
-//! `nave`: the inside of a Gothic church, seen from the middle of the nave.
+//! Generates `envmaps/nave.exr`, the program's default environment map: the inside of a Gothic church, seen from the
+//! middle of the nave.
+//!
+//! `cargo run --release -p generate-nave` writes the file again. Every machine computes the same bits: elementary
+//! functions come from `libm`, sums have a fixed order, and the values are rounded to half floats, which the file
+//! keeps exactly.
 //!
 //! The plan, in metres (details in `plan.rs`); the apse is towards +z (u = 0.25), the west front with the rose
 //! towards −z (u = 0.75), the sunny south side towards −x (u = 0.5):
@@ -33,14 +38,15 @@ mod stone;
 mod sun;
 mod vault;
 
+use etalon::raster::{self, Image, Metadata, Precision, WriteOptions};
 use glam::DVec3;
+use std::path::{Path, PathBuf};
 
 use self::film::{HEIGHT, Lens, Seen, WIDTH};
 use self::irradiance::Irradiance;
 use self::light::Lamp;
 use self::ray::{Hit, Ray, Surface};
 use self::sun::Sun;
-use crate::raster::{Image, Rgb};
 
 /// Brings the map to the mean radiance of the measured cathedral that it stands in for.
 const EXPOSURE: f32 = 0.70;
@@ -56,14 +62,26 @@ struct Lighting {
     sun: Sun,
 }
 
-/// Renders the map, 1024 × 512.
-pub fn make() -> Image {
+fn main() -> etalon::Result<()> {
+    let metadata = Metadata::default().with("map", "nave");
+    let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
+    raster::write_with(&file(), &make(), &metadata, options)
+}
+
+/// The file that the program embeds.
+fn file() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../nave.exr")
+}
+
+/// Renders the map, 1024 × 512, in radiance that half floats represent exactly.
+fn make() -> Image {
     let church = Lighting::new();
     let lens = Lens::new();
     let mut image = lens.expose(|d| church.see(d));
     church.add_flames(&lens, &mut image);
     let image = film::glow(&image);
-    Image::from_pixels(WIDTH, HEIGHT, image.into_iter().map(|c| Rgb::from(c) * EXPOSURE).collect())
+    let to_half = |v: f32| half::f16::from_f32(v * EXPOSURE).to_f32();
+    Image::from_pixels(WIDTH, HEIGHT, image.into_iter().map(|c| c.to_array().map(to_half).into()).collect())
 }
 
 fn trace(ray: &Ray) -> Hit {
@@ -156,5 +174,22 @@ fn identity(hit: &Hit) -> u32 {
         Surface::Iron => 10,
         Surface::Wax => 11,
         Surface::Altar => 12,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_holds_what_is_generated_to_the_last_bit() {
+        let written = raster::read(&file(), raster::ReadOptions::default()).unwrap();
+        assert!(make() == written, "run: cargo run --release -p generate-nave");
+    }
+
+    #[test]
+    fn one_thread_makes_the_same_bits() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert!(pool.install(make) == make());
     }
 }

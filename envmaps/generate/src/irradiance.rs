@@ -6,9 +6,9 @@
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::plan::{Window, windows};
-use super::ray::{Hit, Ray};
-use super::{building, columns, glass, light};
+use crate::plan::{Window, windows};
+use crate::ray::{Hit, Ray};
+use crate::{building, columns, glass, light};
 
 const ORIGIN: DVec3 = DVec3::new(-10.8, 0.4, -14.4);
 const STEP: DVec3 = DVec3::new(1.2, 1.7, 1.74);

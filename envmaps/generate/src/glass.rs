@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::arch::Pointed;
-use super::plan::{Kind, ROSE_HEIGHT, ROSE_RADIUS, Window};
+use crate::arch::Pointed;
+use crate::plan::{Kind, ROSE_HEIGHT, ROSE_RADIUS, Window};
 
 /// Pot-metal glass: linear RGB transmittance of a sheet of middling thickness, so that thin ones let through more.
 const COBALT: DVec3 = DVec3::new(0.03, 0.15, 0.95);
@@ -255,7 +255,7 @@ fn vary(keys: [i32; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::synthetic::nave::plan::windows;
+    use crate::plan::windows;
 
     #[test]
     fn every_window_lets_some_coloured_light_through_and_never_amplifies_much() {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::arch::{Frame, Pointed, Recess};
+use crate::arch::{Frame, Pointed, Recess};
 
 /// The lens of the camera, a little off the axis and off the middle of the bay, at eye height.
 pub const EYE: DVec3 = DVec3::new(0.35, 1.65, -0.5);

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::plan::Kind;
+use crate::plan::Kind;
 
 /// What a ray met.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::arch::Recess;
-use super::glass;
-use super::plan::{self, AISLE_WINDOW, CLERESTORY, Kind, OUTER_BAYS, OUTER_WALL, WALL};
-use super::ray::Ray;
+use crate::arch::Recess;
+use crate::glass;
+use crate::plan::{self, AISLE_WINDOW, CLERESTORY, Kind, OUTER_BAYS, OUTER_WALL, WALL};
+use crate::ray::Ray;
 
 /// Towards the sun: before noon, and so high that its patches reach the floor of the nave.
 const DIRECTION: DVec3 = DVec3::new(-0.66, 1.0, 0.32);

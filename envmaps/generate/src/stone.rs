@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::glass::chance;
-use super::plan::{self, AISLE_VAULT, ARCADE, CLERESTORY, END, NAVE_VAULT, Vault, WALL};
-use super::ray::{Hit, Surface};
+use crate::glass::chance;
+use crate::plan::{self, AISLE_VAULT, ARCADE, CLERESTORY, END, NAVE_VAULT, Vault, WALL};
+use crate::ray::{Hit, Surface};
 
 const STONE: DVec3 = DVec3::new(0.25, 0.22, 0.165);
 const DRESSED: DVec3 = DVec3::new(0.29, 0.26, 0.20);

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::plan::{BAY, END, WALL};
-use super::ray::{Hit, Ray, Surface};
+use crate::plan::{BAY, END, WALL};
+use crate::ray::{Hit, Ray, Surface};
 
 /// An upright cylinder with flat ends.
 struct Drum {

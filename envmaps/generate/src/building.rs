@@ -5,10 +5,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::arch::{Frame, Met, Recess};
-use super::plan::{self, *};
-use super::ray::{Hit, Ray, Surface};
-use super::vault;
+use crate::arch::{Frame, Met, Recess};
+use crate::plan::{self, *};
+use crate::ray::{Hit, Ray, Surface};
+use crate::vault;
 
 #[derive(Debug, Clone, Copy)]
 enum Room {
