@@ -3,6 +3,7 @@
 
 pub mod collada;
 pub mod mesh;
+pub(crate) mod number;
 pub mod pbrt;
 mod place;
 pub mod sampler;

@@ -63,6 +63,14 @@ pub fn read_lat_long(path: &Path, options: ReadOptions) -> Result<(Image, Vec<St
     Ok(decoded.into_parts())
 }
 
+/// Decodes an OpenEXR file that is in memory; errors name it `path`.
+///
+/// # Errors
+/// Those of [`read`], without [`Error::Io`].
+pub(crate) fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Image> {
+    exr::decode(path, bytes).map(|decoded| decoded.image)
+}
+
 /// What a decoder makes of a file.
 #[derive(Debug)]
 pub(super) struct Decoded {

@@ -5,6 +5,7 @@ use super::family::{Family, Precision};
 use super::sweep::case;
 use super::{FAMILIES, names};
 use crate::error::{Error, Result};
+use crate::import::number::number;
 use serde::Serialize;
 
 /// One form at the input.
@@ -100,50 +101,10 @@ fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     }
 }
 
-/// A decimal, or a hexadecimal float such as `-0x1.8p-3`.
-fn number(text: &str) -> Option<f64> {
-    let (sign, digits) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
-    let Some(hexadecimal) = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) else {
-        return text.parse().ok();
-    };
-    let (mantissa, exponent) = hexadecimal.split_once(['p', 'P']).unwrap_or((hexadecimal, "0"));
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-    let digits: String = [whole, fraction].concat();
-    // 13 digits fill a double's fraction; one more stands before the point.
-    if digits.is_empty() || digits.len() > 14 || digits.starts_with(['+', '-']) {
-        return None;
-    }
-    let exponent: i32 = exponent.parse().ok()?;
-    let scale = exponent.checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
-    // In two steps, so that neither factor leaves the range before the product does.
-    let half = scale.clamp(-2200, 2200) / 2;
-    let product =
-        u64::from_str_radix(&digits, 16).ok()? as f64 * 2f64.powi(half) * 2f64.powi(scale.clamp(-2200, 2200) - half);
-    Some(sign * product)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::study::stability::family::{STABLE, Section};
-
-    #[test]
-    fn numbers_are_read_exactly() {
-        for (text, expected) in [
-            ("0.1", 0.1),
-            ("-1e-12", -1e-12),
-            ("0x1p-3", 0.125),
-            ("-0x1.8p1", -3.0),
-            ("0x1.999999999999ap-4", 0.1),
-            ("0x0.0000000000001p-1022", 5e-324),
-            ("0X10", 16.0),
-        ] {
-            assert_eq!(number(text), Some(expected), "{text}");
-        }
-        for text in ["", "0x", "x", "0x1p", "0x1pp2", "1e", "0x-1", "0x123456789abcdef0", "--1"] {
-            assert_eq!(number(text), None, "{text}");
-        }
-    }
 
     #[test]
     fn the_grids_and_edges_lie_in_the_domains() {
