@@ -91,7 +91,7 @@ pub fn run<S: AsRef<str>>(
     before: &mut dyn FnMut(&'static str),
 ) -> Result<Stability> {
     if let Some(unknown) = only.iter().map(S::as_ref).find(|name| names().all(|known| known != *name)) {
-        return Err(Error::parameter("FAMILY", format!("there is no family \"{unknown}\""))
+        return Err(Error::parameter("families", format!("there is no family \"{unknown}\""))
             .with_hint(format!("families: {}", names().collect::<Vec<_>>().join(", "))));
     }
     let wanted = |name: &str| only.is_empty() || only.iter().any(|o| o.as_ref() == name);

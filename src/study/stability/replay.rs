@@ -40,7 +40,7 @@ pub fn replay(text: &str) -> Result<Replay> {
     let Some(family) = FAMILIES.iter().find(|family| family.name == name) else {
         let known: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
         let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
-        return Err(Error::parameter("--replay", format!("\"{name}\" is {what}"))
+        return Err(Error::parameter("case", format!("\"{name}\" is {what}"))
             .with_hint(format!("formulas: {}", known.join(", "))));
     };
     let inputs = parse(family, inputs)?;
@@ -74,7 +74,7 @@ pub fn replay(text: &str) -> Result<Replay> {
 fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     let refuse = |message: String| {
         let form: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
-        Error::parameter("--replay", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
+        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
     };
     let mut inputs = vec![None; family.inputs.len()];
     for part in text.split(',').filter(|part| !part.is_empty()) {
