@@ -2,7 +2,6 @@
 
 use super::map::{Display, Look};
 use super::originals::Originals;
-use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
@@ -244,8 +243,7 @@ impl Context {
     pub fn stability(&self, figure: &'static str) -> Result<Arc<Stability>> {
         self.stabilities.get(figure, || {
             let effort = if self.quick { Effort::QUICK } else { Effort::FIGURES };
-            let names = FIGURES.iter().find(|(id, ..)| *id == figure).map_or(&[][..], |(.., names)| names);
-            stability::run(names, &effort, self.seed, &mut |_| {})
+            stability::run(&stability::of_figure(figure), &effort, self.seed, &mut |_| {})
         })
     }
 }

@@ -126,7 +126,7 @@ pub fn reproduce(
     let all = registry();
     if let Some(unknown) = ids.iter().find(|id| all.iter().all(|e| e.id != id.as_str())) {
         let known: Vec<_> = all.iter().map(|e| e.id).collect();
-        return Err(Error::parameter("--only", format!("there is no figure \"{unknown}\""))
+        return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
     let mut records = page::read_records(folder, &all)?;

@@ -50,20 +50,20 @@ impl Elsewhere {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
             (Some(_), Some(HowMany::File(file)), _) => {
-                Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("with --exec, samples are drawn, not read"))
+                Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("with `exec`, samples are drawn, not read"))
             }
             (Some(command), ..) => self.program(command, space).map(Some),
             (None, Some(HowMany::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
             (None, Some(HowMany::File(file)), None) => {
-                Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("if it is a file of samples, give their density by --pdf FILE"))
+                Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("if it is a file of samples, give their density by `pdf` FILE"))
             }
-            (None, _, Some(_)) => Err(Error::parameter("--pdf", "a density without samples")
-                .with_hint("give a file of samples by --samples FILE.csv")),
+            (None, _, Some(_)) => Err(Error::parameter("pdf", "a density without samples")
+                .with_hint("give a file of samples by `samples` FILE.csv")),
             (None, _, None) if space.is_some() => {
-                Err(Error::parameter("--domain", "there is no sampler elsewhere to test")
-                    .with_hint("it goes with --exec, or with --samples FILE and --pdf"))
+                Err(Error::parameter("domain", "there is no sampler elsewhere to test")
+                    .with_hint("it goes with `exec`, or with `samples` FILE and `pdf`"))
             }
             (None, _, None) => Ok(None),
         }
@@ -77,7 +77,7 @@ impl Elsewhere {
     fn limit(&self) -> Result<Duration> {
         const LONGEST: f64 = 86_400.0;
         if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
-            return Err(Error::parameter("--timeout", format!("{} s is not from 0 to {LONGEST} s", self.timeout)));
+            return Err(Error::parameter("timeout", format!("{} s is not from 0 to {LONGEST} s", self.timeout)));
         }
         Ok(Duration::from_secs_f64(self.timeout))
     }
@@ -106,10 +106,10 @@ fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) ->
             of_files(samples, density)
         }
         Some(_) if !is_table => {
-            Err(Error::parameter("--pdf", "an image is a density over the sphere").with_hint("--domain sphere"))
+            Err(Error::parameter("pdf", "an image is a density over the sphere").with_hint("`domain` sphere"))
         }
-        None => Err(Error::parameter("--domain", "a table does not say what it is a density over")
-            .with_hint("--domain sphere, hemisphere, square, line or discrete:N")),
+        None => Err(Error::parameter("domain", "a table does not say what it is a density over")
+            .with_hint("`domain` sphere, hemisphere, square, line or discrete:N")),
         Some(space) => space.with(OfTable { samples, pdf }),
     }
 }
