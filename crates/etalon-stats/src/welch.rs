@@ -1,18 +1,18 @@
-//! Pictures with noise compared tile by tile, with each other or with what they should show: Welch's t-test.
+//! ImageComparison with noise compared tile by tile, with each other or with what they should show: Welch's t-test.
 //!
 //! Samples of light have heavy tails, so that single pixels are far from normal; the means of tiles are closer, by the
 //! central limit theorem. There is no floor under the variances: it would hide any bias below it. Where there is no noise
 //! at all the values themselves must agree. Source: Welch, "The generalization of 'Student's' problem when several
-//! different population variances are involved", Biometrika 34, 1947; for pictures Jung, Hanika & Dachsbacher, "Detecting
+//! different population variances are involved", Biometrika 34, 1947; for images Jung, Hanika & Dachsbacher, "Detecting
 //! Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020.
 
-use super::power::{chi_square_tail, noncentrality};
-use serde::Serialize;
+use crate::power::{chi_square_tail, noncentrality};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// What independent samples say about a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
+    /// The mean.
     pub value: f64,
     /// The square of the standard error of `value`.
     pub variance: f64,
@@ -51,7 +51,7 @@ fn joint_dof(means: &[Mean], variance: f64) -> f64 {
     if squares > 0.0 { variance * variance / squares } else { f64::INFINITY }
 }
 
-/// Means of the square tiles of a picture, row by row: those at the right and lower edge may be smaller, pixels that
+/// Means of the square tiles of a image, row by row: those at the right and lower edge may be smaller, pixels that
 /// are `None` do not count, and a tile without pixels is left out together with its partner in `other`.
 #[must_use]
 pub fn tiles([width, height]: [usize; 2], side: usize, pixel: impl Fn(usize) -> Option<[Mean; 2]>) -> Vec<[Mean; 2]> {
@@ -66,31 +66,32 @@ pub fn tiles([width, height]: [usize; 2], side: usize, pixel: impl Fn(usize) -> 
     corners.filter_map(tile).collect()
 }
 
-/// Two pictures compared.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pictures {
-    /// Σ z² over the tiles with noise, chi-square distributed if the pictures agree.
+/// Two images compared.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ImageComparison {
+    /// Σ z² over the tiles with noise, chi-square distributed if the images agree.
     pub statistic: f64,
     /// Tiles with noise.
     pub dof: usize,
-    /// Probability of a statistic at least this large if the pictures agree; 1 without noise.
+    /// Probability of a statistic at least this large if the images agree; 1 without noise.
     pub p: f64,
     /// Kurtosis of the tiles' z: 3 for normal ones, much more where tails are too heavy for this test.
     pub kurtosis: f64,
     /// Largest difference among the tiles without noise, if there are any.
     pub exact_difference: f64,
-    /// p-values of the tiles with noise, uniform if the pictures agree.
-    #[serde(skip)]
+    /// p-values of the tiles with noise, uniform if the images agree.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub tiles: Vec<f64>,
-    /// Σ (value/standard error)²: how far the whole picture stands out of its noise.
-    #[serde(skip)]
+    /// Σ (value/standard error)²: how far the whole image stands out of its noise.
+    #[cfg_attr(feature = "serde", serde(skip))]
     signal: f64,
 }
 
-/// Compares tiles in pairs. Differences up to `allowance` (what the second picture's own precision leaves open) do not
+/// Compares tiles in pairs. Differences up to `allowance` (what the second image's own precision leaves open) do not
 /// count; it should be small beside the noise.
 #[must_use]
-pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> Pictures {
+pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> ImageComparison {
     let (mut tiles, mut z, mut signal, mut exact_difference) = (Vec::new(), Vec::new(), 0.0, 0f64);
     for [a, b] in pairs {
         let (difference, variance) = ((a.value - b.value).abs(), a.variance + b.variance);
@@ -106,7 +107,7 @@ pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> Pictures {
     }
     let statistic = z.iter().fold(0.0, |sum, z| sum + z * z);
     let moment = |power| z.iter().map(|z| z.powi(power)).sum::<f64>() / z.len() as f64;
-    Pictures {
+    ImageComparison {
         statistic,
         dof: z.len(),
         p: if z.is_empty() { 1.0 } else { chi_square_tail(z.len() as f64, statistic) },
@@ -117,8 +118,8 @@ pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> Pictures {
     }
 }
 
-impl Pictures {
-    /// The smallest relative bias of the whole picture that a test at `level` finds with 90 % probability; `None` without
+impl ImageComparison {
+    /// The smallest relative bias of the whole image that a test at `level` finds with 90 % probability; `None` without
     /// noise or without light.
     #[must_use]
     pub fn detectable(&self, level: f64) -> Option<f64> {
@@ -148,11 +149,11 @@ fn deviation(p: f64, t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::stream::{Independent, Stream};
-    use crate::stats::kolmogorov::evenness;
+    use crate::kolmogorov::uniformity;
+    use crate::stream::{Independent, Stream};
 
-    /// A picture of 24×24 pixels of mean 1, whose samples are −ln u: skewed, of variance 1.
-    fn picture(seed: u64, spp: u32, bias: impl Fn(usize) -> f64) -> Vec<Mean> {
+    /// A image of 24×24 pixels of mean 1, whose samples are −ln u: skewed, of variance 1.
+    fn image(seed: u64, spp: u32, bias: impl Fn(usize) -> f64) -> Vec<Mean> {
         let pixel = |i: usize| {
             let samples: Vec<f64> =
                 (0..spp).map(|s| -(1.0 - Independent::new(seed, i as u64, s).pair(0)[0]).ln()).collect();
@@ -164,7 +165,7 @@ mod tests {
         (0..24 * 24).map(pixel).collect()
     }
 
-    fn test(a: &[Mean], b: &[Mean]) -> Pictures {
+    fn test(a: &[Mean], b: &[Mean]) -> ImageComparison {
         compare(&tiles([24, 24], 4, |i| Some([a[i], b[i]])), 0.0)
     }
 
@@ -180,24 +181,23 @@ mod tests {
     }
 
     #[test]
-    fn pictures_that_agree_have_even_p_values() {
-        let p: Vec<f64> =
-            (0..60).map(|k| test(&picture(2 * k, 32, |_| 0.0), &picture(2 * k + 1, 32, |_| 0.0)).p).collect();
-        assert!(evenness(&p).p > 1e-3, "{:?}", evenness(&p));
-        let one = test(&picture(7, 64, |_| 0.0), &vec![Mean::exact(1.0); 24 * 24]);
-        assert!(evenness(&one.tiles).p > 1e-3 && one.p > 1e-3 && one.kurtosis < 8.0, "{one:?}");
+    fn p_values_of_images_that_agree_are_uniform() {
+        let p: Vec<f64> = (0..60).map(|k| test(&image(2 * k, 32, |_| 0.0), &image(2 * k + 1, 32, |_| 0.0)).p).collect();
+        assert!(uniformity(&p).p > 1e-3, "{:?}", uniformity(&p));
+        let one = test(&image(7, 64, |_| 0.0), &vec![Mean::exact(1.0); 24 * 24]);
+        assert!(uniformity(&one.tiles).p > 1e-3 && one.p > 1e-3 && one.kurtosis < 8.0, "{one:?}");
     }
 
     #[test]
-    fn biases_are_found_as_foreseen() {
+    fn biases_are_detected_with_the_stated_power() {
         let truth = vec![Mean::exact(1.0); 24 * 24];
-        let bias = test(&picture(0, 64, |_| 0.0), &truth).detectable(0.01).unwrap();
+        let bias = test(&image(0, 64, |_| 0.0), &truth).detectable(0.01).unwrap();
         // 36 tiles of 1024 samples of variance 1: λ ≈ 40 = 36864 b².
         assert!((0.02..0.05).contains(&bias), "{bias}");
-        let found = (0..50).filter(|&k| test(&picture(100 + k, 64, |_| bias), &truth).p < 0.01).count();
+        let found = (0..50).filter(|&k| test(&image(100 + k, 64, |_| bias), &truth).p < 0.01).count();
         assert!((38..=50).contains(&found), "{found} of 50");
         let spot = |i: usize| if i % 24 < 4 && i / 24 < 4 { 0.3 } else { 0.0 };
-        assert!(test(&picture(1, 64, spot), &truth).p < 1e-6);
+        assert!(test(&image(1, 64, spot), &truth).p < 1e-6);
     }
 
     #[test]

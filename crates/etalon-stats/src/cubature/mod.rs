@@ -11,43 +11,47 @@ mod pieces;
 mod refine;
 mod rule;
 
-pub use check::Check;
-pub use refine::Refinement;
+pub(crate) use check::Check;
+pub(crate) use refine::Refinement;
 
-use super::density::Density;
-use super::domain::Domain;
-use super::grid::{Cell, Grid};
-use crate::error::Result;
-use crate::interrupt;
+use crate::density::Density;
+use crate::domain::Domain;
+use crate::error::{Cancelled, Result, poll};
+use crate::grid::{Cell, Grid};
 use rayon::prelude::*;
 
 /// Integrals over the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Integrals<P> {
+    /// The integrals, in the order of the grid's cells.
     pub values: Vec<f64>,
     /// Estimates of the errors: Σ |K − G| over a cell's pieces, or more where the density is known to differ from what the
     /// nodes predict; 0 for exact sums.
     pub errors: Vec<f64>,
     /// The first value of the density that is negative or not finite.
-    pub fault: Option<Fault<P>>,
+    pub invalid: Option<InvalidPdf<P>>,
 }
 
-/// A value that no density can have, and where it has it.
+/// A value that no pdf can have, and where the density has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fault<P> {
+pub struct InvalidPdf<P> {
+    /// The point.
     pub point: P,
+    /// The value there.
     pub value: f64,
 }
 
-/// A place of the chart and the density there.
+/// A point at which the density is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub(crate) struct Probe {
+    /// Its chart coordinates.
     pub at: [f64; 2],
+    /// The density there.
     pub pdf: f64,
 }
 
 /// How the integrals of a density are computed.
-pub enum Integration<'a, D: Domain> {
+pub(crate) enum Integration<'a, D: Domain> {
     /// Exact sums, from declared lines between which the density is constant.
     Exact(Integrals<D::Point>),
     /// Rules on pieces of the cells.
@@ -55,15 +59,22 @@ pub enum Integration<'a, D: Domain> {
 }
 
 impl<'a, D: Domain> Integration<'a, D> {
-    /// Integrates `density` over the cells of `grid`, knowing its values at `places`.
-    pub fn new(domain: &'a D, density: &'a dyn Density<D::Point>, grid: &'a Grid, places: &[Place]) -> Result<Self> {
+    /// Integrates `density` over the cells of `grid`, given its values at `probes`.
+    pub fn new(
+        domain: &'a D,
+        density: &'a dyn Density<D::Point>,
+        grid: &'a Grid,
+        probes: &[Probe],
+        cancelled: Cancelled,
+    ) -> Result<Self> {
         let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
         Ok(match outcomes.or_else(|| density.steps()) {
-            Some(steps) => Self::Exact(sums(domain, density, grid, &steps)?),
-            None => Self::Refined(Refinement::new(domain, density, grid, places)?),
+            Some(steps) => Self::Exact(sums(domain, density, grid, &steps, cancelled)?),
+            None => Self::Refined(Refinement::new(domain, density, grid, probes, cancelled)?),
         })
     }
 
+    /// The integrals as they are known so far.
     pub fn integrals(&self) -> Integrals<D::Point> {
         match self {
             Self::Exact(integrals) => integrals.clone(),
@@ -72,14 +83,12 @@ impl<'a, D: Domain> Integration<'a, D> {
     }
 }
 
-/// The integrals of `density` over the cells of `grid`.
-pub fn integrate<D: Domain>(
-    domain: &D,
-    density: &dyn Density<D::Point>,
-    grid: &Grid,
-    places: &[Place],
-) -> Result<Integrals<D::Point>> {
-    Ok(Integration::new(domain, density, grid, places)?.integrals())
+/// The integrals of `density` over the cells of `grid`, with respect to the domain's measure.
+///
+/// # Errors
+/// Those of the density, which is also how to end this early.
+pub fn integrate<D: Domain>(domain: &D, density: &dyn Density<D::Point>, grid: &Grid) -> Result<Integrals<D::Point>> {
+    Ok(Integration::new(domain, density, grid, &[], || false)?.integrals())
 }
 
 /// Sums over the rectangles between the lines of `steps`, on each of which the density is constant.
@@ -88,6 +97,7 @@ fn sums<D: Domain>(
     density: &dyn Density<D::Point>,
     grid: &Grid,
     steps: &[Vec<f64>; 2],
+    cancelled: Cancelled,
 ) -> Result<Integrals<D::Point>> {
     let lines = |axis: usize, [from, to]: [f64; 2]| {
         let all = &steps[axis];
@@ -97,51 +107,61 @@ fn sums<D: Domain>(
     // Values asked for at a time: enough for a density in another process.
     const POINTS: usize = 1 << 12;
     let cells: Vec<Cell> = grid.cells().collect();
-    let sum = |cell: &Cell| -> Result<(f64, Option<Fault<D::Point>>)> {
+    let sum = |cell: &Cell| -> Result<(f64, Option<InvalidPdf<D::Point>>)> {
         let (xs, ys) = (lines(0, cell.x), lines(1, cell.y));
-        let (mut total, mut fault, mut points, mut values) = (0.0, None, Vec::new(), Vec::new());
+        let (mut total, mut invalid, mut points, mut values) = (0.0, None, Vec::new(), Vec::new());
         let (rows, columns): (Vec<&[f64]>, Vec<&[f64]>) = (xs.windows(2).collect(), ys.windows(2).collect());
         for rows in rows.chunks(POINTS.div_ceil(columns.len())) {
-            interrupt::check()?;
+            poll(cancelled)?;
             points.clear();
             values.clear();
-            let middle = |x: &[f64], y: &[f64]| domain.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
+            let middle = |x: &[f64], y: &[f64]| domain.point_at([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
             points.extend(rows.iter().flat_map(|x| columns.iter().map(|y| middle(x, y))));
             density.pdf(&points, &mut values)?;
-            fault = fault.or_else(|| first_fault(&points, &values));
+            invalid = invalid.or_else(|| first_invalid(&points, &values));
             for (x, values) in rows.iter().zip(values.chunks(columns.len())) {
                 let row: f64 = columns.iter().zip(values).map(|(y, value)| (y[1] - y[0]) * value).sum();
                 total += (x[1] - x[0]) * row;
             }
         }
-        Ok((total * domain.measure(), fault))
+        Ok((total * domain.measure(), invalid))
     };
     let sums = cells.par_iter().map(sum).collect::<Result<Vec<_>>>()?;
     Ok(Integrals {
         errors: vec![0.0; sums.len()],
-        fault: sums.iter().find_map(|(_, fault)| *fault),
+        invalid: sums.iter().find_map(|(_, invalid)| *invalid),
         values: sums.into_iter().map(|(sum, _)| sum).collect(),
     })
 }
 
-fn first_fault<P: Copy>(points: &[P], values: &[f64]) -> Option<Fault<P>> {
-    let faults = points.iter().zip(values).map(|(&point, &value)| Fault { point, value });
-    faults.into_iter().find(|fault| !(fault.value.is_finite() && fault.value >= 0.0))
+/// The first of `values` that is negative or not finite.
+fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
+    let mut all = points.iter().zip(values).map(|(&point, &value)| InvalidPdf { point, value });
+    all.find(|InvalidPdf { value, .. }| !(value.is_finite() && *value >= 0.0))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::density::density;
-    use super::super::domain::{Directions, Discrete, Line, Pole, Square};
     use super::*;
-    use glam::DVec3;
+    use crate::density::density;
+    use crate::domain::{Directions, Discrete, Line, Pole, Square};
+    use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize, tangents};
 
-    /// Places of the chart with the density there.
-    fn known<D: Domain>(domain: &D, density: &dyn Density<D::Point>, at: Vec<[f64; 2]>) -> Vec<Place> {
-        let points: Vec<D::Point> = at.iter().map(|&at| domain.point(at)).collect();
+    /// Probes at chart coordinates.
+    fn known<D: Domain>(domain: &D, density: &dyn Density<D::Point>, at: Vec<[f64; 2]>) -> Vec<Probe> {
+        let points: Vec<D::Point> = at.iter().map(|&at| domain.point_at(at)).collect();
         let mut pdfs = Vec::new();
         density.pdf(&points, &mut pdfs).unwrap();
-        at.into_iter().zip(pdfs).map(|(at, pdf)| Place { at, pdf }).collect()
+        at.into_iter().zip(pdfs).map(|(at, pdf)| Probe { at, pdf }).collect()
+    }
+
+    fn with_probes<D: Domain>(
+        domain: &D,
+        density: &dyn Density<D::Point>,
+        grid: &Grid,
+        probes: &[Probe],
+    ) -> Integrals<D::Point> {
+        Integration::new(domain, density, grid, probes, || false).unwrap().integrals()
     }
 
     fn total<P>(integrals: &Integrals<P>) -> (f64, f64) {
@@ -152,7 +172,7 @@ mod tests {
     fn smooth_functions_in_each_cell() {
         let f = density(|[x, y]: [f64; 2]| (3.0 * x).exp() * (5.0 * y).cos().powi(2));
         let grid = Grid::equal([3, 4], None);
-        let integrals = integrate(&Square, &f, &grid, &[]).unwrap();
+        let integrals = integrate(&Square, &f, &grid).unwrap();
         let ex = |x: f64| (3.0 * x).exp() / 3.0;
         let ey = |y: f64| 0.5 * y + (10.0 * y).sin() / 20.0;
         for (cell, value) in grid.cells().zip(&integrals.values) {
@@ -164,13 +184,13 @@ mod tests {
     #[test]
     fn kinks_and_edges_meet_the_bound() {
         let line = density(|x: f64| if x < 1.0 / 3.0 { 0.0 } else { (x - 1.0 / 3.0).sqrt() });
-        let integrals = integrate(&Line::UNIT, &line, &Grid::equal([5, 1], None), &[]).unwrap();
+        let integrals = integrate(&Line::UNIT, &line, &Grid::equal([5, 1], None)).unwrap();
         let exact = 2.0 / 3.0 * (2.0f64 / 3.0).powf(1.5);
         let (value, error) = total(&integrals);
         assert!((value - exact).abs() <= error && error < 5e-5, "{value} {exact} {error}");
         // A disc of the square: a discontinuity that no rectangle follows.
         let disc = density(|[x, y]: [f64; 2]| f64::from(u8::from((x - 0.5).hypot(y - 0.5) < 0.4)));
-        let (value, error) = total(&integrate(&Square, &disc, &Grid::equal([4, 4], None), &[]).unwrap());
+        let (value, error) = total(&integrate(&Square, &disc, &Grid::equal([4, 4], None)).unwrap());
         let exact = std::f64::consts::PI * 0.16;
         assert!((value - exact).abs() < error.min(1e-4), "{value} {exact} {error}");
     }
@@ -178,25 +198,27 @@ mod tests {
     #[test]
     fn a_lobe_that_no_node_sees_is_found_by_the_pilot() {
         // A lobe of 10⁻⁵ radians around an arbitrary direction.
-        let axis = DVec3::new(0.3, 0.5, 0.4).normalize();
+        let axis = normalize([0.3, 0.5, 0.4]);
         let kappa = 1e10;
-        let lobe = density(move |w: DVec3| {
-            let apart2 = (w - axis).length_squared();
+        let lobe = density(move |w: [f64; 3]| {
+            let apart = [0, 1, 2].map(|i| w[i] - axis[i]);
+            let apart2 = dot(apart, apart);
             kappa / std::f64::consts::TAU * (-0.5 * kappa * apart2).exp()
         });
         let domain = Directions::sphere(Pole::Z);
-        let (t, b) = axis.any_orthonormal_pair();
+        let [t, b] = tangents(axis);
         let pilot: Vec<[f64; 2]> = (1..1000)
             .map(|i| {
                 let (r, phi) = ((-2.0 * (f64::from(i) / 1000.0).ln() / kappa).sqrt(), f64::from(i) * 2.4);
-                domain.place((axis + r * (phi.cos() * t + phi.sin() * b)).normalize()).unwrap()
+                let w = combine([(1.0, axis), (r * phi.cos(), t), (r * phi.sin(), b)]);
+                domain.to_chart(normalize(w)).unwrap()
             })
             .collect();
-        let places = known(&domain, &lobe, pilot.clone());
-        let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None), &[]).unwrap()).0;
+        let probes = known(&domain, &lobe, pilot.clone());
+        let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None)).unwrap()).0;
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
-            let (value, error) = total(&integrate(&domain, &lobe, &grid, &places).unwrap());
+            let (value, error) = total(&with_probes(&domain, &lobe, &grid, &probes));
             assert!((value - 1.0).abs() < 1e-6 + error && error < 1e-4, "{value} {error}");
         }
     }
@@ -204,20 +226,18 @@ mod tests {
     #[test]
     fn a_lobe_in_the_corner_of_wide_cells_is_found() {
         // Visible normals of GGX near grazing: in the cells opposite to the view the density ends 10⁻⁴ from the pole.
-        use crate::optics::microfacet::Ggx;
-        use crate::sampling::normals::SampleNormals;
         let domain = Directions::hemisphere(Pole::Z);
         for alpha in [0.05, 0.25] {
             let (sin, cos) = 89f64.to_radians().sin_cos();
-            let (wo, ggx) = ([sin, 0.0, cos], Ggx::new(alpha));
+            let wo = [sin, 0.0, cos];
             let pilot: Vec<[f64; 2]> = (0..1 << 14)
                 .map(|i| [f64::from(i) / f64::from(1 << 14), (f64::from(i) * 0.618_034).fract()])
-                .map(|u| domain.place(DVec3::from_array(ggx.sample_visible(wo, u))).unwrap())
+                .map(|u| domain.to_chart(ggx_visible(wo, alpha, u)).unwrap())
                 .collect();
-            let visible = density(|wm: DVec3| ggx.pdf_visible(wo, wm.to_array()));
-            let places = known(&domain, &visible, pilot);
-            let (value, error) = total(&integrate(&domain, &visible, &Grid::equal([10, 20], None), &places).unwrap());
-            // What fewer than four places of the pilot lie in may still be missed.
+            let visible = density(|wm: [f64; 3]| ggx_visible_pdf(wo, alpha, wm));
+            let probes = known(&domain, &visible, pilot);
+            let (value, error) = total(&with_probes(&domain, &visible, &Grid::equal([10, 20], None), &probes));
+            // What holds fewer than four probes of the pilot may still be missed.
             assert!((value - 1.0).abs() < 5e-5 && error < 5e-5, "{alpha}: {value} {error}");
         }
     }
@@ -225,22 +245,22 @@ mod tests {
     #[test]
     fn steps_are_summed_exactly() {
         let die = density(|face: usize| [0.1, 0.2, 0.3, 0.0, 0.25, 0.15][face]);
-        let integrals = integrate(&Discrete { outcomes: 6 }, &die, &Grid::equal([3, 1], Some(6)), &[]).unwrap();
+        let integrals = integrate(&Discrete { outcomes: 6 }, &die, &Grid::equal([3, 1], Some(6))).unwrap();
         for (value, exact) in integrals.values.iter().zip([0.3, 0.3, 0.4]) {
             assert!((value - exact).abs() < 1e-15);
         }
         let stairs = density(|[x, y]: [f64; 2]| if (x < 0.3) == (y < 0.7) { 1.5 } else { 0.25 });
         let stairs = stairs.with_steps([vec![0.3], vec![0.7]]);
-        let (value, error) = total(&integrate(&Square, &stairs, &Grid::equal([7, 3], None), &[]).unwrap());
+        let (value, error) = total(&integrate(&Square, &stairs, &Grid::equal([7, 3], None)).unwrap());
         assert!((value - (0.42 * 1.25 + 0.25)).abs() < 1e-14 && error == 0.0);
     }
 
     #[test]
     fn impossible_values_are_reported() {
         let f = density(|x: f64| if x > 0.9 { f64::NAN } else { 1.0 });
-        assert!(integrate(&Line::UNIT, &f, &Grid::equal([5, 1], None), &[]).unwrap().fault.is_some());
+        assert!(integrate(&Line::UNIT, &f, &Grid::equal([5, 1], None)).unwrap().invalid.is_some());
         let f = density(|x: f64| 0.5 - x);
-        assert!(integrate(&Line::UNIT, &f, &Grid::equal([5, 1], None), &[]).unwrap().fault.unwrap().value < 0.0);
+        assert!(integrate(&Line::UNIT, &f, &Grid::equal([5, 1], None)).unwrap().invalid.unwrap().value < 0.0);
     }
 
     #[test]
@@ -249,11 +269,11 @@ mod tests {
         let (from, width) = (0.518_05, 1e-4);
         let strip = density(move |[x, _]: [f64; 2]| if (from..from + width).contains(&x) { 1.9 } else { 1.0 });
         let grid = Grid::equal([10, 20], None);
-        let mut refinement = Refinement::new(&Square, &strip, &grid, &[]).unwrap();
+        let mut refinement = Refinement::new(&Square, &strip, &grid, &[], || false).unwrap();
         assert!((total(&refinement.integrals()).0 - 1.0).abs() < 1e-12, "no rule sees it");
         let check = refinement.check(1 << 18, 1, 0).unwrap();
         let mean = check.reach * (check.above.sum() - check.below.sum()) / check.count as f64;
-        let sees = refinement.seen(&Place { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
+        let sees = refinement.seen(&Probe { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
         assert!((sees - 1.25 / 1.9).abs() < 1e-12 && !check.found.is_empty());
         // Up to 1.25, in a share of 10⁻⁴ of the places: 26 of them.
         assert!((mean - 0.25 * width).abs() < 4.0 * 0.25 * (width / check.count as f64).sqrt(), "{mean}");

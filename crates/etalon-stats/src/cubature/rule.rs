@@ -1,6 +1,6 @@
 //! The tensor product of the Gauss–Kronrod rule (7, 15). Source: Piessens et al., QUADPACK, 1983.
 
-use super::super::grid::Cell;
+use crate::grid::Cell;
 
 /// Nodes of the Kronrod rule.
 pub(super) const KRONROD: usize = 15;

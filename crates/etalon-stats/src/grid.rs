@@ -1,11 +1,12 @@
 //! Cells: rectangles of a domain's chart, in rows, each row with columns of its own.
 
-use serde::Serialize;
-
 /// A rectangle of the chart.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Cell {
+    /// Its ends along the first axis.
     pub x: [f64; 2],
+    /// Its ends along the second axis.
     pub y: [f64; 2],
 }
 
@@ -13,6 +14,7 @@ impl Cell {
     /// The whole chart.
     pub const WHOLE: Self = Self { x: [0.0, 1.0], y: [0.0, 1.0] };
 
+    /// Its area in the chart: the share of the domain's measure.
     #[must_use]
     pub fn area(&self) -> f64 {
         (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
@@ -20,7 +22,8 @@ impl Cell {
 }
 
 /// A partition of a rectangle of the chart: rows along x, and each row's columns along y.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Grid {
     rows: Vec<f64>,
     columns: Vec<Vec<f64>>,
@@ -51,7 +54,7 @@ impl Grid {
         Self::new(rows, columns)
     }
 
-    /// Cells of `within` that hold about equally many of `places`: narrow where these are dense.
+    /// Cells of `within` that hold about equally many of the chart coordinates `places`: narrow where these are dense.
     ///
     /// `snap` = n lets rows end at multiples of 1/n only, where there are no points between them.
     #[must_use]
@@ -78,6 +81,7 @@ impl Grid {
         self.columns.iter().map(|edges| edges.len() - 1).sum()
     }
 
+    /// Whether there are no cells, which never is.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -90,7 +94,7 @@ impl Grid {
         })
     }
 
-    /// The number of the cell that a place of the chart is in.
+    /// The number of the cell at chart coordinates.
     #[must_use]
     pub fn find(&self, [x, y]: [f64; 2]) -> usize {
         let index = |edges: &[f64], at: f64| edges[1..edges.len() - 1].partition_point(|&edge| edge <= at);
@@ -100,7 +104,7 @@ impl Grid {
 
     /// The same cells, cut where they are far wider than a neighbour: see [`graded`].
     #[must_use]
-    pub(super) fn graded(&self) -> Self {
+    pub(crate) fn graded(&self) -> Self {
         let (mut rows, mut columns) = (vec![self.rows[0]], Vec::new());
         for (xs, ys) in graded(&self.rows).iter().zip(&self.columns) {
             let mut edges = vec![ys[0]];

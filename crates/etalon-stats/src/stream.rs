@@ -5,7 +5,7 @@
 //! every pair is well stratified over any 2ⁿ consecutive samples and pairs are independent of each other.
 //! Source: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020.
 
-use super::hash::{GOLDEN, key, mix64, unit_f32, unit_f64};
+use crate::hash::{GOLDEN, key, mix64, unit_f32, unit_f64};
 
 /// A source of uniform numbers in \[0, 1)² for one camera sample of one pixel.
 pub trait Stream: Copy + Send + Sync {

@@ -32,7 +32,7 @@ fn part(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::stream::{Independent, Stream};
+    use crate::stream::{Independent, Stream};
 
     #[test]
     fn by_hand() {

@@ -1,18 +1,24 @@
-//! What a chi-square test can see: its power against densities that are a little wrong.
+//! What a chi-square test can detect: its power against pdfs that are a little wrong.
 //!
 //! If the true cell probabilities are qᵢ and the tested ones pᵢ, the statistic of N samples follows the noncentral
-//! chi-square distribution with λ = N w², w² = Σ (qᵢ − pᵢ)²/pᵢ: w is the root mean square of the density's relative error
+//! chi-square distribution with λ = N w², w² = Σ (qᵢ − pᵢ)²/pᵢ: w is the root mean square of the pdf's relative error
 //! over the cells. Source: Cohen, "Statistical Power Analysis for the Behavioral Sciences", 1988, chapter 7.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// The probability with which an error of the stated size is found.
+/// The probability with which an error of the stated size is detected.
 pub const POWER: f64 = 0.9;
 
-/// P(X ≥ x) for X chi-square with `dof` degrees of freedom; NaN for `dof` = 0.
+/// P(X ≥ x) for X chi-square with `dof` degrees of freedom, precise where it is tiny; NaN for `dof` = 0.
 #[must_use]
 pub fn chi_square_tail(dof: f64, x: f64) -> f64 {
     ChiSquared::new(dof).map_or(f64::NAN, |distribution| distribution.sf(x))
+}
+
+/// P(X ≤ x) for X chi-square with `dof` degrees of freedom, precise where it is tiny; NaN for `dof` = 0.
+#[must_use]
+pub fn chi_square_below(dof: f64, x: f64) -> f64 {
+    ChiSquared::new(dof).map_or(f64::NAN, |distribution| distribution.cdf(x))
 }
 
 /// P(X ≥ x) for X noncentral chi-square: the mean of the central tails with dof + 2j over j ~ Poisson(λ/2).
@@ -49,7 +55,7 @@ fn passes(target: f64, f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (from + to)
 }
 
-/// The noncentrality λ that a test at `level` finds with probability [`POWER`].
+/// The noncentrality λ that a test at `level` detects with probability [`POWER`].
 #[must_use]
 pub fn noncentrality(dof: usize, level: f64) -> f64 {
     let dof = dof as f64;
@@ -57,13 +63,13 @@ pub fn noncentrality(dof: usize, level: f64) -> f64 {
     passes(POWER, |lambda| noncentral_tail(dof, lambda, critical))
 }
 
-/// The smallest relative density error w that `samples` samples find with probability [`POWER`].
+/// The smallest relative error w of the pdf that `samples` samples detect with probability [`POWER`].
 #[must_use]
 pub fn detectable(dof: usize, level: f64, samples: u64) -> f64 {
     (noncentrality(dof, level) / samples as f64).sqrt()
 }
 
-/// The number of samples that find a relative density error of `w` with probability [`POWER`].
+/// The number of samples that detect a relative error `w` of the pdf with probability [`POWER`].
 #[must_use]
 pub fn samples_for(dof: usize, level: f64, w: f64) -> u64 {
     (noncentrality(dof, level) / (w * w)).ceil() as u64
@@ -85,7 +91,17 @@ mod tests {
     }
 
     #[test]
-    fn the_error_that_is_found_shrinks_with_the_samples() {
+    fn both_tails_are_precise() {
+        // Two degrees: e^(−x/2) and 1 − e^(−x/2).
+        assert!((chi_square_tail(2.0, 200.0) / (-100f64).exp() - 1.0).abs() < 1e-12);
+        assert!((chi_square_below(2.0, 2e-20) / 1e-20 - 1.0).abs() < 1e-12);
+        // Sixteen degrees near 0: (x/2)⁸/8!.
+        assert!((chi_square_below(16.0, 2e-6) / (1e-48 / 40_320.0) - 1.0).abs() < 1e-5);
+        assert!(chi_square_tail(0.0, 1.0).is_nan() && chi_square_below(0.0, 1.0).is_nan());
+    }
+
+    #[test]
+    fn the_detectable_error_shrinks_with_the_samples() {
         // Figures computed independently, at level 1 %.
         for (dof, samples, expected) in [(199, 100_000, 0.029), (199, 1_000_000, 0.0091), (20401, 1_000_000, 0.027)] {
             let w = detectable(dof, 0.01, samples);

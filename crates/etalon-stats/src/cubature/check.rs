@@ -1,36 +1,36 @@
-//! What the rules do not see of a density, measured at random places.
+//! What the rules do not see of a density, measured at random points.
 
-use super::super::domain::Domain;
-use super::super::draws::{BATCH, FOUND};
-use super::super::fixed::{Share, add};
 use super::pieces::LARGE;
-use super::{Fault, Place, Refinement, first_fault};
+use super::{InvalidPdf, Probe, Refinement, first_invalid};
+use crate::domain::Domain;
 use crate::error::Result;
-use crate::sampling::stream::CounterRng;
+use crate::fixed::{Share, add};
+use crate::stream::CounterRng;
+use crate::tally::{BATCH, FOUND};
 use rand::RngExt;
 use rayon::prelude::*;
 
-/// The density at random places against the polynomials that the rules integrate.
+/// The density at random points against the polynomials that the rules integrate.
 ///
-/// The places are spread in proportion to the density that each piece is expected to reach. There the density, cut off at
+/// The points are spread in proportion to the density that each piece is expected to reach. There the density, cut off at
 /// this height, and the rule's polynomial are compared: their mean difference, times `reach`, is the error of the integral
 /// of the density as far as it is within reach. (What is above is found by samples: see
 /// [`Refinement::seen`].)
 #[derive(Debug, Clone)]
-pub struct Check<P> {
+pub(crate) struct Check<P> {
     /// The integral of the largest density that the pieces are expected to reach.
     pub reach: f64,
-    /// Places, and the sums of the positive and of the negative differences over `reach`, each from 0 to 1.
+    /// The number of points, and the sums of the positive and of the negative differences over `reach`, each from 0 to 1.
     pub count: u64,
     pub above: Share,
     pub below: Share,
-    /// The same sums over the places of each cell, and those of the squares.
+    /// The same sums over the points of each cell, and those of the squares.
     pub above_in: Vec<Share>,
     pub below_in: Vec<Share>,
     pub squares_in: Vec<Share>,
-    /// Some of the places where the difference is large.
-    pub found: Vec<Place>,
-    pub fault: Option<Fault<P>>,
+    /// Some of the points where the difference is large.
+    pub found: Vec<Probe>,
+    pub invalid: Option<InvalidPdf<P>>,
 }
 
 impl<P> Check<P> {
@@ -42,7 +42,7 @@ impl<P> Check<P> {
         add(&mut self.squares_in, &other.squares_in);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
-        self.fault = self.fault.or(other.fault);
+        self.invalid = self.invalid.or(other.invalid);
         self
     }
 }
@@ -57,7 +57,7 @@ impl<P> Check<P> {
 }
 
 impl<D: Domain> Refinement<'_, D> {
-    /// Compares the density with the polynomials at `count` random places.
+    /// Compares the density with the polynomials at `count` random points.
     pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check<D::Point>> {
         let (plane, measure) = (self.domain.is_plane(), self.domain.measure());
         let mut sum = 0.0;
@@ -79,28 +79,28 @@ impl<D: Domain> Refinement<'_, D> {
             below_in: vec![Share::default(); self.grid.len()],
             squares_in: vec![Share::default(); self.grid.len()],
             found: Vec::new(),
-            fault: None,
+            invalid: None,
         };
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
-            let (mut places, mut points) = (Vec::new(), Vec::new());
+            let (mut chosen, mut points) = (Vec::new(), Vec::new());
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
-                // One place in each of `count` equal parts of the sum.
+                // One point in each of `count` equal parts of the sum.
                 let at = (i as f64 + rng.random::<f64>()) / count as f64 * sum;
                 let piece = &self.pieces[ends.partition_point(|&end| end <= at).min(ends.len() - 1)];
                 let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
                 let [u, v] = rng.random::<[f64; 2]>();
-                let place = [along(piece.at.x, u), if plane { along(piece.at.y, v) } else { 0.5 }];
-                places.push((piece, place));
-                points.push(self.domain.point(place));
+                let chart = [along(piece.at.x, u), if plane { along(piece.at.y, v) } else { 0.5 }];
+                chosen.push((piece, chart));
+                points.push(self.domain.point_at(chart));
             }
             let mut values = Vec::with_capacity(points.len());
             self.density.pdf(&points, &mut values)?;
             let mut check = none(0);
-            check.fault = first_fault(&points, &values);
-            for ((piece, at), pdf) in places.into_iter().zip(values) {
-                let place = Place { at, pdf };
-                let difference = piece.difference(&place);
+            check.invalid = first_invalid(&points, &values);
+            for ((piece, at), pdf) in chosen.into_iter().zip(values) {
+                let probe = Probe { at, pdf };
+                let difference = piece.difference(&probe);
                 let share = Share::new(difference.abs());
                 let (sum, of_cell) = if difference > 0.0 {
                     (&mut check.above, &mut check.above_in)
@@ -111,7 +111,7 @@ impl<D: Domain> Refinement<'_, D> {
                 of_cell[piece.cell] += share;
                 check.squares_in[piece.cell] += Share::new(difference * difference);
                 if check.found.len() < FOUND && (difference.abs() > LARGE || piece.seen(pdf) < 1.0) {
-                    check.found.push(place);
+                    check.found.push(probe);
                 }
             }
             Ok(check)

@@ -1,17 +1,17 @@
 //! What a test found, and the verdict on it among the others of a run.
 
-use super::grid::Grid;
-use super::mass::Integral;
-use super::multiple::{fisher, holm};
-use crate::error::Result;
-use serde::Serialize;
+use crate::grid::Grid;
+use crate::mass::Integral;
+use crate::multiple::{fisher, holm};
 use std::fmt;
 
-/// What is to be made of a test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+/// The decision on a test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 pub enum Verdict {
+    /// Nothing speaks against the sampler, and the test would have detected an error of the stated size.
     Accept,
+    /// An exact check failed, or the counts do not follow the pdf.
     Reject,
     /// Too few samples, or an integral too uncertain, for either. Never to be taken for a pass.
     Inconclusive,
@@ -30,51 +30,63 @@ impl fmt::Display for Verdict {
 /// The counts behind a test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counts {
-    /// What the axes of the grid's chart stand for.
+    /// The quantities along the axes of the grid's chart.
     pub axes: [&'static str; 2],
+    /// The cells.
     pub grid: Grid,
-    /// Observed and expected counts: of the grid's cells, then of the atoms, then of "no sample".
+    /// Observed counts: of the grid's cells, then of the atoms, then of "no sample".
     pub observed: Vec<u64>,
+    /// Expected counts, in the same order.
     pub expected: Vec<f64>,
+    /// The number of atoms.
     pub atoms: usize,
 }
 
 /// The findings of one test.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Outcome {
+    /// The decision; open (inconclusive) until [`decide`] has been called.
     pub verdict: Verdict,
     /// Pearson's Σ (O − E)²/E, or whatever else `p` belongs to.
     pub statistic: f64,
+    /// Degrees of freedom of `statistic`.
     pub dof: usize,
-    /// Probability of findings at least this bad if the claim is true; of both rounds together after a repetition.
+    /// Probability of findings at least this bad if the sampler is right; of both rounds together after a repetition.
     /// `None` where nothing could be tested.
     pub p: Option<f64>,
+    /// Samples taken, those of a repetition included.
     pub samples: u64,
-    /// The smallest relative density error (root mean square over the cells) that is found with 90 % probability.
+    /// The smallest relative error of the pdf (root mean square over the cells) that is detected with 90 % probability.
     pub detectable: Option<f64>,
+    /// Wall-clock time of the test.
     pub seconds: f64,
     /// The integral of the density and its atoms.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub mass: Option<Integral>,
-    /// Cells, and groups of them after pooling.
+    /// Cells, atoms and "no sample" included.
     pub cells: usize,
+    /// Groups of cells after pooling.
     pub pooled: usize,
-    /// How many of the samples were none.
+    /// Samples that were "no sample".
     pub none: u64,
-    /// Whether the test was repeated with fresh numbers.
+    /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
     /// What an exact check found wrong: a reason to reject, whatever `p` says.
-    pub fault: Option<String>,
-    /// Why no verdict is possible.
-    pub doubt: Option<String>,
-    /// Whether the process was asked to stop before the test was finished, or before its repetition was.
+    #[cfg_attr(feature = "serde", serde(rename = "fault"))]
+    pub violation: Option<String>,
+    /// Why neither accepting nor rejecting is possible.
+    #[cfg_attr(feature = "serde", serde(rename = "doubt"))]
+    pub inconclusive_reason: Option<String>,
+    /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
-    #[serde(skip)]
+    /// The counts behind it.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub counts: Option<Counts>,
 }
 
 impl Outcome {
-    /// Of so many samples, with nothing found yet and no verdict.
+    /// The outcome of `samples` samples with nothing found yet and an open verdict.
     #[must_use]
     pub fn open(samples: u64) -> Self {
         Self {
@@ -90,35 +102,36 @@ impl Outcome {
             pooled: 0,
             none: 0,
             repeated: false,
-            fault: None,
-            doubt: None,
+            violation: None,
+            inconclusive_reason: None,
             interrupted: false,
             counts: None,
         }
     }
 
-    /// Of a test that the process was asked to stop before.
+    /// The outcome of a test that was cancelled.
     #[must_use]
     pub fn interrupted() -> Self {
         Self { interrupted: true, ..Self::open(0) }
     }
 
+    /// Whether the verdict is [`Verdict::Accept`].
     #[must_use]
     pub fn is_accepted(&self) -> bool {
         self.verdict == Verdict::Accept
     }
 
-    /// The p-value, if it has a continuous distribution: not where a claim leaves nothing to chance.
+    /// The p-value, if it has a continuous distribution: not where the density leaves nothing to chance.
     #[must_use]
     pub fn continuous_p(&self) -> Option<f64> {
         self.p.filter(|_| self.dof > 0)
     }
 
-    /// What there is to say beyond numbers.
+    /// The violation, else whether the test was cancelled, else why it is inconclusive.
     #[must_use]
     pub fn remark(&self) -> Option<&str> {
         let interrupted = self.interrupted.then_some("interrupted before the test was finished");
-        self.fault.as_deref().or(interrupted).or(self.doubt.as_deref())
+        self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
     }
 
     /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
@@ -129,7 +142,7 @@ impl Outcome {
         }
         self.samples += second.samples;
         self.seconds += second.seconds;
-        self.fault = self.fault.take().or_else(|| second.fault.clone());
+        self.violation = self.violation.take().or_else(|| second.violation.clone());
         self.interrupted |= second.interrupted;
     }
 }
@@ -142,33 +155,40 @@ impl fmt::Display for Outcome {
         }
         write!(f, ", {} samples", self.samples)?;
         if let Some(w) = self.detectable {
-            write!(f, ", would find a relative density error of {:.2} %", 100.0 * w)?;
+            write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
         }
         self.remark().map_or(Ok(()), |remark| write!(f, ": {remark}"))
     }
 }
 
-/// Decides on the tests of one run, which together reject true claims with probability `level` at most.
+/// Decides on the tests of one run, which together reject right samplers with probability `level` at most.
 ///
-/// What Holm's step-down rejects is repeated once with fresh numbers by `repeat` (given the test's index), the two
-/// p-values are combined by Fisher's method, and the step-down is done again. Nothing is chosen: a repetition always counts, and
-/// a test that fails an exact check stays rejected. What was interrupted is inconclusive.
-pub fn decide(outcomes: &mut [Outcome], level: f64, mut repeat: impl FnMut(usize) -> Result<Outcome>) -> Result<()> {
+/// Tests that Holm's step-down rejects are repeated once with fresh random numbers by `repeat` (given the test's index), the
+/// two p-values are combined by Fisher's method, and the step-down is done again. Nothing is selected: a repetition always
+/// counts, and a test that fails an exact check stays rejected. Cancelled tests are inconclusive.
+///
+/// # Errors
+/// Those of `repeat`.
+pub fn decide<E>(
+    outcomes: &mut [Outcome],
+    level: f64,
+    mut repeat: impl FnMut(usize) -> Result<Outcome, E>,
+) -> Result<(), E> {
     let rejected = |outcomes: &[Outcome]| {
         let p: Vec<f64> = outcomes.iter().map(|o| o.p.unwrap_or(f64::NAN)).collect();
         holm(&p, level)
     };
     for (i, suspect) in rejected(outcomes).into_iter().enumerate() {
-        if suspect && outcomes[i].fault.is_none() {
+        if suspect && outcomes[i].violation.is_none() {
             let second = repeat(i)?;
             outcomes[i].combine(&second);
         }
     }
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
-        outcome.verdict = if outcome.fault.is_some() || rejected && !outcome.interrupted {
+        outcome.verdict = if outcome.violation.is_some() || rejected && !outcome.interrupted {
             Verdict::Reject
-        } else if outcome.interrupted || outcome.doubt.is_some() {
+        } else if outcome.interrupted || outcome.inconclusive_reason.is_some() {
             Verdict::Inconclusive
         } else {
             Verdict::Accept

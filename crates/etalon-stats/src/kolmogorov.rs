@@ -1,13 +1,14 @@
-//! Whether numbers are spread evenly over \[0, 1\]: the test of Kolmogorov and Smirnov.
+//! Whether numbers are uniform over \[0, 1\]: the test of Kolmogorov and Smirnov.
 
-use serde::Serialize;
-
-/// The outcome of a test for evenness.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Evenness {
+/// The outcome of a test for uniformity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Uniformity {
     /// The largest difference between the share of numbers up to x and x.
     pub distance: f64,
+    /// Probability of a distance at least this large if the numbers are independent and uniform.
     pub p: f64,
+    /// The number of numbers.
     pub count: usize,
 }
 
@@ -16,7 +17,7 @@ pub struct Evenness {
 /// The p-value is Kolmogorov's limit with Stephens's correction for finite counts, good to a few 10⁻³ from 5 numbers on.
 /// Source: Stephens, "EDF Statistics for Goodness of Fit and Some Comparisons", JASA 69, 1974.
 #[must_use]
-pub fn evenness(values: &[f64]) -> Evenness {
+pub fn uniformity(values: &[f64]) -> Uniformity {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let n = sorted.len() as f64;
@@ -26,7 +27,7 @@ pub fn evenness(values: &[f64]) -> Evenness {
         distance.max(below).max(above)
     });
     let root = n.sqrt();
-    Evenness { distance, p: tail(distance * (root + 0.12 + 0.11 / root)), count: sorted.len() }
+    Uniformity { distance, p: tail(distance * (root + 0.12 + 0.11 / root)), count: sorted.len() }
 }
 
 /// P(K ≥ x) of Kolmogorov's distribution, 2 Σ (−1)ʲ⁻¹ exp(−2 j² x²).
@@ -54,10 +55,10 @@ mod tests {
     }
 
     #[test]
-    fn even_and_uneven_numbers() {
-        let even: Vec<f64> = (0..100).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
-        assert!((evenness(&even).distance - 0.005).abs() < 1e-12 && evenness(&even).p > 0.999);
-        let uneven: Vec<f64> = even.iter().map(|x| x * x).collect();
-        assert!((evenness(&uneven).distance - 0.25).abs() < 0.01 && evenness(&uneven).p < 1e-4);
+    fn uniform_and_skewed_numbers() {
+        let uniform: Vec<f64> = (0..100).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
+        assert!((uniformity(&uniform).distance - 0.005).abs() < 1e-12 && uniformity(&uniform).p > 0.999);
+        let skewed: Vec<f64> = uniform.iter().map(|x| x * x).collect();
+        assert!((uniformity(&skewed).distance - 0.25).abs() < 0.01 && uniformity(&skewed).p < 1e-4);
     }
 }

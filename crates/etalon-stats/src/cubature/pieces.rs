@@ -1,8 +1,8 @@
-//! The pieces that cells are cut into, and the tree that finds the piece of a place.
+//! The pieces that cells are cut into, and the tree that finds the piece at chart coordinates.
 
-use super::super::grid::{Cell, Grid};
-use super::Place;
+use super::Probe;
 use super::rule::{interpolate, rules};
+use crate::grid::{Cell, Grid};
 
 /// How far above the values at its nodes a piece may be expected to reach. What is above counts as not seen.
 const REACH: f64 = 1.25;
@@ -21,14 +21,14 @@ pub(super) struct Piece {
     pub(super) integral: f64,
     /// |K − G| for each axis.
     pub(super) errors: [f64; 2],
-    /// What the largest contradiction between the density at a known place and the rule's polynomial would do to the
+    /// What the largest contradiction between the density at a known probe and the rule's polynomial would do to the
     /// integral; infinite where the density is beyond reach.
-    pub(super) doubt: f64,
+    pub(super) mismatch: f64,
     /// The largest density that the piece is expected to reach, and the densities at the nodes as shares of it.
     top: f64,
     shape: Vec<f64>,
-    /// Known places in it, by number.
-    pub(super) places: Vec<u32>,
+    /// Known probes in it, by number.
+    pub(super) probes: Vec<u32>,
 }
 
 impl Piece {
@@ -38,11 +38,11 @@ impl Piece {
         let top = REACH * values.iter().copied().fold(0.0, f64::max);
         let shape = values.iter().map(|value| if top > 0.0 { value / top } else { 0.0 }).collect();
         let errors = [(gx - k).abs(), (gy - k).abs()];
-        Self { leaf, cell, at, integral: k, errors, doubt: 0.0, top, shape, places: Vec::new() }
+        Self { leaf, cell, at, integral: k, errors, mismatch: 0.0, top, shape, probes: Vec::new() }
     }
 
     pub(super) fn error(&self) -> f64 {
-        (self.errors[0] + self.errors[1]).max(self.doubt)
+        (self.errors[0] + self.errors[1]).max(self.mismatch)
     }
 
     /// The share of a density that is within reach.
@@ -50,13 +50,13 @@ impl Piece {
         share_within(self.top, pdf)
     }
 
-    /// The difference between the density at a place, as far as it is within reach, and the rule's polynomial there, from −1
+    /// The difference between the density at a probe, as far as it is within reach, and the rule's polynomial there, from −1
     /// to 1, in units of what the piece reaches.
-    pub(super) fn difference(&self, place: &Place) -> f64 {
+    pub(super) fn difference(&self, probe: &Probe) -> f64 {
         if self.top == 0.0 {
             return 0.0;
         }
-        ((place.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.at, place.at)).clamp(-1.0, 1.0)
+        ((probe.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.at, probe.at)).clamp(-1.0, 1.0)
     }
 
     /// The integral of the largest density that the piece is expected to reach.
@@ -64,23 +64,23 @@ impl Piece {
         self.top * self.at.area() * measure
     }
 
-    /// Learns the density at a place in it.
-    pub(super) fn learn(&mut self, place: &Place, measure: f64) {
-        if self.seen(place.pdf) < 1.0 {
-            self.doubt = f64::INFINITY;
+    /// Learns the density at a probe in it.
+    pub(super) fn learn(&mut self, probe: &Probe, measure: f64) {
+        if self.seen(probe.pdf) < 1.0 {
+            self.mismatch = f64::INFINITY;
             return;
         }
-        let difference = self.difference(place).abs();
+        let difference = self.difference(probe).abs();
         if difference > LARGE {
-            self.doubt = self.doubt.max(difference * self.reach(measure));
+            self.mismatch = self.mismatch.max(difference * self.reach(measure));
         }
     }
 
-    /// The axes to halve it along: that whose rules differ more; both where known places contradict the rules and these do
+    /// The axes to halve it along: that whose rules differ more; both where known probes contradict the rules and these do
     /// not say along which axis.
     pub(super) fn axes(&self, plane: bool) -> [bool; 2] {
         let [x, y] = self.errors;
-        if self.doubt <= x + y {
+        if self.mismatch <= x + y {
             return [x >= y, x < y];
         }
         // An axis is spared whose error is much smaller than the other's; errors near rounding say nothing.
@@ -136,7 +136,7 @@ impl Tree {
         self.nodes[piece.leaf] = Node::Leaf { piece: number as u32, top: piece.top };
     }
 
-    /// The number of the piece that a place is in, and the density that it is expected to reach.
+    /// The number of the piece that a probe is in, and the density that it is expected to reach.
     pub(super) fn find(&self, at: [f64; 2]) -> (usize, f64) {
         let mut node = 0;
         loop {

@@ -1,14 +1,16 @@
 //! A mean of independent replicates and the interval that holds the true one.
 
-use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A value with its 95 % confidence interval, value ± half_width; both NaN when there was nothing to estimate from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
+    /// The estimate.
     pub value: f64,
-    /// Infinite from a single replicate.
+    /// Half the width of the interval. Infinite from a single replicate.
     pub half_width: f64,
+    /// The standard error of `value`.
     pub standard_error: f64,
 }
 
@@ -56,11 +58,13 @@ impl Estimate {
         Self { value, half_width: t.inverse_cdf(0.975) * standard_error, standard_error }
     }
 
+    /// The lower end of the interval.
     #[must_use]
     pub fn low(&self) -> f64 {
         self.value - self.half_width
     }
 
+    /// The upper end of the interval.
     #[must_use]
     pub fn high(&self) -> f64 {
         self.value + self.half_width
@@ -77,7 +81,7 @@ impl Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::stream::{Independent, Stream};
+    use crate::stream::{Independent, Stream};
 
     #[test]
     fn by_hand() {

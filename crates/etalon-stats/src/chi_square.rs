@@ -1,14 +1,14 @@
 //! Pearson's chi-square test of counts against expected counts.
 
-use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// The outcome of a test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ChiSquare {
     /// Σ (O − E)² / E over the pooled cells.
     pub statistic: f64,
-    /// Pooled cells less one.
+    /// Pooled cells minus one.
     pub dof: usize,
     /// Probability of a statistic at least this large if the counts follow the expectation.
     pub p: f64,

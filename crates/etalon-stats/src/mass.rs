@@ -1,18 +1,17 @@
-//! What a density integrates to, with a bound of the error that says what it rests on.
+//! The integral of a density, with a bound of its error and what this bound rests on.
 
-use super::bounded::mean_interval;
-use super::cubature::{Check, Integrals};
-use super::draws::Tally;
-use serde::Serialize;
+use crate::bounded::mean_interval;
+use crate::cubature::{Check, Integrals};
+use crate::tally::Tally;
 use std::fmt;
 
 /// What the bound of an error rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 pub enum Bound {
     /// On declared structure: the integral is an exact sum.
     Rigorous,
-    /// On random numbers: it fails with a small probability, if the samples follow the density.
+    /// On random points and samples: it fails with a small probability, if the samples follow the pdf.
     Statistical,
 }
 
@@ -26,30 +25,34 @@ impl fmt::Display for Bound {
 }
 
 /// An integral and the bound of its error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Integral {
-    #[serde(rename = "mass")]
+    /// The estimate.
+    #[cfg_attr(feature = "serde", serde(rename = "mass"))]
     pub value: f64,
-    #[serde(rename = "mass_error")]
+    /// The bound of its absolute error.
+    #[cfg_attr(feature = "serde", serde(rename = "mass_error"))]
     pub error: f64,
-    #[serde(rename = "mass_bound")]
+    /// What the bound rests on.
+    #[cfg_attr(feature = "serde", serde(rename = "mass_bound"))]
     pub bound: Bound,
 }
 
 impl Integral {
     /// The sum over the cells where every cell's integral is exact.
     #[must_use]
-    pub fn exact<P>(integrals: &Integrals<P>) -> Self {
+    pub(crate) fn exact<P>(integrals: &Integrals<P>) -> Self {
         Self { value: integrals.values.iter().sum(), error: 0.0, bound: Bound::Rigorous }
     }
 
-    /// The integral of a density that the rules do not see whole; its bound fails with probability `risk` at most.
+    /// The integral of a density that the cubature does not see whole; its bound fails with probability `risk` at most.
     ///
     /// Let q be the density p cut off at what each piece of the cells is expected to reach. The polynomials that the rules
-    /// integrate exactly have the integral of q but for the mean difference at random places (`check`). For samples x of p,
+    /// integrate exactly have the integral of q but for the mean difference at random points (`check`). For samples x of p,
     /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike as often as its mass says, however narrow it is.
     #[must_use]
-    pub fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
+    pub(crate) fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
         let polynomials: f64 = integrals.values.iter().sum();
         let (cells, risk) = (integrals.values.len(), risk / 3.0);
         let samples = tally.observed[..cells].iter().sum::<u64>();
@@ -71,7 +74,7 @@ impl Integral {
 
     /// The integral with something added that is known exactly.
     #[must_use]
-    pub fn plus(self, known: f64) -> Self {
+    pub(crate) fn plus(self, known: f64) -> Self {
         Self { value: self.value + known, ..self }
     }
 }
