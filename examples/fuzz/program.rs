@@ -4,8 +4,8 @@ use super::samplers::BRIEF;
 use etalon::import::sampler::files::Row;
 use etalon::import::sampler::program::{Answer, Client, Peer, Program};
 use etalon::import::sampler::{Coordinates, Visitor};
-use etalon::stats::{Atom, Density, Drawn, Mass, Sampler, examine};
 use etalon::{Error, Result};
+use etalon_stats::{Atom, Density, Mass, Sample, Sampler, examine};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::vec::IntoIter;
@@ -35,7 +35,7 @@ impl Visitor for Examined {
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
         let few = Few(self.0.over::<D::Point>()?);
-        examine(&domain, &few, &few, &BRIEF, 0).map(drop)
+        Ok(examine(&domain, &few, &few, &BRIEF, 0).map(drop)?)
     }
 }
 
@@ -122,25 +122,25 @@ impl<P: Coordinates> Sampler<P> for Few<P> {
         self.0.dimension()
     }
 
-    fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()> {
-        self.0.draw(u, out)
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
+        self.0.sample(u, out)
     }
 
-    fn draw_seeded(&self, count: usize, seed: u32, out: &mut Drawn<P>) -> Result<()> {
-        self.0.draw_seeded(count, seed, out)
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
+        self.0.sample_seeded(count, seed, out)
     }
 
-    fn supply(&self) -> Option<u64> {
+    fn finite_len(&self) -> Option<u64> {
         Some(SAMPLES)
     }
 
-    fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
+    fn invert(&self, point: P) -> etalon_stats::Result<Option<Vec<f64>>> {
         self.0.invert(point)
     }
 }
 
 impl<P: Coordinates> Density<P> for Few<P> {
-    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()> {
+    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         self.0.pdf(points, out)
     }
 

@@ -3,12 +3,13 @@
 use etalon::Result;
 use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
 use etalon::import::sampler::{Coordinates, Space, Visitor};
-use etalon::stats::{Protocol, Samples, examine};
+use etalon_stats::{Protocol, SampleCount, examine};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A test that needs few values of a density. It tells nothing about a sampler, but uses all that is read.
-pub const BRIEF: Protocol = Protocol { seed: 1, samples: Samples::Count(1), level: 0.01, tests: 1, cells: 2 };
+pub const BRIEF: Protocol =
+    Protocol { seed: 1, samples: SampleCount::Fixed(1), level: 0.01, tests: 1, cells: 2, cancelled: || false };
 
 pub fn samples(path: &Path) -> Result<()> {
     files(path, &path.with_file_name("grid.csv"))
@@ -36,6 +37,6 @@ impl Visitor for Files<'_> {
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
         let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
         let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
-        examine(&domain, &sampler, &*density, &BRIEF, 0).map(drop)
+        Ok(examine(&domain, &sampler, &*density, &BRIEF, 0).map(drop)?)
     }
 }

@@ -1,4 +1,5 @@
 //! Vectors and samplers for the crate's own tests.
+#![allow(dead_code, reason = "no test uses all of it")]
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,12 +14,16 @@ pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+pub fn length(v: Vector) -> f64 {
+    dot(v, v).sqrt()
+}
+
 pub fn normalize(v: Vector) -> Vector {
-    let length = dot(v, v).sqrt();
+    let length = length(v);
     v.map(|x| x / length)
 }
 
-fn cross(a: Vector, b: Vector) -> Vector {
+pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -33,6 +38,19 @@ pub fn uniform_hemisphere(u: &[f64]) -> Vector {
     let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
     let sin = (u[0] * (2.0 - u[0])).sqrt();
     [sin * cos_phi, sin * sin_phi, 1.0 - u[0]]
+}
+
+/// A normal of Beckmann's distribution: tan² θ/α² is exponentially distributed.
+pub fn beckmann(alpha: f64, u: &[f64]) -> Vector {
+    let tan = alpha * (-(1.0 - u[0]).ln()).sqrt();
+    let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
+    normalize([tan * cos_phi, tan * sin_phi, 1.0])
+}
+
+/// The pdf of [`beckmann`]: D(m) cos θ.
+pub fn beckmann_pdf(alpha: f64, m: Vector) -> f64 {
+    let tan2 = (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]);
+    if m[2] > 0.0 { (-tan2 / (alpha * alpha)).exp() / (PI * alpha * alpha * m[2].powi(3)) } else { 0.0 }
 }
 
 /// A visible normal of GGX seen from `wo`. Source: Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::hash::{mix64, unit_f64};
 use crate::stream::CounterRng;
-use crate::testing::{Vector, normalize, uniform_hemisphere};
+use crate::testing::{Vector, beckmann, beckmann_pdf, uniform_hemisphere};
 use rand::RngExt;
 use std::f64::consts::{PI, TAU};
 use std::sync::Mutex;
@@ -13,20 +13,13 @@ fn protocol() -> Protocol {
     Protocol::default()
 }
 
-/// The pdf of a lobe around +z of width `alpha`: tan²θ/α² is exponentially distributed (Beckmann's normals).
-fn lobe_pdf(alpha: f64) -> impl Fn(Vector) -> f64 {
-    move |w: Vector| {
-        let tan2 = (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2]);
-        if w[2] > 0.0 { (-tan2 / (alpha * alpha)).exp() / (PI * alpha * alpha * w[2].powi(3)) } else { 0.0 }
-    }
+/// A lobe around +z of width `alpha`, and its pdf.
+fn lobe(alpha: f64) -> impl Sampler<Vector> {
+    sampler(2, move |u| Some(Sample::new(beckmann(alpha, u))))
 }
 
-fn lobe(alpha: f64) -> impl Sampler<Vector> {
-    sampler(2, move |u| {
-        let tan = alpha * (-(1.0 - u[0]).ln()).sqrt();
-        let (sin, cos) = (TAU * u[1]).sin_cos();
-        Some(Sample::new(normalize([tan * cos, tan * sin, 1.0])))
-    })
+fn lobe_pdf(alpha: f64) -> impl Fn(Vector) -> f64 {
+    move |w| beckmann_pdf(alpha, w)
 }
 
 #[test]
@@ -77,7 +70,8 @@ fn broken_contracts_are_rejected_and_named() -> Result<()> {
         violation(&|u| Some(Sample::new(if u[0] < 1e-4 { good(u).map(|x| -x) } else { good(u) })))?.contains("outside")
     );
     assert!(
-        violation(&|u| Some(Sample::new(good(u).map(|x| x / if u[0] == 0.0 { 0.0 } else { 1.0 }))))?.contains("outside")
+        violation(&|u| Some(Sample::new(good(u).map(|x| x / if u[0] == 0.0 { 0.0 } else { 1.0 }))))?
+            .contains("outside")
     );
     assert!(violation(&|u| Some(Sample::atom(good(u))))?.contains("atoms"));
     let backwards = sampler(2, |u: &[f64]| Some(Sample::new(good(u))));

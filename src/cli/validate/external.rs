@@ -5,18 +5,18 @@ use crate::error::{Error, Result};
 use crate::import::sampler::files::{GridDensity, Row, SampleFile};
 use crate::import::sampler::program::Client;
 use crate::import::sampler::{Coordinates, Space, Visitor};
-use crate::stats::examine;
 use crate::study::validation::Case;
 use clap::Args;
+use etalon_stats::examine;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A sampler elsewhere.
+/// An external sampler.
 #[derive(Args)]
-#[command(next_help_heading = "Samplers elsewhere")]
-pub struct Elsewhere {
+#[command(next_help_heading = "External samplers")]
+pub struct ExternalSampler {
     /// Test the sampler of another program: it is started by this command and asked over its standard input and output
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
@@ -31,38 +31,38 @@ pub struct Elsewhere {
     pdf: Option<PathBuf>,
 }
 
-/// What `--samples` says: how many to draw, or that they are in a file.
+/// What `--samples` says: how many to take, or the file that holds them.
 #[derive(Debug, Clone)]
-pub enum HowMany {
+pub enum SampleSource {
     Count(u64),
     File(PathBuf),
 }
 
-impl From<&OsStr> for HowMany {
+impl From<&OsStr> for SampleSource {
     fn from(text: &OsStr) -> Self {
         text.to_str().and_then(|text| text.parse().ok()).map_or_else(|| Self::File(text.into()), Self::Count)
     }
 }
 
-impl Elsewhere {
+impl ExternalSampler {
     /// The test of the sampler that was asked for, if any was.
-    pub fn case(&self, samples: Option<&HowMany>, console: &Console) -> Result<Option<Case>> {
+    pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
-            (Some(_), Some(HowMany::File(file)), _) => {
+            (Some(_), Some(SampleSource::File(file)), _) => {
                 Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("with --exec, samples are drawn, not read"))
+                    .with_hint("with --exec, samples are generated, not read"))
             }
             (Some(command), ..) => self.program(command, space).map(Some),
-            (None, Some(HowMany::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
-            (None, Some(HowMany::File(file)), None) => {
+            (None, Some(SampleSource::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
+            (None, Some(SampleSource::File(file)), None) => {
                 Err(Error::parameter("--samples", format!("\"{}\" is not a number", file.display()))
                     .with_hint("if it is a file of samples, give their density by --pdf FILE"))
             }
             (None, _, Some(_)) => Err(Error::parameter("--pdf", "a density without samples")
                 .with_hint("give a file of samples by --samples FILE.csv")),
             (None, _, None) if space.is_some() => {
-                Err(Error::parameter("--domain", "there is no sampler elsewhere to test")
+                Err(Error::parameter("--domain", "there is no external sampler to test")
                     .with_hint("it goes with --exec, or with --samples FILE and --pdf"))
             }
             (None, _, None) => Ok(None),
@@ -71,7 +71,7 @@ impl Elsewhere {
 
     fn program(&self, command: &str, space: Option<Space>) -> Result<Case> {
         let client = Client::start(command, space, self.limit()?)?;
-        client.space().with(OfProgram(client))
+        client.space().with(ProgramCase(client))
     }
 
     fn limit(&self) -> Result<Duration> {
@@ -84,15 +84,15 @@ impl Elsewhere {
 }
 
 /// The test of a program.
-struct OfProgram(Client);
+struct ProgramCase(Client);
 
-impl Visitor for OfProgram {
+impl Visitor for ProgramCase {
     type Output = Result<Case>;
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
         let name = self.0.name().to_owned();
         let program = self.0.over::<D::Point>()?;
-        Ok(Case::new(name, move |protocol, round| examine(&domain, &program, &program, protocol, round)))
+        Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &program, &program, protocol, round)?)))
     }
 }
 
@@ -110,17 +110,17 @@ fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) ->
         }
         None => Err(Error::parameter("--domain", "a table does not say what it is a density over")
             .with_hint("--domain sphere, hemisphere, square, line or discrete:N")),
-        Some(space) => space.with(OfTable { samples, pdf }),
+        Some(space) => space.with(TableCase { samples, pdf }),
     }
 }
 
 /// The test of samples against a table.
-struct OfTable<'a> {
+struct TableCase<'a> {
     samples: &'a Path,
     pdf: &'a Path,
 }
 
-impl Visitor for OfTable<'_> {
+impl Visitor for TableCase<'_> {
     type Output = Result<Case>;
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
@@ -132,5 +132,5 @@ fn of_files<D: Row + Send + 'static>(samples: &Path, density: GridDensity<D>) ->
     let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
     let (domain, density) = (density.domain(), Arc::new(density));
     let sampler = SampleFile::open(samples, Arc::clone(&density))?;
-    Ok(Case::new(name, move |protocol, round| examine(&domain, &sampler, &*density, protocol, round)))
+    Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &sampler, &*density, protocol, round)?)))
 }

@@ -2,8 +2,10 @@
 //! of them must not be rejected, the bounds of their integrals must hold, and their twins of 2 % too much mass must be found.
 
 mod families;
+#[path = "../../src/testing.rs"]
+mod testing;
 
-use etalon::stats::{Bound, Protocol, Verdict};
+use etalon_stats::{Bound, Protocol, Verdict};
 use families::{FAMILIES, Random};
 use rayon::prelude::*;
 
