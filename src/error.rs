@@ -203,6 +203,33 @@ impl std::error::Error for Error {
     }
 }
 
+/// The error of a test: one of the program's own, raised by a sampler or density of it, comes back as it was.
+impl From<etalon_stats::Error> for Error {
+    fn from(error: etalon_stats::Error) -> Self {
+        match error {
+            etalon_stats::Error::Parameter { name, message, hint } => {
+                Error::Parameter { name: name.into(), message, hint: hint.map(str::to_owned) }
+            }
+            etalon_stats::Error::Cancelled => Error::Interrupted,
+            etalon_stats::Error::External(error) => match error.downcast::<Error>() {
+                Ok(own) => *own,
+                Err(other) => Error::input(Path::new("sampler"), other.to_string()),
+            },
+            other => Error::input(Path::new("sampler"), other.to_string()),
+        }
+    }
+}
+
+/// What a sampler or density of the program returns to the test that called it.
+impl From<Error> for etalon_stats::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Interrupted => Self::Cancelled,
+            error => Self::external(error),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,5 +253,13 @@ mod tests {
         assert_eq!(e.hint(), Some("SPP or LDR, `git lfs pull`"));
         let e = Error::input(Path::new("spp"), "`size` of ``spp`").with_names(word);
         assert_eq!(e.to_string(), "spp: `size` of `SPP");
+    }
+
+    #[test]
+    fn errors_pass_through_a_test_unchanged() {
+        let there_and_back = |e: Error| Error::from(etalon_stats::Error::from(e));
+        let e = there_and_back(Error::input(Path::new("a.csv"), "no row").at(Place::Byte(3)).with_hint("add one"));
+        assert_eq!((e.to_string(), e.hint()), ("a.csv, byte 3: no row".to_owned(), Some("add one")));
+        assert!(matches!(there_and_back(Error::Interrupted), Error::Interrupted));
     }
 }

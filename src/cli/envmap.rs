@@ -358,7 +358,7 @@ impl ProposalArgs {
         let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
         let output = Output { result, written: target.written(files) };
         console.result(&output, || {
-            let line = |name: &str, t: &crate::stats::chi_square::ChiSquare| {
+            let line = |name: &str, t: &etalon_stats::chi_square::ChiSquare| {
                 format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
             line("uniform numbers ", &output.result.uniform)

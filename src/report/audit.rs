@@ -2,8 +2,8 @@
 
 use super::check::Check;
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
-use crate::stats::Verdict;
 use crate::study::audit::Erratum;
+use etalon_stats::Verdict;
 use serde::Serialize;
 
 /// Panels in a row, the size of a frame, and of the text under it.

@@ -9,7 +9,6 @@ use crate::optics::metals::{METALS, Metal};
 use crate::raster::Rgb;
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
-use crate::stats::{Protocol, Samples};
 use crate::study::audit::{Erratum, audit};
 use crate::study::converge::Convergence;
 use crate::study::depth::{Depths, depths};
@@ -17,6 +16,7 @@ use crate::study::roughness::{self, Shot as Statue};
 use crate::study::sampling_strategies::{Comparison, compare};
 use crate::study::sphere::{Exact, Shot, shoot};
 use crate::study::stability::{self, Effort, Stability};
+use etalon_stats::{Protocol, SampleCount};
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -156,7 +156,7 @@ impl Context {
     /// How claims are tested: errors of 2 % are found, or of 5 % in a hurry.
     #[must_use]
     pub fn protocol(&self) -> Protocol {
-        let samples = Samples::Detect(if self.quick { 0.05 } else { 0.02 });
+        let samples = SampleCount::Detect(if self.quick { 0.05 } else { 0.02 });
         Protocol { seed: self.seed, samples, ..Protocol::default() }
     }
 

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::sampling::stream::CounterRng;
 use crate::sampling::table::Table1;
-use crate::stats::chi_square::{ChiSquare, chi_square};
+use etalon_stats::chi_square::{ChiSquare, chi_square};
 use rand::RngExt;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -7,6 +7,7 @@
 
 pub mod curve;
 pub mod depth;
+mod fit;
 pub mod flip;
 pub mod ladder;
 pub mod lights;
