@@ -4,6 +4,7 @@ pub mod audit;
 pub mod converge;
 pub mod depth;
 pub mod fresnel;
+pub mod furnace;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;

@@ -3,10 +3,10 @@
 use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
-use crate::report::output::{self, Written};
-use crate::report::validation as view;
+use crate::output::{self, Written};
 use crate::stats::Protocol;
 use crate::study::validation::{Calibration, Case, calibrate};
+use crate::view::validation as view;
 use serde::Serialize;
 
 #[derive(Serialize)]
