@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::is_same_file;
-use crate::report::output::{Target, checksum, file_name};
+use crate::output::{Target, checksum, file_name};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use std::any::TypeId;

@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::{Global, Model, Verdict};
 use crate::error::{Error, Result};
-use crate::report::fresnel as view;
-use crate::report::output::{self, Written};
+use crate::output::{self, Written};
 use crate::study::{fresnel, metal};
+use crate::view::fresnel as view;
 use clap::Args;
 use serde::Serialize;
 

@@ -1,13 +1,13 @@
 //! Loading the environment map that a command names: a built-in one or a file.
 
 use super::console::Console;
+use crate::envmap::NamedMap;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::envmap::{EnvMap, check_range};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{self, ReadOptions};
-use crate::report::MapSource;
 use clap::Args;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -25,7 +25,7 @@ pub struct MapOptions {
 }
 
 /// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).
-pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSource> {
+pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<NamedMap> {
     let (path, name) = (Path::new(map), map.to_string_lossy());
     let image = match map.to_str().and_then(Synthetic::from_name) {
         Some(synthetic) => synthetic.make(),
@@ -50,7 +50,7 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSo
             found.nonfinite, found.negative
         ));
     }
-    Ok(MapSource { map: Arc::new(map), name: name.into_owned() })
+    Ok(NamedMap { map: Arc::new(map), name: name.into_owned() })
 }
 
 /// Warns about a map that is known to be stored upside-down.

@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
+use crate::output::{self, Written};
 use crate::raster::{self, Metadata};
 use crate::render::exposure::{Dropped, list, merge_files};
-use crate::report::output::{self, Written};
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;

@@ -19,7 +19,7 @@ mod validate;
 
 use crate::error::{Error, Result};
 use crate::memory;
-use crate::report::output::Target;
+use crate::output::Target;
 use arguments::Arguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use console::Console;

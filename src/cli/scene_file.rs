@@ -2,10 +2,10 @@
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
+use crate::envmap::NamedMap;
 use crate::envmap::info::Info;
 use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
-use crate::report::MapSource;
 use crate::scene::{Environment, Material, Request, Scene, builtin};
 use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
@@ -78,7 +78,7 @@ impl SceneArgs {
         <[usize; 2]>::try_from(self.resolution.as_deref()?).ok()
     }
 
-    fn map(&self, name: &OsStr, console: &Console) -> Result<MapSource> {
+    fn map(&self, name: &OsStr, console: &Console) -> Result<NamedMap> {
         map_file::load(name, self.map_options, console)
     }
 

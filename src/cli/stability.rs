@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::{Global, Verdict};
 use crate::error::{Error, Result};
-use crate::report::output::{self, Written};
-use crate::report::{stability as maps, stability_summary as summary};
+use crate::output::{self, Written};
 use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
+use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 

@@ -71,7 +71,13 @@ impl Depths {
         self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
     }
 
-    /// Mean light of a picture.
+    /// The share of all light in the path classes that `of` selects.
+    #[must_use]
+    pub fn share(&self, of: impl Fn(&ClassRow) -> bool) -> f64 {
+        self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
+    }
+
+    /// Mean light of an image.
     #[must_use]
     pub fn mean(&self, depth: u32) -> f64 {
         let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);

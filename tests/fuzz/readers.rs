@@ -108,7 +108,7 @@ impl Visitor for Files<'_> {
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
         // Tells nothing about a sampler, but uses all that is read.
-        let brief = Protocol { samples: SampleCount::Count(1), cells: 2, ..Protocol::default() };
+        let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
         let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
         let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
         examine(&domain, &sampler, &*density, &brief, 0)?;

@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
+use crate::output::{self, Target, Written};
 use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::exposure::Part;
-use crate::report::output::{self, Target, Written};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 

@@ -3,9 +3,9 @@
 use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
-use crate::report::output::{self, Written};
-use crate::report::validation as view;
+use crate::output::{self, Written};
 use crate::study::validation::{Calibration, Case, calibrate};
+use crate::view::validation as view;
 use etalon_stats::Protocol;
 use serde::Serialize;
 

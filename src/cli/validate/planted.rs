@@ -5,9 +5,9 @@ use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::report::output::{self, Written};
-use crate::report::planted as view;
+use crate::output::{self, Written};
 use crate::study::validation::planted::{self, By, Findings};
+use crate::view::planted as view;
 use etalon_stats::Protocol;
 use serde::Serialize;
 

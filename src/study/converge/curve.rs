@@ -1,11 +1,11 @@
 //! The error of one strategy as its samples and its time grow: levels from replicates, the slope, and whether it is bias.
 
-use super::fit;
 use super::ladder::Times;
 use super::reference::Reference;
 use super::strategy::Strategy;
 use crate::error::Result;
 use crate::raster::{Comparison, Image};
+use crate::study::fit;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;

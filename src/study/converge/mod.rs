@@ -7,7 +7,6 @@
 
 pub mod curve;
 pub mod depth;
-mod fit;
 pub mod flip;
 pub mod ladder;
 pub mod lights;
