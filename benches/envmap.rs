@@ -10,9 +10,10 @@ use etalon::envmap::irradiance::IrradianceTree;
 use etalon::envmap::sampler::{
     AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample, SurfaceSampler,
 };
-use etalon::raster::{Image, Rgb};
+use etalon::math::Rgb;
+use etalon::math::circular::sin_cos_turns;
+use etalon::raster::Image;
 use etalon::sampling::stream::{Independent, Stream};
-use etalon::sampling::warp::sin_cos_turns;
 use glam::DVec3;
 use std::hint::black_box;
 use std::sync::Arc;

@@ -22,6 +22,7 @@ pub mod figure;
 pub mod files;
 pub mod import;
 pub mod interrupt;
+pub mod math;
 pub mod memory;
 pub mod optics;
 pub mod raster;

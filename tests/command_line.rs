@@ -2,7 +2,8 @@
 
 mod program;
 
-use etalon::raster::{Image, Metadata, ReadOptions, Rgb, read, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, ReadOptions, read, write};
 use program::{etalon, json};
 use serde_json::Value;
 use std::collections::BTreeSet;

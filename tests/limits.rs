@@ -2,7 +2,8 @@
 
 mod program;
 
-use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, write};
 use program::{Ran, etalon, json};
 use std::path::Path;
 use std::process::{Command, Stdio};

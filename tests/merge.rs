@@ -3,7 +3,8 @@
 mod program;
 
 use etalon::Error;
-use etalon::raster::{ExrFile, Image, Metadata, ReadOptions, Rgb, read};
+use etalon::math::Rgb;
+use etalon::raster::{ExrFile, Image, Metadata, ReadOptions, read};
 use etalon::render::exposure::{Classes, Exposure, Part, Row, merge_files, shard};
 use etalon::sampling::stream::{Independent, Stream};
 use program::{etalon, json};

@@ -2,7 +2,8 @@
 
 mod program;
 
-use etalon::raster::{ExrFile, Image, Rgb};
+use etalon::math::Rgb;
+use etalon::raster::{ExrFile, Image};
 use program::{etalon, json};
 use serde_json::Value;
 use std::collections::BTreeMap;

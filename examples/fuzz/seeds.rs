@@ -1,7 +1,8 @@
 //! Small sound files of every format: what the mutations start from.
 
 use super::program::Actor;
-use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, write};
 use etalon::render::exposure::{Classes, Exposure, Part, Splat};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap};
 use exr::prelude::{

@@ -6,8 +6,8 @@
 
 use super::mirror::reflect;
 use super::{BsdfSample, Scatter};
+use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
-use crate::raster::Rgb;
 use glam::Vec3;
 
 /// η seen from `wo`: `eta` is the index inside (z < 0) over that outside.

@@ -18,8 +18,8 @@ pub use glass::{DielectricFresnel, Glass, Refraction};
 pub use metal::MetalFresnel;
 pub use mirror::{Mirror, SmoothConductor};
 
+use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Ggx};
-use crate::raster::Rgb;
 use glam::Vec3;
 use report_model::{ReportConductor, ReportGlass};
 

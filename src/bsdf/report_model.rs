@@ -5,11 +5,11 @@
 use super::conductor::{Facet, reflect_at};
 use super::glass::split;
 use super::{BsdfSample, MetalFresnel, Scatter};
+use crate::math::Rgb;
 use crate::optics::conductor::fresnel_approximate;
 use crate::optics::microfacet::variants::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::optics::{dielectric, schlick};
-use crate::raster::Rgb;
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 

@@ -2,7 +2,7 @@
 
 use super::latlong::EnvMap;
 use super::sampler::EnvSample;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::sampling::batch::{BATCH, Batch};
 use glam::DVec3;
 

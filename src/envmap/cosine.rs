@@ -285,7 +285,7 @@ fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
     blocks.par_chunks_mut(columns).enumerate().for_each(|(by, row)| {
         for y in by * side..((by + 1) * side).min(g.height()) {
             for x in 0..g.width() {
-                let intensity = map.intensity(x, y);
+                let intensity = map.mean_rgb(x, y);
                 let moment = g.moment(x, y) * intensity;
                 row[x / side] += moment.as_vec3().extend((intensity * g.solid_angle(y)) as f32);
             }
@@ -297,7 +297,8 @@ fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Image, Rgb};
+    use crate::math::Rgb;
+    use crate::raster::Image;
 
     fn maps() -> Vec<Arc<EnvMap>> {
         let value = |x: usize, y: usize| match (x * 7 + y * 13) % 5 {
@@ -343,7 +344,7 @@ mod tests {
                         let above = [0.01, 0.5, 0.99].iter().any(|&fx| {
                             [0.01, 0.5, 0.99].iter().any(|&fy| n.dot(g.direction_in_texel(x, y, fx, fy)) > 0.0)
                         });
-                        assert!(!above || map.intensity(x, y) == 0.0 || pdf > 0.0, "light at {x},{y} is missed");
+                        assert!(!above || map.mean_rgb(x, y) == 0.0 || pdf > 0.0, "light at {x},{y} is missed");
                     }
                 }
                 // What is missing are descents that ended among blocks without light above the horizon.

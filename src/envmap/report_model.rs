@@ -22,7 +22,7 @@ impl ReportSampler {
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());
-        let table = Table2::new(width, height, |x, y| map.intensity(x, y) * row_weight(y, height));
+        let table = Table2::new(width, height, |x, y| map.mean_rgb(x, y) * row_weight(y, height));
         Self { map, table }
     }
 
@@ -59,7 +59,8 @@ impl DirectionSampler for ReportSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Image, Rgb};
+    use crate::math::Rgb;
+    use crate::raster::Image;
 
     #[test]
     fn pole_rows_are_never_drawn_and_positions_are_corners() {

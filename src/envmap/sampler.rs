@@ -2,7 +2,7 @@
 
 use super::batch::{self, Batched, EnvSamples};
 use super::latlong::EnvMap;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::batch::Batch;
 use crate::sampling::table::Table2;
@@ -77,7 +77,7 @@ impl CdfSampler {
 
     #[inline]
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
-        self.table.probability(x, y) * self.map.geometry().density(y)
+        self.table.probability(x, y) * self.map.geometry().inverse_solid_angle(y)
     }
 
     /// The `u` that [`DirectionSampler::sample`] maps to `wi`.
@@ -110,7 +110,7 @@ impl DirectionSampler for CdfSampler {
         let (x, y) = (draw.x.cell, draw.y.cell);
         let g = self.map.geometry();
         let wi = g.direction_in_texel(x, y, draw.x.offset, draw.y.offset);
-        Some(EnvSample { wi, pdf: draw.probability() * g.density(y), radiance: self.map.texel(x, y) })
+        Some(EnvSample { wi, pdf: draw.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
     }
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
@@ -144,7 +144,7 @@ impl AliasSampler {
     #[inline]
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
         let g = self.map.geometry();
-        self.table.probability(y * g.width() + x) * g.density(y)
+        self.table.probability(y * g.width() + x) * g.inverse_solid_angle(y)
     }
 }
 
@@ -199,13 +199,13 @@ impl CompensatedSampler {
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
         let (width, height) = (g.width(), g.height());
-        let row_sum = |y: usize| (0..width).map(|x| map.intensity(x, y)).sum::<f64>() * g.solid_angle(y);
+        let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
         let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
         // Rounding leaves crumbs of a constant map above its mean; they are no contrast.
         let floor = mean * (1.0 + 1e-6);
         let table = Table2::new(width, height, |x, y| {
-            let above = map.intensity(x, y) - mean;
-            if map.intensity(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
+            let above = map.mean_rgb(x, y) - mean;
+            if map.mean_rgb(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
         });
         if table.total() > 0.0 { Self(CdfSampler { map, table }) } else { Self(CdfSampler::new(map)) }
     }

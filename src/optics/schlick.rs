@@ -1,6 +1,7 @@
 //! Schlick's approximation, in the correct two-sided form and in the one-cosine form of the reports.
 
-use super::{Real, dielectric};
+use super::dielectric;
+use crate::math::Real;
 
 /// Reflectance at normal incidence, ((η−1)/(η+1))².
 #[must_use]

@@ -1,6 +1,7 @@
 //! From linear light to 8-bit values for display.
 
-use super::{Image, Rgb};
+use super::Image;
+use crate::math::Rgb;
 
 /// How linear values become 8-bit ones. Every map sends NaN and negative values to 0 and +∞ to 255.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::lights::Sampled;
 use crate::bsdf::Bsdf;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};
 
 /// What an object does to light.

@@ -7,8 +7,8 @@ use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks,
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::error::Result;
-use crate::raster::Rgb;
-use crate::sampling::circular::Circular;
+use crate::math::Rgb;
+use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::envmap::EnvMap;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{
     Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Role, Shape, Sphere,
     builtin,

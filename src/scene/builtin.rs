@@ -7,8 +7,9 @@ use super::{
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
+use crate::math::Rgb;
 use crate::optics::metals::{self, Metal};
-use crate::raster::{Image, Rgb};
+use crate::raster::Image;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 

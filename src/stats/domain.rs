@@ -213,7 +213,7 @@ impl Domain for Directions {
         }
         // On the horizon of the half, and opposite to the pole, rounding must not leave the chart.
         let below = if self.half { below } else { 0.5 * below };
-        Some([below.min(1f64.next_down()), crate::sampling::warp::turns(y, x)])
+        Some([below.min(1f64.next_down()), crate::math::circular::turns(y, x)])
     }
 
     fn point(&self, [below, turns]: [f64; 2]) -> DVec3 {

@@ -2,10 +2,10 @@
 
 use crate::envmap::EnvMap;
 use crate::envmap::batch::EnvSamples;
-use crate::envmap::latlong::intensity;
 use crate::envmap::report_model::ReportSampler;
 use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample};
 use crate::error::{Error, Result};
+use crate::math::mean_rgb;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::Table2;
@@ -72,7 +72,7 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
     let mut drawn = EnvSamples::default();
     sampler.sample_many(&numbers, &mut drawn);
     let samples: Vec<EnvSample> = drawn.iter().collect();
-    let estimate = |s: &EnvSample| intensity(s.radiance) / s.pdf;
+    let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
         Row {

@@ -8,7 +8,8 @@ mod nave;
 mod stress;
 mod sun;
 
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 
 pub use self::stress::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL};
 

@@ -1,7 +1,7 @@
 //! Shadowing terms in use elsewhere, kept for comparison; none of them is used by the default materials.
 
-use crate::optics::Real;
-use crate::optics::error_function::erf;
+use crate::math::Real;
+use crate::math::error_function::erf;
 
 /// Walter's rational fit of Smith's G₁ for Beckmann's distribution, a = 1/(α tan θ).
 ///
@@ -10,10 +10,10 @@ use crate::optics::error_function::erf;
 /// 2007, eq. 27.
 #[must_use]
 pub fn g1_rational<T: Real>(a: T) -> T {
-    if a >= T::lit(1.6) {
+    if a >= T::from_f64(1.6) {
         return T::one();
     }
-    a * (T::lit(3.535) + T::lit(2.181) * a) / (T::one() + a * (T::lit(2.276) + T::lit(2.577) * a))
+    a * (T::from_f64(3.535) + T::from_f64(2.181) * a) / (T::one() + a * (T::from_f64(2.276) + T::from_f64(2.577) * a))
 }
 
 /// The second report's Λ for Beckmann's distribution, a = 1/(α tan θ): ½ (erf a − 1 + exp(−a²)/(a π)).
@@ -24,7 +24,7 @@ pub fn g1_rational<T: Real>(a: T) -> T {
 #[must_use]
 pub fn lambda_with_pi<T: Real>(a: T) -> T {
     let gauss = if a.is_infinite() { T::zero() } else { (-a * a).exp() / (a * T::PI()) };
-    T::lit(0.5) * (erf(a) - T::one() + gauss)
+    T::from_f64(0.5) * (erf(a) - T::one() + gauss)
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use super::{Curves, Suspect, curve};
 use crate::bsdf::report_model::ReportGlass;
 use crate::bsdf::{DielectricFresnel, Glass, Scatter};
+use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
-use crate::raster::Rgb;
 use crate::stats::{Atom, Directions, Draw, Pole, density, sampler};
 use crate::study::validation::Case;
 use glam::DVec3;

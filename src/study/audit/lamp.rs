@@ -1,7 +1,7 @@
 //! The course's panel light: it falls off with the distance, not its square, because a vector is taken for a unit vector.
 
 use super::{Curves, Suspect, curve};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::{Model, Sampling, Settings};
 use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, Scene, Shape};
 use crate::study::validation::suite::renders::{Picture, Truth};

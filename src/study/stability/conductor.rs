@@ -4,8 +4,8 @@ use super::family::{Answer, Family, Form, REPORT, Range, STABLE, Scale, Section,
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use crate::bsdf::MetalFresnel;
+use crate::math::Rgb;
 use crate::optics::conductor;
-use crate::raster::Rgb;
 
 pub const FAMILY: Family = Family {
     name: "conductor",

@@ -176,8 +176,8 @@ impl Form {
 }
 
 fn run<T: Machine>(form: fn(&[T]) -> Answer<T>, inputs: &[f64]) -> Answer<f64> {
-    let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::optics::Real>::lit(x)).collect();
-    form(&inputs).map(|answer| answer.map(crate::optics::Real::wide))
+    let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::math::Real>::from_f64(x)).collect();
+    form(&inputs).map(|answer| answer.map(crate::math::Real::to_f64))
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use super::family::{Answer, Family, Form, INDEX, Range, STABLE, Scale, Section, 
 use super::fresnel::{COSINE, critical_cosine};
 use super::number::{Number, normalized};
 use crate::bsdf::{Refraction, Scatter};
+use crate::math::Rgb;
 use crate::optics::dielectric;
-use crate::raster::Rgb;
 use glam::Vec3;
 
 pub const FAMILY: Family = Family {

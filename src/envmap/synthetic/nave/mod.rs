@@ -40,7 +40,8 @@ use self::irradiance::Irradiance;
 use self::light::Lamp;
 use self::ray::{Hit, Ray, Surface};
 use self::sun::Sun;
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 
 /// Brings the map to the mean radiance of the measured cathedral that it stands in for.
 const EXPOSURE: f32 = 0.70;

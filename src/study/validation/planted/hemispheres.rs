@@ -1,7 +1,8 @@
 //! Mistakes in drawing directions over a hemisphere.
 
 use super::Planted;
-use crate::sampling::warp::{self, sin_cos_turns};
+use crate::math::circular::sin_cos_turns;
+use crate::sampling::warp;
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -2,10 +2,10 @@
 
 use super::Planted;
 use crate::bsdf::report_model::normal_pdf_by_angles;
+use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::variants::g1_rational;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 use crate::sampling::normals::SampleNormals;
-use crate::sampling::warp::sin_cos_turns;
 use crate::stats::{Directions, Draw, Pole, density, sampler};
 use glam::DVec3;
 

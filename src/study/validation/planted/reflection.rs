@@ -1,9 +1,9 @@
 //! Mistakes in turning normals into reflected directions.
 
 use super::Planted;
+use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Ggx, Microfacet};
 use crate::sampling::normals::SampleNormals;
-use crate::sampling::warp::sin_cos_turns;
 use crate::stats::{Density, Directions, Draw, Mass, Pole, Sampler, density, sampler};
 use glam::DVec3;
 

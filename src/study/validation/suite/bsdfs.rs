@@ -5,9 +5,9 @@
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::report_model::ReportConventions;
 use crate::bsdf::{Bsdf, Normals, Scatter};
+use crate::math::Rgb;
 use crate::optics::metals::METALS;
 use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use crate::scene::{Conductor, Material, ScatterModel};
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
 use glam::{DVec3, Vec3};

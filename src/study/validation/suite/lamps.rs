@@ -1,7 +1,7 @@
 //! Lamps as the renderer draws directions towards them: panels, balls, and the even sky.
 
 use super::{Case, short};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
 use crate::scene::{Emission, Light, Material, Object, Rectangle, Role, Scene, Shape, Sphere, builtin};

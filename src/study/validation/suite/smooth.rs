@@ -5,8 +5,8 @@
 
 use super::{Case, short, towards};
 use crate::bsdf::{Bsdf, Scatter};
+use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use crate::scene::{Conductor, Material, ScatterModel};
 use crate::stats::{Atom, Directions, Draw, Mass, Pole, density, sampler};
 use glam::{DVec3, Vec3};

@@ -6,7 +6,8 @@ use super::Case;
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use crate::sampling::table::{Table1, Table2};
 use crate::stats::{Directions, Draw, Pole, Protocol, density, examine, sampler};
 use glam::DVec3;
@@ -49,7 +50,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
     let pdf = |wi: DVec3| {
         let (x, y) = g.texel(wi);
-        map.intensity(x, y) / total
+        map.mean_rgb(x, y) / total
     };
     let sphere = Directions::sphere(Pole::Y);
     examine(&sphere, &sampler(3, draw), &density(pdf).with_steps(g.edges()), protocol, round)

@@ -1,7 +1,7 @@
 //! Maps from the unit square to directions, and the circular functions that they are made of.
 
 use super::{Case, short};
-use crate::sampling::circular::Circular;
+use crate::math::circular::Circular;
 use crate::sampling::warp;
 use crate::stats::{Directions, Draw, Line, Pole, density, sampler};
 use glam::DVec3;
