@@ -35,7 +35,7 @@ fn rooms(c: &mut Criterion) {
     let mut group = c.benchmark_group("room-160x120-16spp-1light");
     group.sample_size(10);
     for name in ["cornell-lambert", "cornell-spheres", "cornell-statue-au"] {
-        let (scene, request) = builtin::by_name(name, None).unwrap().unwrap();
+        let (scene, request) = builtin::find(name).unwrap().make(None, None).unwrap();
         let request = Request { width: 160, height: 120, spp: 16, light_samples: 1, ..request };
         group.throughput(Throughput::Elements((request.width * request.height) as u64 * u64::from(request.spp)));
         for general in [false, true] {

@@ -5,6 +5,7 @@ use etalon::Result;
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
 use etalon::import::{SceneOptions, mesh, read_scene};
+use etalon::optics::metals::GOLD;
 use etalon::raster::{ExrFile, ReadOptions, read};
 use etalon::render::exposure::Part;
 use etalon::render::{Settings, Silent, render};
@@ -91,13 +92,9 @@ fn statue(path: &Path) -> Result<()> {
     if mesh.normals.is_empty() {
         mesh.smooth();
     }
-    match builtin::by_name("cornell-statue-au", Some(mesh))? {
-        Some((scene, request)) => {
-            let (scene, request) = scene.resized(request, SIZE);
-            picture(&scene, &request)
-        }
-        None => Ok(()),
-    }
+    let (scene, request) = builtin::cornell_statue(GOLD, 0.25, Some(mesh))?;
+    let (scene, request) = scene.resized(request, SIZE);
+    picture(&scene, &request)
 }
 
 fn scene(path: &Path) -> Result<()> {

@@ -6,8 +6,7 @@ use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
-use crate::math::Rgb;
-use crate::optics::metals::{METALS, Metal};
+use crate::optics::metals::{COPPER, Metal};
 use crate::render::{LightDensity, Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
 use crate::stats::{Protocol, Samples};
@@ -36,11 +35,6 @@ pub const STRATEGIES: [(&str, Sampling, LightDensity); 4] = [
     ("MIS, map", Sampling::Mis, LightDensity::Map),
     ("map alone, as the report", Sampling::Light, LightDensity::Map),
 ];
-
-/// The metals of the second report's statues.
-pub const GOLD: &Metal = &METALS[2];
-pub const COPPER: &Metal = &METALS[3];
-pub const IRON: &Metal = &METALS[4];
 
 /// Results by what they are of, each computed once.
 pub(super) struct Memory<K, T>(Mutex<HashMap<K, Arc<T>>>);
@@ -189,8 +183,7 @@ impl Context {
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(conductor) = &mut object.material {
-                let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
-                (conductor.eta, conductor.k, conductor.alpha) = (rgb(metal.eta), rgb(metal.k), alpha);
+                (conductor.eta, conductor.k, conductor.alpha) = (metal.eta_rgb(), metal.k_rgb(), alpha);
             }
         }
         Ok((scene, self.request(request, 128, 1)))
@@ -247,15 +240,5 @@ impl Context {
             let names = FIGURES.iter().find(|(id, ..)| *id == figure).map_or(&[][..], |(.., names)| names);
             stability::run(names, &effort, self.seed, &mut |_| {})
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_metals_are_what_they_are_called() {
-        assert_eq!([GOLD, COPPER, IRON].map(|m| m.name), ["gold", "copper", "iron"]);
     }
 }

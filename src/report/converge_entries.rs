@@ -1,13 +1,14 @@
 //! The figures of error against run time: how each is made and what it must meet.
 
 use super::check::Check;
-use super::context::{Context, GOLD};
+use super::context::Context;
 use super::converge::{self as view, rows};
 use super::converge_series as series;
 use super::entries::entry;
 use super::output;
 use super::registry::{Entry, Made};
 use crate::error::Result;
+use crate::optics::metals::GOLD;
 use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::ladder::Deadline;

@@ -32,7 +32,7 @@ pub struct Row {
 pub fn table(points: usize) -> Result<(Vec<Row>, Vec<metal::Curves>)> {
     let mut rows = Vec::new();
     let mut all = Vec::new();
-    for known in &metals::METALS {
+    for known in metals::METALS {
         let curves = metal::by_name(known.symbol, points)?;
         for (channel, wavelength_nm) in curves.channels.iter().zip(metals::WAVELENGTHS_NM) {
             let (eta, k) = (channel.eta, channel.k);

@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn both_agree_and_one_is_noisier() {
-        let (scene, request) = builtin::by_name("cornell-statue-cu", None).unwrap().unwrap();
+        let (scene, request) = builtin::find("cornell-statue-cu").unwrap().make(None, None).unwrap();
         let request = Request { width: 64, height: 48, spp: 16, light_samples: 1, ..request };
         let result = compare(&scene, &request, &Settings::default()).unwrap();
         assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0 && result.z_rim.abs() < 4.0);

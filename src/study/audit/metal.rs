@@ -6,7 +6,7 @@ use crate::bsdf::{MetalFresnel, Scatter};
 use crate::error::Result;
 use crate::math::Rgb;
 use crate::optics::conductor::fresnel;
-use crate::optics::metals::{METALS, Metal};
+use crate::optics::metals::COPPER;
 use crate::optics::microfacet::variants::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::hash;
@@ -19,8 +19,7 @@ use crate::study::validation::Case;
 use glam::DVec3;
 
 const ALPHA: f64 = 0.5;
-/// Copper, whose blue varies most with the angle.
-const COPPER: &Metal = &METALS[3];
+/// The channel in which copper varies most with the angle.
 const BLUE: usize = 2;
 /// Pairs of directions that reciprocity is tried on.
 const PAIRS: u32 = 1 << 14;

@@ -6,7 +6,7 @@ use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::report_model::ReportConventions;
 use crate::bsdf::{Bsdf, Normals, Scatter};
 use crate::math::Rgb;
-use crate::optics::metals::METALS;
+use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
 use crate::scene::{Conductor, Material, ScatterModel};
 use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
@@ -15,8 +15,7 @@ use glam::{DVec3, Vec3};
 /// A rough metal; which one does not matter to its directions.
 fn metal(alpha: f64, distribution: Distribution) -> Material {
     let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
-    let [first, ..] = METALS;
-    let (eta, k) = (rgb(first.eta), rgb(first.k));
+    let (eta, k) = (rgb(SILVER.eta), rgb(SILVER.k));
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
 

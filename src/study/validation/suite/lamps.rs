@@ -31,7 +31,7 @@ pub fn cases() -> Vec<Case> {
 
 /// The only light of a scene, as the renderer has it.
 fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
-    let (scene, _) = builtin::by_name("furnace", None).ok()??;
+    let (scene, _) = builtin::furnace();
     let lights = light.into_iter().collect();
     let scene = Scene { objects: object.into_iter().collect(), lights, environment: None, ..scene };
     Sampled::all(&scene, &Settings::default()).ok()?.pop()
