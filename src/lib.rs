@@ -17,6 +17,7 @@
 pub mod bsdf;
 pub mod cli;
 pub mod envmap;
+pub mod errata;
 pub mod error;
 pub mod figure;
 pub mod files;

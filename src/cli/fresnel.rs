@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::{Global, Model, Verdict};
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::optics::metals;
 use crate::report::fresnel as view;
@@ -65,8 +66,9 @@ impl Fresnel {
     }
 
     fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let model = if self.model == Model::Report { fresnel::Model::Report } else { fresnel::Model::Exact };
-        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, model)?;
+        let correct = self.model == Model::Exact;
+        let conventions = if correct { Conventions::CORRECT } else { Conventions::FIRST_REPORT };
+        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, conventions)?;
         let target = global.target(&[]);
         let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;

@@ -99,8 +99,8 @@ pub struct MedianCut<'a> {
 impl<'a> MedianCut<'a> {
     /// Memory that the tables take for each texel.
     #[must_use]
-    pub fn bytes(split: Split) -> usize {
-        size_of::<f64>() * if split == Split::Variance { 4 } else { 1 }
+    pub const fn bytes(split: Split) -> usize {
+        size_of::<f64>() * if matches!(split, Split::Variance) { 4 } else { 1 }
     }
 
     #[must_use]

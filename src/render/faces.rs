@@ -36,7 +36,7 @@ impl Face {
             Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
             Material::Diffuse { albedo } => Kind::Diffuse { albedo },
             ref other => {
-                let bsdf = other.bsdf(settings.model.scattering);
+                let bsdf = other.bsdf(settings.model);
                 if bsdf.is_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };

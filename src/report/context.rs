@@ -5,9 +5,10 @@ use super::originals::Originals;
 use super::stability_entries::FIGURES;
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
+use crate::envmap::samplers::MapSampling;
 use crate::error::Result;
 use crate::optics::metals::{COPPER, Metal};
-use crate::render::{LightDensity, Sampling, Settings};
+use crate::render::{Sampling, Settings};
 use crate::scene::{Material, Request, Scene, builtin};
 use crate::stats::{Protocol, Samples};
 use crate::study::audit::{Erratum, audit};
@@ -29,11 +30,11 @@ pub struct MapSource {
 }
 
 /// Strategies that the error figure compares: label, sampling, density.
-pub const STRATEGIES: [(&str, Sampling, LightDensity); 4] = [
-    ("radiance × cosine (default)", Sampling::Mis, LightDensity::Cosine),
-    ("MIS, compensated map", Sampling::Mis, LightDensity::Compensated),
-    ("MIS, map", Sampling::Mis, LightDensity::Map),
-    ("map alone, as the report", Sampling::Light, LightDensity::Map),
+pub const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
+    ("radiance × cosine (default)", Sampling::Mis, MapSampling::COSINE),
+    ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED),
+    ("MIS, map", Sampling::Mis, MapSampling::MAP),
+    ("map alone, as the report", Sampling::Light, MapSampling::MAP),
 ];
 
 /// Results by what they are of, each computed once.

@@ -7,11 +7,13 @@ use super::registry::{Entry, Made, Picture};
 use super::{fresnel as fresnel_view, output, proposal as proposal_view, sphere as sphere_view};
 use crate::envmap::cut::{SideRule, Split};
 use crate::envmap::irradiance::IrradianceTree;
+use crate::envmap::samplers::CdfSampler;
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::figure::Drawing;
 use crate::raster::ToneMap;
-use crate::study::fresnel::{self, Model};
-use crate::study::map_samples::{self, Method};
+use crate::study::fresnel;
+use crate::study::map_samples;
 use crate::study::median_cut::{self, Centroid};
 use crate::study::proposal;
 use crate::study::sphere::Row;
@@ -144,7 +146,7 @@ pub(super) fn entry(
 }
 
 fn dielectric(eta_i: f64, eta_t: f64) -> Result<Made> {
-    let curves = fresnel::curves(eta_i, eta_t, 901, Model::Exact)?;
+    let curves = fresnel::curves(eta_i, eta_t, 901, Conventions::CORRECT)?;
     let mut checks = vec![
         Check::near("normal reflectance", 0.033_735_943_356_934, curves.r_normal, 1e-14),
         Check::near(
@@ -173,7 +175,7 @@ fn samples(
     draw: impl Fn(&Display, &[map_samples::Row], usize) -> Drawing,
 ) -> Result<Made> {
     let map = &context.source.map;
-    let result = map_samples::draw(map, Method::Cdf, n, context.seed)?;
+    let result = map_samples::draw(map, &CdfSampler::new(map.clone()), DVec3::Y, n, context.seed)?;
     let flux = context.info.flux_rgb.iter().sum::<f64>() / 3.0;
     Ok(Made {
         drawing: draw(context.display(), &result.rows, WINDOW),

@@ -6,6 +6,7 @@ use super::depth as depth_view;
 use super::entries::entry;
 use super::registry::{Entry, Made, Picture};
 use super::{metals as metals_view, output, statue as statue_view};
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::optics::metals::{GOLD, IRON, METALS, Metal};
 use crate::raster::{Image, ToneMap};
@@ -165,7 +166,7 @@ pub(super) fn all() -> Vec<Entry> {
 }
 
 fn picture(image: &Image) -> Option<Picture> {
-    Some(Picture { image: image.clone(), tone: ToneMap::Report })
+    Some(Picture { image: image.clone(), tone: ToneMap::By(Conventions::SECOND_REPORT) })
 }
 
 fn picture_of_depth(context: &Context, place: usize) -> Result<Made> {

@@ -4,6 +4,7 @@
 use super::roughness::{Shot, shoot};
 use super::seen::{Kind, Mean};
 use crate::bsdf::Normals;
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::render::Settings;
@@ -54,7 +55,7 @@ pub struct Comparison {
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
     let shot = |normals: Normals, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
-        settings.model.scattering.normals = normals;
+        settings.model.normals = normals;
         shoot(scene, request, &settings)
     };
     let (importance, hemisphere) = (shot(Normals::Visible, 0)?, shot(Normals::Hemisphere, 1)?);
@@ -127,7 +128,8 @@ impl Side {
         if values.is_empty() {
             return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };
         }
-        let shown = to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::Report);
+        let shown =
+            to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));
         let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
         light.sort_unstable_by(f64::total_cmp);
         Self {

@@ -109,8 +109,9 @@ fn in_ring(x: usize, y: usize, size: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envmap::samplers::MapSampling;
     use crate::envmap::synthetic::Synthetic;
-    use crate::render::{LightDensity, Sampling};
+    use crate::render::Sampling;
 
     #[test]
     fn the_exact_picture_of_a_constant_map_is_constant() {
@@ -125,10 +126,10 @@ mod tests {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let exact = Exact::new(&map, 8.0, 41);
         for (sampling, density, tolerance) in [
-            (Sampling::Light, LightDensity::Cosine, 0.01),
-            (Sampling::Light, LightDensity::Map, 0.02),
-            (Sampling::Mis, LightDensity::Map, 0.02),
-            (Sampling::Mis, LightDensity::Compensated, 0.02),
+            (Sampling::Light, MapSampling::COSINE, 0.01),
+            (Sampling::Light, MapSampling::MAP, 0.02),
+            (Sampling::Mis, MapSampling::MAP, 0.02),
+            (Sampling::Mis, MapSampling::COMPENSATED, 0.02),
         ] {
             let settings = Settings { sampling, density, ..Settings::default() };
             let shot = shoot(&map, "sun", 64, &exact, &settings).unwrap();

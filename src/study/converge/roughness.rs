@@ -58,7 +58,7 @@ pub fn measure(
         }
         let job = |(_, normals): (&str, Normals)| {
             let mut settings = Settings { seed, stream: StreamKind::Independent, ..Settings::default() };
-            settings.model.scattering.normals = normals;
+            settings.model.normals = normals;
             Job::new(&scene, &request, &settings)
         };
         let jobs = NORMALS.into_iter().map(job).collect::<Result<Vec<_>>>()?;

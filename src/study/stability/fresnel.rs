@@ -2,7 +2,8 @@
 
 use super::family::{Answer, Family, Form, INDEX, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
 use super::number::{Machine, Number};
-use crate::optics::{dielectric, schlick};
+use crate::errata::fresnel::schlick_incident_cosine;
+use crate::optics::dielectric;
 
 pub const FAMILY: Family = Family {
     name: "fresnel",
@@ -67,5 +68,5 @@ fn textbook<T: Number>(x: &[T]) -> Answer<T> {
 
 /// The first report's Schlick, which takes the incident cosine on both sides.
 fn report<T: Machine>(x: &[T]) -> Answer<T> {
-    scalar(schlick::schlick_incident_cosine(x[1], x[0]))
+    scalar(schlick_incident_cosine(x[1], x[0]))
 }

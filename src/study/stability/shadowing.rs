@@ -5,7 +5,8 @@ use super::family::{Answer, Family, Form, POSITIVE, REPORT, Range, STABLE, Secti
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use super::refraction::direction;
-use crate::optics::microfacet::{Beckmann, Ggx, Microfacet, variants};
+use crate::errata::microfacet::lambda_with_pi;
+use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
 pub const BECKMANN: Family = Family {
     name: "beckmann-g",
@@ -76,7 +77,7 @@ fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
 /// The second report's Λ, with π in place of its root.
 fn beckmann_report<T: Machine>(x: &[T]) -> Answer<T> {
     let tan = Number::sqrt(T::of(1.0) - x[3].square()) / x[3];
-    scalar(T::of(1.0) / (T::of(1.0) + variants::lambda_with_pi(T::of(1.0) / (x[0] * tan))))
+    scalar(T::of(1.0) / (T::of(1.0) + lambda_with_pi(T::of(1.0) / (x[0] * tan))))
 }
 
 /// 1/(1 + Λ) with Λ = ½ (exp(−A²)/(A√π) − erfc A), A = 1/(α tan θ).
