@@ -1,7 +1,7 @@
 //! Light from infinity: a lat-long map, turned and scaled into the scene.
 
 use crate::envmap::EnvMap;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 

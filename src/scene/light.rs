@@ -1,7 +1,7 @@
 //! Lights without a visible surface.
 
 use super::Rectangle;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::Vec3;
 
 /// A light that nothing can hit: rays pass through it.

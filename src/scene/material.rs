@@ -1,7 +1,7 @@
 //! How surfaces scatter light, and what lamps they are.
 
+use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use glam::Vec3;
 
 /// How a surface scatters light.

@@ -8,7 +8,8 @@
 mod stress;
 mod sun;
 
-use crate::raster::{self, Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::{self, Image};
 use std::path::Path;
 
 pub use self::stress::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL};

@@ -3,7 +3,7 @@
 use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
 use crate::import::transform::in_range;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Emission, Falloff, Light, Material, Object, Rectangle, Role, Shape};
 use glam::{DMat4, DVec3, Vec3};
 

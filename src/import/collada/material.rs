@@ -2,7 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Conductor, Distribution, Emission, Material, Role};
 
 /// What a surface is made of, and whether it glows.

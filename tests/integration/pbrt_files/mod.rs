@@ -5,7 +5,8 @@ mod refusals;
 
 use etalon::envmap::EnvMap;
 use etalon::import::{Imported, pbrt};
-use etalon::raster::{Image, Rgb};
+use etalon::math::Rgb;
+use etalon::raster::Image;
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
 use etalon::scene::{
     Camera, Conductor, Distribution, Emission, Environment, Falloff, Light, Material, Object, Projection, Request,
