@@ -5,12 +5,12 @@
 //! | floor | room | what lives there |
 //! |---|---|---|
 //! | 8 | `main.rs`, [`cli`] | one file per subcommand: parse, call, print |
-//! | 7 | [`report`] | the registry of figures and the checks that they must meet |
+//! | 7 | [`gallery`], [`view`] | the registry of figures, their checks and the page; results of studies as drawings and tables |
 //! | 6 | [`study`] | one file per experiment, each computing a plain result |
 //! | 5 | [`render`], [`import`] | the integrator and its film; scene files and samplers of others |
 //! | 4 | [`scene`] | camera, shapes, lights, built-in scenes |
-//! | 3 | [`stats`], [`bsdf`], [`envmap`] | tests and errors; materials; environment maps |
-//! | 2 | [`sampling`], [`figure`] | random streams, warps and tables; drawing |
+//! | 3 | [`bsdf`], [`envmap`] | tests and errors; materials; environment maps |
+//! | 2 | [`sampling`], [`figure`], [`output`] | random streams, warps and tables; drawing; result files |
 //! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
 //! | 0 | [`error`], [`files`], [`interrupt`], [`memory`] | what every room needs |
 
@@ -20,16 +20,17 @@ pub mod envmap;
 pub mod error;
 pub mod figure;
 pub mod files;
+pub mod gallery;
 pub mod import;
 pub mod interrupt;
 pub mod memory;
 pub mod optics;
+pub mod output;
 pub mod raster;
 pub mod render;
-pub mod report;
 pub mod sampling;
 pub mod scene;
-pub mod stats;
 pub mod study;
+pub mod view;
 
 pub use error::{Error, Result};

@@ -4,11 +4,11 @@ use super::console::Console;
 use super::scene_file::{Loaded, SceneArgs};
 use super::{Global, Verdict};
 use crate::error::Result;
-use crate::report::converge::{self as view, duration, word};
-use crate::report::output::{self, Written, file_name};
+use crate::output::{self, Written, file_name};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::strategy::{NAMES, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
+use crate::view::converge::{self as view, duration, word};
 use clap::{ArgAction, Args};
 use serde::Serialize;
 

@@ -8,12 +8,12 @@ use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::output::{self, Written};
 use crate::raster::{self, Metadata, Precision, WriteOptions};
-use crate::report::map::{Display, Look};
-use crate::report::output::{self, Written};
-use crate::report::proposal as proposal_view;
 use crate::study::map_samples::{self, Method};
 use crate::study::{median_cut, proposal};
+use crate::view::map::{Display, Look};
+use crate::view::proposal as proposal_view;
 use clap::{ArgAction, Args, Subcommand, ValueEnum};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -351,14 +351,14 @@ impl ProposalArgs {
         }
         let source = map_file::load(&self.map, self.options, console)?;
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
-            return Err(Error::parameter("MAP", format!("{} has light in too few rows for this test", source.name)));
+            return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
         let target = global.target(&["map"]);
         let stem = target.stem(&format!("{}-proposal", map_file::short_name(&self.map)), "", &output::STUDY)?;
         let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
         let output = Output { result, written: target.written(files) };
         console.result(&output, || {
-            let line = |name: &str, t: &crate::stats::chi_square::ChiSquare| {
+            let line = |name: &str, t: &etalon_stats::chi_square::ChiSquare| {
                 format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
             line("uniform numbers ", &output.result.uniform)
@@ -388,7 +388,7 @@ impl MakeArgs {
         }
         let Some(synthetic) = Synthetic::from_name(&self.name) else {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| format!("{} ({})", s.name(), s.description())).collect();
-            return Err(Error::parameter("NAME", format!("there is no built-in map \"{}\"", self.name))
+            return Err(Error::parameter("name", format!("there is no built-in map \"{}\"", self.name))
                 .with_hint(format!("built-in maps: {}", known.join("; "))));
         };
         let image = synthetic.make();

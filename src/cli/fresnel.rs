@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::{Global, Model, Verdict};
 use crate::error::{Error, Result};
-use crate::report::fresnel as view;
-use crate::report::output::{self, Written};
+use crate::output::{self, Written};
 use crate::study::{fresnel, metal};
+use crate::view::fresnel as view;
 use clap::Args;
 use serde::Serialize;
 
@@ -88,7 +88,7 @@ impl Fresnel {
 
     fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         if self.model == Model::Report {
-            return Err(Error::parameter("--model", "the first report draws no metals")
+            return Err(Error::parameter("model", "the first report draws no metals")
                 .with_hint("the second report's approximation is always drawn beside the exact curves"));
         }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();

@@ -1,13 +1,13 @@
 //! Loading the environment map that a command names: a built-in one or a file.
 
 use super::console::Console;
+use crate::envmap::NamedMap;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
 use crate::envmap::{EnvMap, check_range};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{self, ReadOptions};
-use crate::report::MapSource;
 use clap::Args;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -25,13 +25,13 @@ pub struct MapOptions {
 }
 
 /// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).
-pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSource> {
+pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<NamedMap> {
     let (path, name) = (Path::new(map), map.to_string_lossy());
     let image = match map.to_str().and_then(Synthetic::from_name) {
         Some(synthetic) => synthetic.make(),
         None if !path.exists() && path.extension().is_none() => {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| s.name()).collect();
-            return Err(Error::parameter("MAP", format!("there is no file and no built-in map \"{name}\""))
+            return Err(Error::parameter("map", format!("there is no file and no built-in map \"{name}\""))
                 .with_hint(format!("built-in maps: {}", known.join(", "))));
         }
         None => {
@@ -50,7 +50,7 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<MapSo
             found.nonfinite, found.negative
         ));
     }
-    Ok(MapSource { map: Arc::new(map), name: name.into_owned() })
+    Ok(NamedMap { map: Arc::new(map), name: name.into_owned() })
 }
 
 /// Warns about a map that is known to be stored upside-down.

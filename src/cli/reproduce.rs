@@ -3,10 +3,11 @@
 use super::console::Console;
 use super::map_file::{self, MapOptions};
 use super::{DEFAULT_SEED, Global, Verdict};
-use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
+use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
-use crate::report::{self, Context, MapSource, Originals, Reproduced, output};
+use crate::gallery::{self, Effort, Inputs, Originals, Reproduced};
+use crate::output;
 use clap::{ArgAction, Args};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -24,7 +25,7 @@ use std::time::Instant;
                         etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
 pub struct Reproduce {
-    /// Smaller pictures: a quick check of everything
+    /// Smaller images and fewer samples: a quick check of everything
     #[arg(long)]
     quick: bool,
     /// Only these figures
@@ -57,14 +58,16 @@ struct Output<'a> {
 struct Listed {
     id: &'static str,
     title: &'static str,
-    answers: &'static str,
+    answers: String,
 }
 
 impl Reproduce {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
-            let list: Vec<Listed> =
-                report::registry().iter().map(|e| Listed { id: e.id, title: e.title, answers: e.answers }).collect();
+            let list: Vec<Listed> = gallery::registry()
+                .iter()
+                .map(|f| Listed { id: f.id, title: f.title, answers: f.counterpart() })
+                .collect();
             #[derive(Serialize)]
             struct List<'a> {
                 figures: &'a [Listed],
@@ -75,13 +78,13 @@ impl Reproduce {
             return Ok(Verdict::Good);
         }
         let start = Instant::now();
-        let context = self.context(global, console)?;
+        let inputs = self.inputs(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
         self.spare_the_map(folder)?;
-        let count = if self.only.is_empty() { report::registry().len() } else { self.only.len() };
+        let count = if self.only.is_empty() { gallery::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
-        let made = report::reproduce(&context, &self.only, folder, &self.options(global), &mut |entry| {
-            bar.set_message(entry.id);
+        let made = gallery::reproduce(&inputs, &self.only, folder, &self.options(global), &mut |figure| {
+            bar.set_message(figure.id);
             bar.inc(1);
         })?;
         bar.finish_and_clear();
@@ -103,8 +106,8 @@ impl Reproduce {
     /// Refuses a map that one of the figures in `folder` would replace.
     fn spare_the_map(&self, folder: &Path) -> Result<()> {
         let map = [PathBuf::from(&self.envmap)];
-        report::registry().iter().try_for_each(|entry| {
-            let stem = folder.join(entry.id);
+        gallery::registry().iter().try_for_each(|figure| {
+            let stem = folder.join(figure.id);
             let mut images = ["png", "exr", "pfm", "ppm"].into_iter();
             images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format), &map))
         })
@@ -130,8 +133,8 @@ impl Reproduce {
     }
 
     /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is turned without being asked.
-    fn context(&self, global: &Global, console: &Console) -> Result<Context> {
-        let source = map_file::load(&self.envmap, self.options, console)?;
+    fn inputs(&self, global: &Global, console: &Console) -> Result<Inputs> {
+        let mut source = map_file::load(&self.envmap, self.options, console)?;
         let originals = match &self.scenes {
             Some(folder) => {
                 let (originals, warnings) = Originals::read(folder)?;
@@ -144,19 +147,21 @@ impl Reproduce {
         if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
             console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", source.name));
             let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
-            return Ok(Context::new(MapSource { map, ..source }, originals, global.seed, self.quick));
+            source = NamedMap { map, ..source };
+        } else {
+            map_file::warn_upside_down(&info, &source.name, console);
         }
-        map_file::warn_upside_down(&info, &source.name, console);
-        Ok(Context::new(source, originals, global.seed, self.quick))
+        let effort = if self.quick { Effort::Quick } else { Effort::Full };
+        Ok(Inputs { map: source, originals, seed: global.seed, effort })
     }
 }
 
 /// The map that is used when none is named.
 const DEFAULT_MAP: &str = "nave";
 
-/// A path as a shell takes it, without the folders that are nobody's business.
+/// A path as a shell takes it; absolute paths lose their folders.
 fn quoted(path: &str) -> String {
-    let path = report::page::without_place(path);
+    let path = gallery::page::without_place(path);
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,@".contains(c);
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
@@ -168,10 +173,7 @@ fn human(output: &Output<'_>, folder: &Path) -> String {
         text += &format!("{} ({:.2} s)\n", figure.id, figure.seconds);
         for c in &figure.checks {
             let verdict = if c.pass { "pass" } else { "FAIL" };
-            text += &format!(
-                "  {verdict}  {:<58} expected {:<12.6} got {:<12.6} tolerance {:.1e}\n",
-                c.name, c.expected, c.got, c.tolerance
-            );
+            text += &format!("  {verdict}  {:<86} {:>14}  {}\n", c.name, c.measured(), c.demand());
         }
     }
     if output.interrupted {
@@ -180,7 +182,7 @@ fn human(output: &Output<'_>, folder: &Path) -> String {
     text + &format!(
         "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",
         output.figures.len(),
-        folder.join(report::page::FILE).display(),
+        folder.join(gallery::page::FILE).display(),
         output.passed,
         output.failed,
         output.seconds

@@ -6,6 +6,7 @@ pub mod cut;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;
+mod named;
 mod range;
 pub mod report_model;
 mod request;
@@ -15,4 +16,5 @@ pub mod strata;
 pub mod synthetic;
 
 pub use latlong::{Block, EnvMap, LatLong};
+pub use named::NamedMap;
 pub use range::{MAX_RADIANCE, check_range};

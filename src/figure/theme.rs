@@ -1,19 +1,92 @@
-//! The one look of all figures: colours, dashes, line widths, sizes.
+//! The look of all figures: colours by role, dashes, line widths, sizes.
 
 use super::shapes::{Colour, Stroke};
 
-/// The palette of Okabe and Ito (2008), told apart with every common kind of colour vision.
-pub const ORANGE: Colour = Colour::rgb(230, 159, 0);
-pub const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
-pub const GREEN: Colour = Colour::rgb(0, 158, 115);
-pub const YELLOW: Colour = Colour::rgb(240, 228, 66);
-pub const BLUE: Colour = Colour::rgb(0, 114, 178);
-pub const VERMILION: Colour = Colour::rgb(213, 94, 0);
-pub const PURPLE: Colour = Colour::rgb(204, 121, 167);
-pub const BLACK: Colour = Colour::BLACK;
+// The palette of Okabe and Ito (2008), told apart with every common kind of colour vision. Private to this module's
+// folder: a view takes its colours from the roles below.
+pub(super) const ORANGE: Colour = Colour::rgb(230, 159, 0);
+pub(super) const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
+pub(super) const GREEN: Colour = Colour::rgb(0, 158, 115);
+pub(super) const BLUE: Colour = Colour::rgb(0, 114, 178);
+pub(super) const VERMILION: Colour = Colour::rgb(213, 94, 0);
+pub(super) const PURPLE: Colour = Colour::rgb(204, 121, 167);
+pub(super) const BLACK: Colour = Colour::BLACK;
 
-/// The palette in the order in which series take it; yellow is left out, too pale for lines on white.
-pub const SERIES: [Colour; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY_BLUE, BLACK];
+/// The palette in the order in which series take it; the palette's yellow is too pale for lines on white.
+const SERIES: [Colour; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY_BLUE, BLACK];
+
+// Roles in plots of reflectance.
+
+/// Reflectance of p-polarized light.
+pub const R_PARALLEL: Colour = BLUE;
+/// Reflectance of s-polarized light.
+pub const R_PERPENDICULAR: Colour = VERMILION;
+/// Reflectance of unpolarized light.
+pub const UNPOLARIZED: Colour = BLACK;
+/// Transmittance.
+pub const TRANSMITTANCE: Colour = GREEN;
+/// Schlick's approximation, and its absolute error.
+pub const SCHLICK: Colour = ORANGE;
+/// An error relative to the exact value, beside the absolute one.
+pub const RELATIVE_ERROR: Colour = PURPLE;
+/// Red, green and blue channel.
+pub const CHANNELS: [Colour; 3] = [VERMILION, GREEN, BLUE];
+
+// Roles in plots of tests.
+
+/// A test whose claim is accepted.
+pub const ACCEPTED: Colour = BLUE;
+/// A test whose claim is rejected, and the line below which that happens.
+pub const REJECTED: Colour = VERMILION;
+/// A test with too few samples for either.
+pub const INCONCLUSIVE: Colour = BLUE;
+/// What was counted.
+pub const OBSERVED: Colour = SKY_BLUE;
+/// What a true claim predicts.
+pub const EXPECTED: Colour = BLACK;
+/// Residuals of counts.
+pub const RESIDUAL: Colour = BLUE;
+/// An interval that holds most results of true claims.
+pub const INTERVAL: Colour = SKY_BLUE;
+/// The same over bars in the colour of [`OBSERVED`].
+pub const INTERVAL_OVER_BARS: Colour = ORANGE;
+/// A formula as a report printed it.
+pub const AS_PRINTED: Colour = VERMILION;
+/// The corrected formula.
+pub const CORRECTED: Colour = BLUE;
+
+// Roles in plots of renders.
+
+/// A measurement by another program.
+pub const REFERENCE: Colour = BLACK;
+/// Directions sampled in proportion to the BSDF.
+pub const IMPORTANCE_SAMPLING: Colour = BLUE;
+/// Directions sampled uniformly over the hemisphere.
+pub const HEMISPHERE_SAMPLING: Colour = VERMILION;
+/// A line of known slope.
+pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.0, dash: DOTTED };
+
+// Roles in plots of numerical errors.
+
+/// The formula that renders.
+pub const STABLE_FORM: Colour = BLUE;
+/// The formula as textbooks give it.
+pub const TEXTBOOK_FORM: Colour = VERMILION;
+/// The formula as a report gives it.
+pub const REPORT_FORM: Colour = PURPLE;
+
+// Roles over environment maps.
+
+/// Markers of samples and centroids: a blue that stands out from stone and from glass.
+pub const MARKER: Colour = Colour::rgb(30, 90, 255);
+/// Borders of regions, and the rim of a centroid's marker.
+pub const BORDER: Colour = Colour::WHITE;
+
+/// The colour of the `index`-th sampling strategy of a comparison.
+#[must_use]
+pub fn strategy(index: usize) -> Colour {
+    SERIES[index % SERIES.len()]
+}
 
 /// Dash patterns, in drawing units.
 pub const SOLID: &[f64] = &[];

@@ -4,7 +4,7 @@
 //! by class holds the pictures of all depths; [`truncation`] proves that by renders that really end at m.
 
 use super::seen::{Kind, Seen};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{Image, Metadata, Rgb};
 use crate::render::exposure::{Classes, Exposure, Part};
@@ -71,7 +71,13 @@ impl Depths {
         self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
     }
 
-    /// Mean light of a picture.
+    /// The share of all light in the path classes that `of` selects.
+    #[must_use]
+    pub fn share(&self, of: impl Fn(&ClassRow) -> bool) -> f64 {
+        self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
+    }
+
+    /// Mean light of an image.
     #[must_use]
     pub fn mean(&self, depth: u32) -> f64 {
         let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
@@ -214,7 +220,7 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
         let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
-        Ok((rendered.part.exposure.path_layers(), rendered.image))
+        Ok::<_, Error>((rendered.part.exposure.path_layers(), rendered.image))
     };
     let (deep, _) = to(m + 3)?;
     let (layers, image) = to(m)?;

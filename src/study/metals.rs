@@ -1,4 +1,4 @@
-//! The metals of the table side by side: indices, special angles, and how far the second report's Fresnel is off.
+//! The metals of the table side by side: indices, special angles, and the error of the second report's Fresnel terms.
 
 use super::metal;
 use crate::error::Result;
@@ -17,7 +17,7 @@ pub struct Row {
     pub q: f64,
     pub r_normal: f64,
     pub pseudo_brewster_deg: f64,
-    /// Share of even light from the whole hemisphere that is reflected, exact and approximate.
+    /// Share of uniform light from the whole hemisphere that is reflected, exact and approximate.
     pub albedo: f64,
     pub albedo_approximate: f64,
     pub approximate_max_abs_error: f64,
@@ -28,10 +28,58 @@ pub struct Row {
     pub source: &'static str,
 }
 
-/// All metals, and the curves that the rows were read off, with `points` angles each.
-pub fn table(points: usize) -> Result<(Vec<Row>, Vec<metal::Curves>)> {
+/// All metals side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Three for each metal.
+    pub rows: Vec<Row>,
+    /// The curves of each metal.
+    pub curves: Vec<metal::Curves>,
+}
+
+impl Table {
+    /// The largest difference between the curves at 0° and ((η − 1)² + k²)/((η + 1)² + k²).
+    #[must_use]
+    pub fn normal_error(&self) -> f64 {
+        let error = |c: &metal::Channel| {
+            let k2 = c.k * c.k;
+            let closed = ((c.eta - 1.0).powi(2) + k2) / ((c.eta + 1.0).powi(2) + k2);
+            c.rows.first().map_or(f64::NAN, |row| (row.r_unpolarized - closed).abs())
+        };
+        largest(self.curves.iter().flat_map(|curves| &curves.channels).map(error))
+    }
+
+    /// The largest difference between the approximation's albedo, integrated, and its closed form.
+    #[must_use]
+    pub fn approximate_albedo_error(&self) -> f64 {
+        largest(self.rows.iter().map(|r| (r.albedo_approximate - approximate_albedo(r.eta, r.k)).abs()))
+    }
+
+    /// The largest error of the approximation's reflectance, over all angles.
+    #[must_use]
+    pub fn approximation_error(&self) -> f64 {
+        largest(self.rows.iter().map(|r| r.approximate_max_abs_error))
+    }
+
+    /// The largest relative error of the approximation's albedo.
+    #[must_use]
+    pub fn albedo_error(&self) -> f64 {
+        largest(self.rows.iter().map(|r| (r.albedo_approximate / r.albedo - 1.0).abs()))
+    }
+}
+
+/// NaN if any value is, or if there is none.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN)
+}
+
+/// All metals with `points` angles each.
+///
+/// # Errors
+/// Too few or too many points.
+pub fn table(points: usize) -> Result<Table> {
     let mut rows = Vec::new();
-    let mut all = Vec::new();
+    let mut all_curves = Vec::new();
     for known in &metals::METALS {
         let curves = metal::by_name(known.symbol, points)?;
         for (channel, wavelength_nm) in curves.channels.iter().zip(metals::WAVELENGTHS_NM) {
@@ -59,9 +107,9 @@ pub fn table(points: usize) -> Result<(Vec<Row>, Vec<metal::Curves>)> {
                 source: known.source,
             });
         }
-        all.push(curves);
+        all_curves.push(curves);
     }
-    Ok((rows, all))
+    Ok(Table { rows, curves: all_curves })
 }
 
 /// 2 ∫ R(c) c dc over the cosines from 0 to 1, by Simpson's rule in √c: R rises steeply from grazing incidence on.
@@ -99,7 +147,7 @@ mod tests {
     fn the_albedo_is_an_integral_that_can_be_had_otherwise() {
         // R = c gives 2/3; and the approximation's is known in closed form.
         assert!((albedo(|c| c) - 2.0 / 3.0).abs() < 1e-12);
-        for r in table(2).unwrap().0 {
+        for r in table(2).unwrap().rows {
             let known = approximate_albedo(r.eta, r.k);
             assert!((r.albedo_approximate - known).abs() < 1e-9, "{}: {} {known}", r.metal, r.albedo_approximate);
         }
@@ -108,7 +156,7 @@ mod tests {
     #[test]
     fn the_approximation_reflects_a_little_more() {
         // Up to half a percent more light, worst where q is small.
-        for r in table(2).unwrap().0 {
+        for r in table(2).unwrap().rows {
             let more = r.albedo_approximate / r.albedo - 1.0;
             assert!((0.0..6e-3).contains(&more), "{} {}: {more}", r.metal, r.wavelength_nm);
             assert!(r.albedo > 0.4 && r.albedo < 1.0);

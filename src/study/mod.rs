@@ -3,7 +3,9 @@
 pub mod audit;
 pub mod converge;
 pub mod depth;
+pub mod fit;
 pub mod fresnel;
+pub mod furnace;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;

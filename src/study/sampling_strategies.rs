@@ -50,7 +50,22 @@ pub struct Comparison {
     pub z_rim: f64,
 }
 
-/// Renders the scene twice, with independent numbers.
+impl Comparison {
+    /// The sum of the medians over the statue's rim, hemisphere sampling over importance sampling.
+    #[must_use]
+    pub fn rim_median_ratio(&self) -> f64 {
+        let rim = || self.profile.iter().filter(|bin| bin.from_px >= 0.0 && bin.to_px <= RIM);
+        rim().map(|bin| bin.hemisphere_median).sum::<f64>() / rim().map(|bin| bin.importance_median).sum::<f64>()
+    }
+
+    /// Noise on the statue, importance sampling over hemisphere sampling.
+    #[must_use]
+    pub fn noise_ratio(&self) -> f64 {
+        self.importance.row.noise / self.hemisphere.row.noise
+    }
+}
+
+/// Renders the scene twice, with independent random numbers.
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
     let shot = |normals: Normals, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };

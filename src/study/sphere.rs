@@ -1,17 +1,18 @@
-//! The first report's lit sphere, rendered with more and more samples and compared with its exact picture.
+//! The first report's sphere under an environment map: renders of it against its exact image, by sampling strategy.
 
-use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
+use crate::envmap::{EnvMap, NamedMap};
 use crate::error::Result;
-use crate::render::{Rendered, Settings, Silent, render};
+use crate::render::{LightDensity, Rendered, Sampling, Settings, Silent, render};
 use crate::scene::{Environment, Request, builtin};
+use crate::study::fit;
+use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::f64::consts::PI;
-use std::sync::Arc;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// The exact picture: (1/π) · scale · E(n) at every pixel centre on the disc, `None` off it.
+/// The exact image: (1/π) · scale · E(n) at every pixel centre on the disc, `None` off it.
 pub struct Exact {
     pub size: usize,
     pub pixels: Vec<Option<DVec3>>,
@@ -22,7 +23,7 @@ pub struct Exact {
 const RING: [f64; 2] = [12.0 / 255.5, 250.0 / 255.5];
 
 impl Exact {
-    /// Computes the picture of a white sphere in `map` × `scale`, `size` pixels wide, to 10⁻⁵.
+    /// Computes the image of a white sphere in `map` × `scale`, `size` pixels wide, to 10⁻⁵.
     #[must_use]
     pub fn new(map: &EnvMap, scale: f64, size: usize) -> Self {
         let tree = IrradianceTree::new(map);
@@ -66,16 +67,25 @@ pub struct Shot {
     pub rendered: Rendered,
     /// (I − I*) / I* per pixel, NaN off the disc.
     pub relative_error: Vec<f64>,
+    /// Σ (I − I*)² over disjoint sets of pixels, whose random numbers are independent.
+    group_errors: [f64; GROUPS],
 }
 
-/// Renders the sphere at `spp` samples per pixel and compares it with the exact picture.
-pub fn shoot(map: &Arc<EnvMap>, source: &str, spp: u32, exact: &Exact, settings: &Settings) -> Result<Shot> {
-    let environment = Environment::upright(map.clone(), source, builtin::SPHERE_ENV_SCALE);
+/// Sets of pixels: replicates of one another.
+const GROUPS: usize = 16;
+
+/// Renders the sphere at `spp` samples per pixel and compares it with the exact image.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<Shot> {
+    let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
     let request = Request { width: exact.size, height: exact.size, spp, ..request };
     let rendered = render(&scene, &request, settings, &Silent)?;
     let (mut sum, mut sum2, mut ratio2, mut truth, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let mut relative_error = vec![f64::NAN; exact.pixels.len()];
+    let mut group_errors = [0.0; GROUPS];
     for (i, pixel) in exact.pixels.iter().enumerate() {
         let Some(expected) = pixel.map(|p| p.element_sum() / 3.0) else { continue };
         let got = rendered.image.pixels()[i].as_dvec3().element_sum() / 3.0;
@@ -83,6 +93,7 @@ pub fn shoot(map: &Arc<EnvMap>, source: &str, spp: u32, exact: &Exact, settings:
         if in_ring(i % exact.size, i / exact.size, exact.size) {
             sum += got - expected;
             sum2 += (got - expected).powi(2);
+            group_errors[i % GROUPS] += (got - expected).powi(2);
             ratio2 += relative_error[i].powi(2);
             truth += expected;
             count += 1.0;
@@ -96,7 +107,92 @@ pub fn shoot(map: &Arc<EnvMap>, source: &str, spp: u32, exact: &Exact, settings:
         rmse_of_ratio: (ratio2 / count).sqrt(),
         rel_bias: sum / truth,
     };
-    Ok(Shot { row, rendered, relative_error })
+    Ok(Shot { row, rendered, relative_error, group_errors })
+}
+
+/// A strategy by its label, and the column of that name in the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Label {
+    /// In words.
+    pub strategy: &'static str,
+}
+
+/// The errors of one strategy at several numbers of samples per pixel.
+pub struct Series {
+    /// Its name.
+    pub label: Label,
+    /// In the order of the numbers of samples.
+    pub rows: Vec<Row>,
+    /// p of RMSE ∝ sppᵖ, its error from disjoint sets of pixels.
+    pub slope: Estimate,
+}
+
+/// The strategies that are compared: label, sampling, pdf of light samples.
+const STRATEGIES: [(&str, Sampling, LightDensity); 4] = [
+    ("radiance × cosine (default)", Sampling::Mis, LightDensity::Cosine),
+    ("MIS, compensated map", Sampling::Mis, LightDensity::Compensated),
+    ("MIS, map", Sampling::Mis, LightDensity::Map),
+    ("map alone, as the report", Sampling::Light, LightDensity::Map),
+];
+
+/// Renders the sphere by every strategy at each number of samples per pixel.
+///
+/// # Errors
+/// Those of [`shoot`].
+pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, settings: &Settings) -> Result<Vec<Series>> {
+    let series = |(strategy, sampling, density)| {
+        let settings = Settings { sampling, density, ..*settings };
+        let shots = spp.iter().map(|&spp| shoot(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
+        let errors: Vec<_> = shots.iter().map(|shot| (shot.row.spp, shot.group_errors)).collect();
+        let rows = shots.iter().map(|shot| shot.row).collect();
+        Ok(Series { label: Label { strategy }, rows, slope: slope(&errors) })
+    };
+    STRATEGIES.into_iter().map(series).collect()
+}
+
+/// The slope of √Σ (I − I*)² over the samples per pixel: one line for each set of pixels, and their mean.
+fn slope(errors: &[(u32, [f64; GROUPS])]) -> Estimate {
+    let of_group = |group: usize| {
+        let points = errors.iter().map(|(spp, errors)| [f64::from(*spp), errors[group].sqrt()]);
+        fit::log_log_slope(&points.collect::<Vec<_>>())
+    };
+    Estimate::mean(&(0..GROUPS).map(of_group).collect::<Vec<_>>())
+}
+
+/// Relative RMSE of PBRT-v2 on the report's scene with the Grace map at 8, 16, 32 and 64 samples per pixel.
+pub const PBRT_RMSE: [(u32, f64); 4] = [(8, 0.107), (16, 0.066), (32, 0.047), (64, 0.026)];
+
+/// Radiance of the sphere at one normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AtNormal {
+    /// Of the sphere.
+    pub normal: [f64; 3],
+    /// As PBRT renders it under the Grace map, R, G, B.
+    pub pbrt: [f64; 3],
+    /// Under `map`, exact.
+    pub exact: [f64; 3],
+}
+
+/// Radiance of the sphere under `map`, which should be the Grace map, beside that of a render by PBRT.
+#[must_use]
+pub fn against_pbrt(map: &EnvMap) -> Vec<AtNormal> {
+    const S: f64 = FRAC_1_SQRT_2;
+    const PBRT: [([f64; 3], [f64; 3]); 6] = [
+        ([0.0, S, S], [0.33820, 0.19120, 0.26335]),
+        ([0.0, -S, S], [0.16658, 0.04898, 0.01052]),
+        ([S, 0.0, S], [0.36022, 0.16219, 0.17004]),
+        ([-S, 0.0, S], [0.12029, 0.04990, 0.04182]),
+        ([0.0, 1.0, 0.0], [0.26653, 0.20347, 0.32621]),
+        ([0.0, 0.0, 1.0], [0.28311, 0.10953, 0.08941]),
+    ];
+    let tree = IrradianceTree::new(map);
+    let scale = f64::from(builtin::SPHERE_ENV_SCALE) / PI;
+    let at = |(normal, pbrt)| AtNormal {
+        normal,
+        pbrt,
+        exact: (tree.irradiance(DVec3::from_array(normal)).value * scale).to_array(),
+    };
+    PBRT.into_iter().map(at).collect()
 }
 
 fn in_ring(x: usize, y: usize, size: usize) -> bool {
@@ -110,10 +206,10 @@ fn in_ring(x: usize, y: usize, size: usize) -> bool {
 mod tests {
     use super::*;
     use crate::envmap::synthetic::Synthetic;
-    use crate::render::{LightDensity, Sampling};
+    use std::sync::Arc;
 
     #[test]
-    fn the_exact_picture_of_a_constant_map_is_constant() {
+    fn the_exact_image_of_a_constant_map_is_constant() {
         let exact = Exact::new(&EnvMap::new(Synthetic::Constant.make()), 2.0, 15);
         let covered: Vec<_> = exact.pixels.iter().flatten().collect();
         assert!(covered.len() > 150);
@@ -121,9 +217,9 @@ mod tests {
     }
 
     #[test]
-    fn every_strategy_converges_to_the_exact_picture() {
-        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
-        let exact = Exact::new(&map, 8.0, 41);
+    fn every_strategy_converges_to_the_exact_image() {
+        let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Sun.make())), name: "sun".into() };
+        let exact = Exact::new(&map.map, 8.0, 41);
         for (sampling, density, tolerance) in [
             (Sampling::Light, LightDensity::Cosine, 0.01),
             (Sampling::Light, LightDensity::Map, 0.02),
@@ -131,9 +227,23 @@ mod tests {
             (Sampling::Mis, LightDensity::Compensated, 0.02),
         ] {
             let settings = Settings { sampling, density, ..Settings::default() };
-            let shot = shoot(&map, "sun", 64, &exact, &settings).unwrap();
+            let shot = shoot(&map, 64, &exact, &settings).unwrap();
             assert!(shot.row.rel_rmse < tolerance, "{sampling:?} {density:?}: {:?}", shot.row);
             assert!(shot.row.rel_bias.abs() < 2e-3, "{sampling:?} {density:?}: {:?}", shot.row);
         }
+    }
+
+    #[test]
+    fn the_slope_of_a_power_law_is_its_exponent() {
+        let errors = |noise: f64| -> Vec<(u32, [f64; GROUPS])> {
+            let at = |spp: u32| std::array::from_fn(|i| f64::from(spp).powf(-1.4 + noise * (i % 2) as f64));
+            [8, 16, 32].map(|spp| (spp, at(spp))).into()
+        };
+        let exact = slope(&errors(0.0));
+        assert!((exact.value + 0.7).abs() < 1e-12 && exact.standard_error < 1e-12, "{exact:?}");
+        // Half of the sets have −0.7, half −0.6: s² = 0.1²/4 · 16/15.
+        let spread = slope(&errors(0.2));
+        assert!((spread.value + 0.65).abs() < 1e-12, "{spread:?}");
+        assert!((spread.standard_error - 0.05 / 15.0_f64.sqrt()).abs() < 1e-12, "{spread:?}");
     }
 }

@@ -10,8 +10,8 @@ use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::exposure::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
-use etalon::stats::{Density, Drawn, Protocol, Sampler, Samples, examine};
 use etalon::{Error, Result};
+use etalon_stats::{Density, Protocol, SampleCount, Sampler, examine};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -108,10 +108,11 @@ impl Visitor for Files<'_> {
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
         // Tells nothing about a sampler, but uses all that is read.
-        let brief = Protocol { seed: 1, samples: Samples::Count(1), level: 0.01, tests: 1, cells: 2 };
+        let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
         let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
         let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
-        examine(&domain, &sampler, &*density, &brief, 0).map(drop)
+        examine(&domain, &sampler, &*density, &brief, 0)?;
+        Ok(())
     }
 }
 
@@ -149,13 +150,16 @@ impl Visitor for Asked {
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, _: D) -> Result<()> {
         let program = self.0.over::<D::Point>()?;
-        let (mut drawn, mut pdfs) = (Drawn::new(), Vec::new());
+        let (mut samples, mut pdfs) = (Vec::new(), Vec::new());
         match program.dimension() {
-            0 => program.draw_seeded(4, 1, &mut drawn)?,
-            dimension => program.draw(&vec![0.5; 4 * dimension], &mut drawn)?,
+            0 => program.sample_seeded(4, 1, &mut samples)?,
+            dimension => program.sample(&vec![0.5; 4 * dimension], &mut samples)?,
         }
-        let points: Vec<_> = drawn.iter().flatten().map(|sample| sample.point).collect();
+        let points: Vec<_> = samples.iter().flatten().map(|sample| sample.point).collect();
         program.pdf(&points, &mut pdfs)?;
-        points.into_iter().try_for_each(|point| program.invert(point).map(drop))
+        for point in points {
+            program.invert(point)?;
+        }
+        Ok(())
     }
 }

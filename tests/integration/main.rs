@@ -8,7 +8,6 @@ mod command_line;
 mod converge;
 mod exec;
 mod exr_layers;
-mod hard_densities;
 #[cfg(unix)]
 mod kill;
 mod limits;

@@ -11,7 +11,7 @@ fn a_run_writes_its_files_and_its_worst_case_replays() {
     }
     assert_eq!(value["files"].as_array().unwrap().len(), 4 + 3);
     let promises = value["promises"].as_array().unwrap();
-    assert!(promises.len() == 3 && promises.iter().all(|p| p["kept"] == true), "{promises:?}");
+    assert!(promises.len() == 4 && promises.iter().all(|p| p["kept"] == true), "{promises:?}");
     let csv = std::fs::read_to_string(dir.path().join("out/stability-fresnel+half-cosine.csv")).unwrap();
     let header = "family,form,precision,cases,max_relative,max_ulp,condition_at_worst,max_ulp_per_condition,non_finite,\
                   negative,out_of_range,worst";

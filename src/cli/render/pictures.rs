@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
+use crate::output::{self, Target, Written};
 use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::exposure::Part;
-use crate::report::output::{self, Target, Written};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ impl Pictures {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
-                return Err(Error::parameter("-o", "a shard is kept in an OpenEXR file")
+                return Err(Error::parameter("out", "a shard is kept in an OpenEXR file")
                     .with_hint("name a file with the extension .exr, or a folder"));
             }
             Some("png") => vec!["png"],

@@ -1,9 +1,9 @@
 //! What a render has to say about its picture, as numbers and as text.
 
+use crate::output::Written;
 use crate::raster::Image;
 use crate::render::Dropped;
 use crate::render::exposure::Part;
-use crate::report::output::Written;
 use crate::scene::Request;
 use glam::DVec3;
 use serde::Serialize;

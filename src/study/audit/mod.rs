@@ -1,5 +1,5 @@
-//! The reports' own mistakes: what they print, what is right, the test that tells the two apart, and what the mistake
-//! does to a picture.
+//! The errors of the two reports: what they print, the correction, the test that detects the error, and what the error does
+//! to an image.
 
 mod glass;
 mod lamp;
@@ -8,10 +8,10 @@ mod metal;
 
 use super::validation::{Case, run};
 use crate::error::Result;
-use crate::stats::{Outcome, Protocol, Verdict};
+use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
-/// One mistake.
+/// One error of a report. Field names are the CSV columns.
 #[derive(Debug, Clone, Serialize)]
 pub struct Erratum {
     /// What it is about, in a few words.
@@ -19,7 +19,7 @@ pub struct Erratum {
     pub report: &'static str,
     pub printed: &'static str,
     pub right: &'static str,
-    /// What is tested, the printed claim and the right one alike.
+    /// What is tested, for the printed claim and for the corrected one.
     pub test: &'static str,
     /// Verdict on the printed claim, its p-value (none where an exact check decides), and its samples.
     pub verdict: Verdict,
@@ -29,15 +29,37 @@ pub struct Erratum {
     pub violation: Option<String>,
     pub right_verdict: Verdict,
     pub right_p: Option<f64>,
-    /// Relative error that the mistake makes, and of what.
+    /// Relative error that it causes, and of what.
     pub error_in_picture: f64,
     pub error_of: &'static str,
     #[serde(skip)]
     pub curves: Curves,
 }
 
-/// What is printed beside what is right.
-#[derive(Debug, Clone)]
+/// What a table without rows takes its header from.
+impl Default for Erratum {
+    fn default() -> Self {
+        Self {
+            title: "",
+            report: "",
+            printed: "",
+            right: "",
+            test: "",
+            verdict: Verdict::Inconclusive,
+            p: None,
+            samples: 0,
+            violation: None,
+            right_verdict: Verdict::Inconclusive,
+            right_p: None,
+            error_in_picture: 0.0,
+            error_of: "",
+            curves: Curves::default(),
+        }
+    }
+}
+
+/// The printed formula beside the corrected one.
+#[derive(Debug, Clone, Default)]
 pub struct Curves {
     /// Labels of the axes, and the step of the ticks of the first.
     pub x: &'static str,
@@ -49,14 +71,14 @@ pub struct Curves {
     pub scattered: bool,
 }
 
-/// A mistake before it is tested.
+/// An error before it is tested.
 struct Suspect {
     title: &'static str,
     report: &'static str,
     printed: &'static str,
     right: &'static str,
     test: &'static str,
-    /// The test of the printed claim, then that of the right one.
+    /// The test of the printed claim, then that of the corrected one.
     cases: Vec<Case>,
     error_in_picture: f64,
     error_of: &'static str,
@@ -82,7 +104,7 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
             verdict: outcome.verdict,
             p: outcome.p,
             samples: outcome.samples,
-            violation: outcome.fault,
+            violation: outcome.violation,
             right_verdict: sound.verdict,
             right_p: sound.p,
             error_in_picture,
@@ -93,9 +115,9 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     Ok(errata)
 }
 
-/// The outcome of a check without chance: `fault` says what it found among so many `samples`.
-fn exact(fault: Option<String>, samples: u64) -> Outcome {
-    Outcome { fault, ..Outcome::open(samples) }
+/// The outcome of a deterministic check of `samples` samples, and what it found wrong.
+fn exact(violation: Option<String>, samples: u64) -> Outcome {
+    Outcome { violation, ..Outcome::open(samples) }
 }
 
 /// A function at even steps from `from` to `to`, ends included.

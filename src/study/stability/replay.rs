@@ -1,17 +1,18 @@
-//! One input again: every form in every precision.
+//! One input again: every variant in every precision.
 
 use super::error::{Exact, Flaw};
 use super::family::{Family, Precision};
 use super::sweep::case;
-use super::{FAMILIES, names};
+use super::{families, names};
 use crate::error::{Error, Result};
 use crate::import::number::number;
 use serde::Serialize;
 
-/// One form at the input.
+/// One variant at the input.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Line {
-    pub form: &'static str,
+    #[serde(rename = "form")]
+    pub variant: &'static str,
     pub precision: Precision,
     /// Nothing for an answer such as "the ray misses"; one number, or three of a vector.
     pub value: Vec<f64>,
@@ -38,10 +39,10 @@ pub struct Replay {
 /// [`Error::Parameter`] for anything else.
 pub fn replay(text: &str) -> Result<Replay> {
     let (name, inputs) = text.split_once(':').unwrap_or((text, ""));
-    let Some(family) = FAMILIES.iter().find(|family| family.name == name) else {
-        let known: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
+    let Some(family) = families().find(|family| family.name == name) else {
+        let known: Vec<_> = families().map(|family| family.name).collect();
         let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
-        return Err(Error::parameter("--replay", format!("\"{name}\" is {what}"))
+        return Err(Error::parameter("case", format!("\"{name}\" is {what}"))
             .with_hint(format!("formulas: {}", known.join(", "))));
     };
     let inputs = parse(family, inputs)?;
@@ -50,17 +51,17 @@ pub fn replay(text: &str) -> Result<Replay> {
         let case = case(family, precision, &inputs);
         let numbers = |answer: [f64; 3]| answer[..family.range.components()].to_vec();
         let reference = Exact::at(family, &case.inputs).answer.map(|answer| answer.map(|x| x.to_f64()));
-        for (form, off) in family.forms.iter().zip(&case.off) {
-            let Some(off) = off else { continue };
+        for (variant, deviation) in family.variants.iter().zip(&case.deviations) {
+            let Some(deviation) = deviation else { continue };
             lines.push(Line {
-                form: form.name,
+                variant: variant.name,
                 precision,
-                value: off.value.map_or(Vec::new(), numbers),
+                value: deviation.value.map_or(Vec::new(), numbers),
                 reference: reference.map_or(Vec::new(), numbers),
-                ulp: off.ulp,
-                relative: off.relative,
+                ulp: deviation.ulp,
+                relative: deviation.relative,
                 condition: case.condition,
-                flaw: match off.flaw {
+                flaw: match deviation.flaw {
                     Some(Flaw::NonFinite) => "not finite",
                     Some(Flaw::Negative) => "negative",
                     Some(Flaw::OutOfRange) => "out of range",
@@ -75,7 +76,7 @@ pub fn replay(text: &str) -> Result<Replay> {
 fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     let refuse = |message: String| {
         let form: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
-        Error::parameter("--replay", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
+        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
     };
     let mut inputs = vec![None; family.inputs.len()];
     for part in text.split(',').filter(|part| !part.is_empty()) {
@@ -108,7 +109,7 @@ mod tests {
 
     #[test]
     fn the_grids_and_edges_lie_in_the_domains() {
-        for family in &FAMILIES {
+        for family in families() {
             let corners = |s: &Section| [s.x.from, s.x.to].map(|x| [s.y.from, s.y.to].map(|y| (s.at)(x, y)));
             let grid = family.sections.iter().flat_map(|s| corners(s).into_iter().flatten());
             for inputs in grid.chain(family.edges.iter().map(|edge| edge.to_vec())) {
@@ -123,7 +124,7 @@ mod tests {
     fn forms_are_finite_to_the_ends_of_the_domain_of_indices() {
         for (eta, cos) in [("1e18", "0.5"), ("1e18", "0"), ("1e-18", "1"), ("1e-18", "0.5"), ("1e18", "1e-18")] {
             for line in super::replay(&format!("fresnel:eta={eta},cos={cos}")).unwrap().lines {
-                assert!(line.form != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
+                assert!(line.variant != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
             }
         }
     }

@@ -58,7 +58,7 @@ fn files_of_directions_are_tested_against_images() {
     std::fs::write(folder.path().join("swapped.csv"), swapped).unwrap();
     let ran = etalon(folder.path(), &["validate", "--samples", "swapped.csv", "--pdf", "density.exr"]);
     assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
-    assert!(ran.stdout.contains("carries the density"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("carries the pdf"), "{}", ran.stdout);
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn usage_is_checked() {
     for (args, expected) in [
         (&["validate", "--samples", "some.csv"][..], "--pdf"),
         (&["validate", "--samples", "10", "--pdf", "a.csv"], "without samples"),
-        (&["validate", "--domain", "line"], "no sampler elsewhere"),
+        (&["validate", "--domain", "line"], "no external sampler"),
         (&["validate", "--samples", "some.csv", "--exec", "true"], "not a number"),
     ] {
         let ran = etalon(folder.path(), args);

@@ -1,0 +1,179 @@
+//! A check: what a number of a figure must be, and whether it is.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// How a number is compared with what is expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Kind {
+    /// got = expected.
+    #[default]
+    #[serde(rename = "equal")]
+    Equal,
+    /// |got − expected| ≤ tolerance.
+    #[serde(rename = "within")]
+    Within,
+    /// got ≤ limit.
+    #[serde(rename = "at most")]
+    AtMost,
+    /// got ≥ limit.
+    #[serde(rename = "at least")]
+    AtLeast,
+    /// A statement: 1 where it is true, 0 where it is not.
+    #[serde(rename = "true")]
+    True,
+}
+
+/// A comparison with its outcome. NaN passes no check. Field names are JSON keys and CSV columns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// What is compared, with its unit.
+    pub name: String,
+    /// How it is compared.
+    pub kind: Kind,
+    /// The expected value, or the limit of [`Kind::AtMost`] and [`Kind::AtLeast`].
+    #[serde(deserialize_with = "number_or_nan")]
+    pub expected: f64,
+    /// What the figure has.
+    #[serde(deserialize_with = "number_or_nan")]
+    pub got: f64,
+    /// Of [`Kind::Within`] alone.
+    pub tolerance: Option<f64>,
+    /// Whether the comparison holds.
+    pub pass: bool,
+}
+
+/// JSON writes NaN and infinities as null.
+pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(source)?.unwrap_or(f64::NAN))
+}
+
+impl Check {
+    /// `got` must equal `expected`: counts, and numbers known to the last bit.
+    #[must_use]
+    pub fn equal(name: impl Into<String>, expected: f64, got: f64) -> Self {
+        Self { name: name.into(), kind: Kind::Equal, expected, got, tolerance: None, pass: got == expected }
+    }
+
+    /// `got` must be within `tolerance` of `expected`.
+    #[must_use]
+    pub fn within(name: impl Into<String>, expected: f64, got: f64, tolerance: f64) -> Self {
+        let pass = (got - expected).abs() <= tolerance;
+        Self { name: name.into(), kind: Kind::Within, expected, got, tolerance: Some(tolerance), pass }
+    }
+
+    /// `got` must not exceed `limit`.
+    #[must_use]
+    pub fn at_most(name: impl Into<String>, got: f64, limit: f64) -> Self {
+        Self { name: name.into(), kind: Kind::AtMost, expected: limit, got, tolerance: None, pass: got <= limit }
+    }
+
+    /// `got` must reach `limit`.
+    #[must_use]
+    pub fn at_least(name: impl Into<String>, got: f64, limit: f64) -> Self {
+        Self { name: name.into(), kind: Kind::AtLeast, expected: limit, got, tolerance: None, pass: got >= limit }
+    }
+
+    /// A statement must be true.
+    #[must_use]
+    pub fn is_true(name: impl Into<String>, holds: bool) -> Self {
+        let got = f64::from(u8::from(holds));
+        Self { name: name.into(), kind: Kind::True, expected: 1.0, got, tolerance: None, pass: holds }
+    }
+
+    /// What the check demands: "0.500 ± 0.012", "≤ 0.05", "= 0".
+    #[must_use]
+    pub fn demand(&self) -> String {
+        let expected = significant(self.expected);
+        match self.kind {
+            Kind::Equal => format!("= {expected}"),
+            Kind::Within => format!("{} ± {}", self.rounded(self.expected), significant(self.tolerance())),
+            Kind::AtMost => format!("≤ {expected}"),
+            Kind::AtLeast => format!("≥ {expected}"),
+            Kind::True => "true".into(),
+        }
+    }
+
+    /// What the figure has, with as many digits as the demand gives a meaning.
+    #[must_use]
+    pub fn measured(&self) -> String {
+        match self.kind {
+            Kind::Within => self.rounded(self.got),
+            Kind::True => (self.got == 1.0).to_string(),
+            Kind::Equal | Kind::AtMost | Kind::AtLeast => significant(self.got),
+        }
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(0.0)
+    }
+
+    /// `value` up to the second significant digit of the tolerance.
+    fn rounded(&self, value: f64) -> String {
+        let place = self.tolerance().log10().floor();
+        if !(-16.0..=0.0).contains(&place) {
+            return significant(value);
+        }
+        format!("{value:.*}", (1.0 - place) as usize)
+    }
+}
+
+/// Whole numbers in full, others with three significant digits.
+fn significant(value: f64) -> String {
+    let size = value.abs();
+    if !value.is_finite() || (value.fract() == 0.0 && size < 1e6) {
+        return value.to_string();
+    }
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - size.log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_fails_every_kind() {
+        let checks = |x: f64| {
+            [
+                Check::equal("a", 1.0, x),
+                Check::within("a", 1.0, x, 0.1),
+                Check::at_most("a", x, 1.0),
+                Check::at_least("a", x, 1.0),
+            ]
+        };
+        assert!(checks(1.0).iter().all(|check| check.pass));
+        assert!(checks(f64::NAN).iter().all(|check| !check.pass));
+        assert!(!Check::within("a", 1.0, 1.2, 0.1).pass && !Check::equal("a", 1.0, 1.0 + 1e-15).pass);
+        assert!(!Check::at_most("a", 1.1, 1.0).pass && !Check::at_least("a", 0.9, 1.0).pass);
+        assert!(!Check::within("a", 1.0, 1.0, f64::NAN).pass);
+        assert!(Check::is_true("a", true).pass && !Check::is_true("a", false).pass);
+    }
+
+    #[test]
+    fn digits_follow_the_tolerance() {
+        let shown = |check: Check| (check.measured(), check.demand());
+        let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+        assert_eq!(shown(Check::within("a", -0.5, -0.498_679, 0.0075)), pair("-0.4987", "-0.5000 ± 0.0075"));
+        assert_eq!(shown(Check::within("a", 0.0, 0.185_133, 4.0)), pair("0.2", "0.0 ± 4"));
+        assert_eq!(shown(Check::within("a", 55.407_711_312_490_06, 55.407_711_312_490_06, 1e-11)).0, "55.407711312490");
+        assert_eq!(shown(Check::at_most("a", 5.572_76e-16, 1e-9)), pair("5.57e-16", "≤ 1.00e-9"));
+        assert_eq!(shown(Check::at_least("a", f64::NAN, 3.0)), pair("NaN", "≥ 3"));
+        assert_eq!(shown(Check::equal("a", 0.0, 2.0)), pair("2", "= 0"));
+        assert_eq!(shown(Check::is_true("a", false)), pair("false", "true"));
+    }
+
+    #[test]
+    fn checks_survive_json() {
+        for check in [Check::within("a", 1.0, 1.05, 0.1), Check::at_most("b", 0.5, 1.0), Check::is_true("c", true)] {
+            let text = serde_json::to_string(&check).unwrap();
+            assert_eq!(serde_json::from_str::<Check>(&text).unwrap(), check);
+        }
+        let text = serde_json::to_string(&Check::at_most("a", f64::NAN, 1.0)).unwrap();
+        assert!(text.contains("\"kind\":\"at most\"") && text.contains("\"got\":null"), "{text}");
+        assert!(serde_json::from_str::<Check>(&text).unwrap().got.is_nan());
+    }
+}

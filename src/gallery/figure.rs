@@ -1,0 +1,136 @@
+//! What a figure is: an entry of the registry, and the content that it makes.
+
+use super::check::Check;
+use super::inputs::Inputs;
+use super::studies::Studies;
+use crate::error::Result;
+use crate::figure::Drawing;
+use crate::output;
+use crate::raster::{Image, ToneMap};
+use serde::{Deserialize, Serialize};
+
+/// Where a figure's counterpart was published.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Report {
+    /// Of 2020, about Fresnel reflectance and environment maps.
+    First,
+    /// Of 2022, about path tracing and microfacets.
+    Second,
+    /// In both of them.
+    Both,
+    /// In neither.
+    Neither,
+}
+
+impl Report {
+    /// The name in lists and headings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::First => "first report",
+            Self::Second => "second report",
+            Self::Both => "both reports",
+            Self::Neither => "beyond the reports",
+        }
+    }
+
+    /// How the report is cited.
+    #[must_use]
+    pub fn citation(self) -> Option<&'static str> {
+        match self {
+            Self::First => Some(
+                "Advanced Computer Graphics coursework report, Imperial College London, Department of Computing, February \
+                 2020",
+            ),
+            Self::Second => Some("CS 184 HW3.2 report, University of California, Berkeley, spring 2022"),
+            Self::Both | Self::Neither => None,
+        }
+    }
+}
+
+/// Makes a figure's content from the inputs and from studies that other figures may share.
+pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
+
+/// A figure: what it shows, what it answers, and how it is made.
+pub struct Figure {
+    /// The name of its files, and of `--only`.
+    pub id: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// The report with its counterpart.
+    pub report: Report,
+    /// The counterpart in that report, with the number of the figure where it has one.
+    pub answers: &'static str,
+    /// The caption: what is to be seen.
+    pub shows: &'static str,
+    /// The figure that it is best compared with.
+    pub beside: Option<&'static str>,
+    /// The subcommand that makes the same alone, if there is one; `{map}` stands for the environment map.
+    pub command: Option<&'static str>,
+    /// How its content is made.
+    pub make: Make,
+}
+
+impl Figure {
+    /// "first report: Figure 1, reflectance from air into glass".
+    #[must_use]
+    pub fn counterpart(&self) -> String {
+        match self.report {
+            Report::Neither => self.answers.to_owned(),
+            report => format!("{}: {}", report.name(), self.answers),
+        }
+    }
+}
+
+/// A figure's content.
+pub struct Content {
+    /// What is drawn.
+    pub drawing: Drawing,
+    /// The numbers behind it, as CSV text.
+    pub table: Vec<u8>,
+    /// A render, written as EXR, PFM and PPM beside the drawing.
+    pub image: Option<RenderedImage>,
+    /// What its numbers must meet.
+    pub checks: Vec<Check>,
+    /// Errors of the reports that it demonstrates.
+    pub errata: Vec<Erratum>,
+}
+
+impl Content {
+    /// A drawing, the rows of its table, and its checks.
+    ///
+    /// # Errors
+    /// Those of [`output::table`].
+    pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
+        Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new() })
+    }
+
+    /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
+    #[must_use]
+    pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
+        Self { image: Some(RenderedImage { image: image.clone(), tone }), ..self }
+    }
+}
+
+/// A render, and how its PPM file shows it.
+pub struct RenderedImage {
+    /// Linear radiance.
+    pub image: Image,
+    /// Radiance to 8 bits.
+    pub tone: ToneMap,
+}
+
+/// An error of a report with the evidence for it: a row of "where the reports are wrong".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Erratum {
+    /// What the report prints.
+    pub printed: String,
+    /// The correction.
+    pub right: String,
+    /// The test that detects the error.
+    pub test: String,
+    /// The p-value of that test for what is printed; `None` where no chance is involved.
+    pub p_value: Option<f64>,
+    /// The error of an image, and its measure.
+    pub picture_error: String,
+}

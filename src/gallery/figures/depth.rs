@@ -1,0 +1,167 @@
+//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::gallery::studies::{Studies, Study};
+use crate::raster::ToneMap;
+use crate::scene::Request;
+use crate::study::depth::{self, DEPTHS, Depths, Row};
+use crate::study::furnace::{FurnaceSphere, furnace};
+use crate::view::depth as view;
+
+/// One render, taken apart by path class.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct DepthSeries;
+
+impl Study for DepthSeries {
+    type Output = Depths;
+
+    fn run(self, inputs: &Inputs) -> Result<Depths> {
+        let (scene, request) = inputs.spheres();
+        depth::depths(&scene, &request, &inputs.settings())
+    }
+}
+
+/// One figure for each of [`DEPTHS`], in that order.
+pub fn figures() -> Vec<Figure> {
+    let texts = [
+        (
+            "depth-0",
+            "depth-1",
+            "Figure 1a, depth 0",
+            "etalon render cornell-spheres -s 64 -l 4 -m 0 --tone report",
+            "Only the area light itself is visible.",
+        ),
+        (
+            "depth-1",
+            "depth-0",
+            "Figure 1b, depth 1",
+            "etalon render cornell-spheres -s 64 -l 4 -m 1 --tone report",
+            "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
+        ),
+        (
+            "depth-2",
+            "depth-1",
+            "Figure 1c, depth 2",
+            "etalon render cornell-spheres -s 64 -l 4 -m 2 --tone report",
+            "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
+             light must enter and leave it.",
+        ),
+        (
+            "depth-3",
+            "depth-2",
+            "Figure 1d, depth 3",
+            "etalon render cornell-spheres -s 64 -l 4 -m 3 --tone report",
+            "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
+        ),
+        (
+            "depth-4",
+            "depth-3",
+            "Figure 1e, depth 4",
+            "etalon render cornell-spheres -s 64 -l 4 -m 4 --tone report",
+            "The glass sphere, as clear as before, appears in the mirror sphere.",
+        ),
+        (
+            "depth-5",
+            "depth-4",
+            "Figure 1f, depth 5",
+            "etalon render cornell-spheres -s 64 -l 4 -m 5 --tone report",
+            "The light that this depth adds is faint.",
+        ),
+        (
+            "depth-100",
+            "depth-5",
+            "Figure 1g, depth 100",
+            "etalon render cornell-spheres -s 64 -l 4 -m 100 --tone report",
+            "Practically all light. Compare it with depth 5 to see how little was missing.",
+        ),
+    ];
+    let figure = |(place, (id, beside, answers, command, shows))| Figure {
+        id,
+        title: "Mirror and glass sphere, paths up to a depth",
+        report: Report::Second,
+        answers,
+        shows,
+        beside: Some(beside),
+        command: Some(command),
+        make: Box::new(move |inputs, studies| content(inputs, studies, place)),
+    };
+    texts.into_iter().enumerate().map(figure).collect()
+}
+
+fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Content> {
+    let result = studies.get(DepthSeries, inputs)?;
+    let m = DEPTHS[place];
+    let (scene, request) = inputs.spheres();
+    let mut checks = vec![Check::equal("dropped samples", 0.0, result.dropped.total() as f64)];
+    if let Some(before) = place.checked_sub(1).map(|p| DEPTHS[p]) {
+        let name = format!("light at depth {before} over that at depth {m}");
+        checks.push(Check::at_most(name, result.mean(before) / result.mean(m), 1.0));
+    }
+    if m == 0 {
+        let light = depth::seen_lamps(&scene);
+        let name = "mean radiance (projected area of the area light)";
+        checks.push(Check::within(name, light, result.mean(0), 5e-3 * light));
+    }
+    if m <= 5 {
+        let request = Request { width: 120, height: 90, spp: 4, ..request };
+        let truncated = depth::truncation(&scene, &request, &inputs.settings(), m)?;
+        let name = format!("light of more than {m} scatterings in a render to depth {m}");
+        checks.push(Check::equal(name, 0.0, truncated.beyond));
+        let name = "largest difference of that render from the same path classes of a deeper one";
+        checks.push(Check::at_most(name, truncated.largest_difference, 1e-4));
+    }
+    checks.extend(path_classes(&result, m));
+    if m == 100 {
+        let share = 1.0 - result.mean(5) / result.mean(100);
+        checks.push(regression("share of the light that was scattered more than 5 times", 0.03, share, 0.02));
+        checks.extend(furnace(32, &inputs.settings())?.iter().map(white));
+    }
+    let image = &result.pictures[place];
+    let rows: Vec<Row> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
+    Ok(Content::new(view::image(&result, place), &rows, checks)?.with_image(image, ToneMap::Report))
+}
+
+/// What the report sees appear at each depth, by path class and by the share of an object's pixels that it lights. The
+/// expected values are this program's own of an earlier version.
+fn path_classes(result: &Depths, depth: u32) -> Vec<Check> {
+    let share = |class: &str, on: &str| result.class(class, on).map_or(0.0, |r| r.lit_pixels);
+    let lit = |name: &str, class: &str, on: &str, expected: f64, tolerance: f64| {
+        regression(&format!("{name} ({class}), share of its pixels"), expected, share(class, on), tolerance)
+    };
+    match depth {
+        // The ceiling has no direct light.
+        1 => vec![
+            lit("lit walls", "LDE", "room", 0.83, 0.03),
+            lit("the area light in the mirror sphere", "LSE", "mirror", 0.028, 0.01),
+            lit("the area light on the glass sphere", "LSE", "glass", 0.022, 0.01),
+        ],
+        2 => vec![lit("lit walls in the mirror sphere", "LDSE", "mirror", 0.67, 0.03)],
+        3 => {
+            let (width, height) = (result.request.width as f64, result.request.height as f64);
+            let [x, y] = result.class("LSSDE", "room").map_or([f64::NAN; 2], |r| [r.centroid_x, r.centroid_y]);
+            let through = "lit walls through the glass sphere (LDSSE), share of its pixels";
+            vec![
+                Check::at_least(through, share("LDSSE", "glass"), 0.95),
+                regression("centroid of the caustic (LSSDE), share of the width", 0.70, x / width, 0.02),
+                regression("centroid of the caustic (LSSDE), share of the height", 0.91, y / height, 0.02),
+            ]
+        }
+        4 => vec![lit("the glass sphere in the mirror sphere", "LDSSSE", "mirror", 0.035, 0.015)],
+        _ => Vec::new(),
+    }
+}
+
+/// An expectation that is this program's own former output.
+fn regression(name: &str, expected: f64, got: f64, tolerance: f64) -> Check {
+    Check::within(format!("regression value: {name}"), expected, got, tolerance)
+}
+
+fn white(sphere: &FurnaceSphere) -> Check {
+    let error = sphere.radiance.error.into_iter().fold(0.0, f64::max);
+    // Samples that are all 1 are 1 to the last bits of f32.
+    let tolerance = 4.0 * error + 1e-5;
+    Check::within(format!("white furnace, {} sphere", sphere.material), 1.0, sphere.radiance.intensity(), tolerance)
+}

@@ -1,0 +1,72 @@
+//! Importance samples of the environment map: `envmap-samples-64`, `-256`, `-1024` and `-only-256`.
+
+use crate::envmap::info::Info;
+use crate::error::Result;
+use crate::figure::Drawing;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::study::map_samples::{self, Method, Row};
+use crate::view::map::{Display, Look};
+
+/// Side of a marker in texels, as in the report.
+const MARKER: usize = 5;
+
+/// Three numbers of samples on the map, and one without the map.
+pub fn figures() -> Vec<Figure> {
+    let on_the_map = |id, n, answers, beside, command| Figure {
+        id,
+        title: "Importance samples of the map",
+        report: Report::First,
+        answers,
+        shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
+        beside: Some(beside),
+        command: Some(command),
+        make: Box::new(move |inputs, _| content(inputs, n, Display::samples)),
+    };
+    vec![
+        on_the_map(
+            "envmap-samples-64",
+            64,
+            "Figure 3, 64 samples",
+            "envmap-samples-256",
+            "etalon envmap sample {map} -n 64",
+        ),
+        on_the_map(
+            "envmap-samples-256",
+            256,
+            "Figure 4, 256 samples",
+            "median-cut-64",
+            "etalon envmap sample {map} -n 256",
+        ),
+        on_the_map(
+            "envmap-samples-1024",
+            1024,
+            "Figure 5, 1024 samples",
+            "envmap-samples-256",
+            "etalon envmap sample {map} -n 1024",
+        ),
+        Figure {
+            id: "envmap-samples-only-256",
+            title: "The samples alone, in the colour of their radiance",
+            report: Report::First,
+            answers: "Figure 6, radiance of 256 samples",
+            shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
+            beside: Some("envmap-samples-256"),
+            command: Some("etalon envmap sample {map} -n 256"),
+            make: Box::new(|inputs, _| content(inputs, 256, Display::samples_only)),
+        },
+    ]
+}
+
+fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[Row], usize) -> Drawing) -> Result<Content> {
+    let map = &inputs.map.map;
+    let result = map_samples::draw(map, Method::Cdf, n, inputs.seed)?;
+    let flux = Info::of(map).flux_rgb.iter().sum::<f64>() / 3.0;
+    let checks = vec![
+        Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),
+        // The pdf is proportional to radiance, so that the estimator has no variance.
+        Check::within("flux estimated from the samples", flux, result.flux_estimate, 1e-6 * flux),
+    ];
+    Content::new(draw(&Display::new(map, Look::default()), &result.rows, MARKER), &result.rows, checks)
+}

@@ -1,0 +1,151 @@
+//! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::gallery::studies::{Studies, Study};
+use crate::scene::{Environment, Request, Scene, builtin};
+use crate::study::converge::curve::{Curve, SIGMAS};
+use crate::study::converge::strategy::Strategy;
+use crate::study::converge::{Convergence, Plan, measure};
+use crate::view::converge as view;
+
+/// Seconds after which a figure is cut short; on a machine of two cores none comes near.
+pub const LIMIT: f64 = 120.0;
+/// Strategies whose Sobol' points must converge faster than independent random numbers.
+const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-compensated", "light-cosine"];
+
+/// A plan of so many samples per pixel and replicates.
+pub fn plan(inputs: &Inputs, max_spp: u32, replicates: u32) -> Plan {
+    Plan { budget: LIMIT, max_spp, replicates, seed: inputs.seed }
+}
+
+/// The sphere under the map with one light sample, at the size of these figures.
+pub fn sphere(inputs: &Inputs) -> (Scene, Request) {
+    let map = &inputs.map;
+    let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
+    let (scene, request) = builtin::sphere_env(environment);
+    let side = inputs.effort.of(80, 32);
+    (scene, Request { width: side, height: side, light_samples: 1, ..request })
+}
+
+/// A Cornell box at the size of these figures, with one light sample.
+pub fn small(inputs: &Inputs, (scene, request): (Scene, Request)) -> (Scene, Request) {
+    let (scene, request) = scene.resized(request, inputs.effort.of([96, 72], [48, 36]));
+    (scene, Request { light_samples: 1, ..request })
+}
+
+/// The curves of the sphere.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SphereCurves;
+
+impl Study for SphereCurves {
+    type Output = Convergence;
+
+    fn run(self, inputs: &Inputs) -> Result<Convergence> {
+        let (scene, request) = sphere(inputs);
+        let plan = plan(inputs, inputs.effort.of(128, 32), inputs.effort.of(5, 4));
+        measure(&scene, &request, &Strategy::usual(&scene), &plan, None)
+    }
+}
+
+/// The curves of the sphere and of the Cornell box.
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "error-time-sphere",
+            title: "Error of the sphere against run time, by strategy",
+            report: Report::First,
+            answers: "Figures 12 to 15, at equal time",
+            shows: "Error over processor time and over samples per pixel, efficiency, and images at equal time with their \
+                    errors.",
+            beside: None,
+            command: None,
+            make: Box::new(sphere_content),
+        },
+        Figure {
+            id: "error-time-cornell",
+            title: "Error of the Cornell box against run time, by strategy",
+            report: Report::Second,
+            answers: "Figure 1, at equal time",
+            shows: "The same for a mirror and a glass sphere in a Cornell box, lit by an area light.",
+            beside: None,
+            command: None,
+            make: Box::new(|inputs, _| cornell_content(inputs)),
+        },
+    ]
+}
+
+fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = studies.get(SphereCurves, inputs)?;
+    let mut checks = vec![stopped(&result)];
+    for curve in &result.curves {
+        let name = curve.strategy.name.as_str();
+        if curve.strategy.has_fixed_lights() {
+            checks.push(biased(curve));
+            // The error of the last level is bias and hardly anything else.
+            let share = curve.levels.last().map_or(f64::NAN, |level| curve.bias2.value / level.mse.value);
+            checks.push(Check::within(format!("share of bias in the squared error, {name}"), 1.0, share, 0.1));
+            continue;
+        }
+        checks.push(unbiased(curve));
+        // With uniform directions the error under a map of high contrast depends on few samples: its replicates do not
+        // give an interval.
+        if curve.strategy.is_independent() && !name.starts_with("hemisphere") {
+            checks.push(as_monte_carlo(curve));
+        } else if FASTER_ON_SPHERE.contains(&name) {
+            checks.push(faster(curve));
+        }
+    }
+    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+}
+
+fn cornell_content(inputs: &Inputs) -> Result<Content> {
+    let (scene, request) = small(inputs, inputs.spheres());
+    let plan = plan(inputs, inputs.effort.of(128, 16), inputs.effort.of(5, 4));
+    let result = measure(&scene, &request, &Strategy::usual(&scene), &plan, None)?;
+    let mut checks = vec![stopped(&result)];
+    for curve in &result.curves {
+        checks.push(unbiased(curve));
+        checks.push(if curve.strategy.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
+    }
+    let last = |name: &str| result.curve(name).and_then(|c| c.levels.last()).map_or(f64::NAN, |level| level.mse.value);
+    let best = last("light").min(last("bsdf"));
+    checks.push(Check::at_most("squared error, mis over the better of light and bsdf", last("mis") / best, 1.1));
+    let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
+    let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
+    checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
+    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+}
+
+/// Nothing was left out for lack of time.
+pub fn stopped(result: &Convergence) -> Check {
+    Check::equal("strategies stopped by the time limit", 0.0, result.cut.len() as f64)
+}
+
+/// The squared bias in units of its standard error.
+fn bias(curve: &Curve) -> f64 {
+    curve.bias2.value / curve.bias2.standard_error
+}
+
+/// The mean of all replicates is biased beyond chance.
+pub fn biased(curve: &Curve) -> Check {
+    Check::at_least(format!("squared bias (standard errors), {}", curve.strategy.name), bias(curve), SIGMAS)
+}
+
+/// The bias is within what chance explains.
+fn unbiased(curve: &Curve) -> Check {
+    Check::at_most(format!("squared bias (standard errors), {}", curve.strategy.name), bias(curve), 2.0 * SIGMAS)
+}
+
+/// Independent random numbers: the slope is −1/2, up to 3 of its own standard errors.
+fn as_monte_carlo(curve: &Curve) -> Check {
+    let name = format!("slope (−1/2 + 3 standard errors), {}", curve.strategy.name);
+    Check::at_most(name, curve.slope.value, -0.5 + 3.0 * curve.slope.standard_error)
+}
+
+/// Sobol' points: the slope's interval is below −1/2.
+fn faster(curve: &Curve) -> Check {
+    Check::at_most(format!("slope, upper end of its 95 % interval, {}", curve.strategy.name), curve.slope.high(), -0.5)
+}

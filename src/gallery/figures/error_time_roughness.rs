@@ -1,0 +1,61 @@
+//! Efficiency over roughness by the way of sampling normals: `error-time-roughness`.
+
+use super::error_time::{LIMIT, small};
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::scene::Request;
+use crate::study::converge::ladder::Deadline;
+use crate::study::converge::roughness::{self, Level, NORMALS};
+use crate::view::converge_series as view;
+
+/// Roughnesses of a full run and of a quick one.
+const ALPHAS: [f32; 6] = [0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
+const QUICK_ALPHAS: [f32; 3] = [0.05, 0.25, 1.0];
+/// From this α on, visible normals must have less noise than all normals; below, both pdfs are nearly the same.
+const ROUGH: f32 = 0.25;
+
+/// One figure.
+pub fn figures() -> Vec<Figure> {
+    vec![Figure {
+        id: "error-time-roughness",
+        title: "Efficiency over roughness, by the way of sampling normals",
+        report: Report::Second,
+        answers: "Figure 3, over all roughnesses",
+        shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
+        beside: None,
+        command: None,
+        make: Box::new(|inputs, _| content(inputs)),
+    }]
+}
+
+fn content(inputs: &Inputs) -> Result<Content> {
+    let effort = inputs.effort;
+    let (scene, request) = small(inputs, inputs.statue("Au", 0.25)?);
+    let request = Request { spp: effort.of(32, 8), ..request };
+    let alphas = effort.of(&ALPHAS[..], &QUICK_ALPHAS[..]);
+    let levels = roughness::measure(&scene, &request, alphas, effort.of(4, 2), inputs.seed, &Deadline::after(LIMIT))?;
+    let missing = alphas.len() - levels.len() / NORMALS.len();
+    let mut checks = vec![Check::equal("roughnesses left out by the time limit", 0.0, missing as f64)];
+    for three in levels.chunks_exact(NORMALS.len()) {
+        if let [visible, all, _] = three {
+            checks.extend(visible_against_all(visible, all));
+        }
+    }
+    Content::new(view::roughness(&levels), &view::roughness_rows(&levels), checks)
+}
+
+fn visible_against_all(visible: &Level, all: &Level) -> [Check; 2] {
+    let alpha = visible.alpha;
+    let z = visible.light.z(&all.light);
+    let mean = format!("metal by visible normals minus by all normals (standard errors), α = {alpha}");
+    // Where chance alone decides which is better, only the ends of the intervals can be compared.
+    let (ratio, which) = if alpha >= ROUGH {
+        (visible.mse.value / all.mse.value, "squared error")
+    } else {
+        (visible.mse.positive()[0] / all.mse.positive()[1], "lower end of the squared error over the upper")
+    };
+    let noise = format!("{which}, visible normals over all normals, α = {alpha}");
+    [Check::within(mean, 0.0, z, 4.0), Check::at_most(noise, ratio, 1.0)]
+}

@@ -1,0 +1,68 @@
+//! Reflectance of glass from either side: `fresnel-enter`, `fresnel-exit`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::study::fresnel::{self, Model};
+use crate::view::fresnel as view;
+
+/// Index of refraction of the report's glass.
+const GLASS: f64 = 1.45;
+/// Angles of a curve.
+const POINTS: usize = 901;
+/// tan θ = 1.45, as the report prints it.
+const BREWSTER_DEG: f64 = 55.407_711_312_490_06;
+/// sin θ = 1/1.45, as the report prints it.
+const CRITICAL_DEG: f64 = 43.602_818_972_703_62;
+/// (0.45/2.45)².
+const NORMAL_REFLECTANCE: f64 = 0.033_735_943_356_934;
+
+/// Both directions through the interface.
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "fresnel-enter",
+            title: "Reflectance from air into glass",
+            report: Report::First,
+            answers: "Figure 1, reflectance from air into glass",
+            shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
+                    approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
+            beside: Some("fresnel-exit"),
+            command: Some("etalon fresnel --eta-i 1 --eta-t 1.45"),
+            make: Box::new(|_, _| content(1.0, GLASS)),
+        },
+        Figure {
+            id: "fresnel-exit",
+            title: "Reflectance from glass into air",
+            report: Report::First,
+            answers: "Figure 2, reflectance from glass into air",
+            shows: "The same from inside: total internal reflection beyond the critical angle.",
+            beside: Some("fresnel-enter"),
+            command: Some("etalon fresnel --eta-i 1.45 --eta-t 1"),
+            make: Box::new(|_, _| content(GLASS, 1.0)),
+        },
+    ]
+}
+
+fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
+    let curves = fresnel::curves(eta_i, eta_t, POINTS, Model::Exact)?;
+    // From inside, Brewster's angle is the complement.
+    let brewster = if eta_t > eta_i { BREWSTER_DEG } else { 90.0 - BREWSTER_DEG };
+    let mut checks = vec![
+        Check::within("reflectance at normal incidence", NORMAL_REFLECTANCE, curves.r_normal, 1e-14),
+        Check::within(
+            "both polarizations at normal incidence",
+            curves.r_normal_parallel,
+            curves.r_normal_perpendicular,
+            1e-15,
+        ),
+        Check::within("Brewster angle (degrees)", brewster, curves.brewster_deg.unwrap_or(f64::NAN), 1e-11),
+    ];
+    if eta_i > eta_t {
+        let critical = curves.critical_deg.unwrap_or(f64::NAN);
+        let beyond = curves.rows.iter().filter(|r| r.theta_deg > critical).map(|r| r.r_unpolarized);
+        checks.push(Check::within("critical angle (degrees)", CRITICAL_DEG, critical, 1e-11));
+        checks.push(Check::equal("least reflectance beyond the critical angle", 1.0, beyond.fold(f64::NAN, f64::min)));
+    }
+    Content::new(view::dielectric(&curves), &curves.rows, checks)
+}

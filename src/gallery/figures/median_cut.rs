@@ -1,0 +1,52 @@
+//! Median cut of the environment map: `median-cut-2`, `-4`, `-16`, `-64` and `median-cut-radiance-64`.
+
+use crate::envmap::cut::{SideRule, Split};
+use crate::envmap::info::Info;
+use crate::error::Result;
+use crate::figure::Drawing;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::study::median_cut::{self, Centroid, Row};
+use crate::view::map::{Display, Look};
+
+/// Side of a light's marker in texels.
+const MARKER: usize = 5;
+
+/// Four partitions of the map, and the lights of the last one.
+pub fn figures() -> Vec<Figure> {
+    let partition = |id, n, answers, beside, command| Figure {
+        id,
+        title: "Median cut of the map",
+        report: Report::First,
+        answers,
+        shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
+        beside: Some(beside),
+        command: Some(command),
+        make: Box::new(move |inputs, _| content(inputs, n, Display::partition)),
+    };
+    vec![
+        partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4", "etalon envmap cut {map} -n 2"),
+        partition("median-cut-4", 4, "Figure 8, 2 cuts", "median-cut-16", "etalon envmap cut {map} -n 4"),
+        partition("median-cut-16", 16, "Figure 9, 4 cuts", "median-cut-64", "etalon envmap cut {map} -n 16"),
+        partition("median-cut-64", 64, "Figure 10, 6 cuts", "median-cut-radiance-64", "etalon envmap cut {map} -n 64"),
+        Figure {
+            id: "median-cut-radiance-64",
+            title: "The lights of 64 regions",
+            report: Report::First,
+            answers: "Figure 11, radiance of the centroids",
+            shows: "One light at each centroid, in the colour of its region's flux.",
+            beside: Some("median-cut-64"),
+            command: Some("etalon envmap cut {map} -n 64"),
+            make: Box::new(|inputs, _| content(inputs, 64, |display, rows| display.lights(rows, MARKER))),
+        },
+    ]
+}
+
+fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[Row]) -> Drawing) -> Result<Content> {
+    let map = &inputs.map.map;
+    let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
+    let error = median_cut::flux_error(&rows, Info::of(map).flux_rgb);
+    let checks = vec![Check::at_most("relative error of the regions' total flux", error, 1e-9)];
+    Content::new(draw(&Display::new(map, Look::default()), &rows), &rows, checks)
+}

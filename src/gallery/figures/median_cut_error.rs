@@ -1,0 +1,46 @@
+//! Error of fixed lights in place of a map: `median-cut-error`.
+
+use super::error_time::{SphereCurves, biased, plan, sphere, stopped};
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::gallery::studies::Studies;
+use crate::study::converge::lights::{self, CUTS};
+use crate::view::{converge, converge_series as view};
+
+/// Numbers of lights that the map is cut into.
+const LIGHTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+
+/// One figure.
+pub fn figures() -> Vec<Figure> {
+    vec![Figure {
+        id: "median-cut-error",
+        title: "Error of fixed lights in place of the map",
+        report: Report::First,
+        answers: "Figures 7 to 11, their error",
+        shows: "Error of the sphere lit by fixed lights of a median cut, over their number and over time, beside light samples \
+                of the map itself.",
+        beside: None,
+        command: None,
+        make: Box::new(content),
+    }]
+}
+
+fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let sampled = studies.get(SphereCurves, inputs)?;
+    let (scene, request) = sphere(inputs);
+    let fixed = lights::cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
+    let mut checks = vec![stopped(&fixed)];
+    let rmse = |cut: &str, lights: u32| {
+        let curve = fixed.curve(&format!("{cut}-{lights}"));
+        curve.and_then(|curve| curve.levels.last()).map_or(f64::NAN, |level| level.rmse())
+    };
+    for cut in CUTS {
+        let ratio = rmse(cut, 1024) / rmse(cut, 1);
+        checks.push(Check::at_most(format!("error of 1024 lights over that of one, {cut}"), ratio, 0.05));
+        checks.extend(fixed.curve(&format!("{cut}-64")).map(biased));
+    }
+    let rows = [converge::rows(&fixed), converge::rows(&sampled)].concat();
+    Content::new(view::lights(&fixed, &sampled), &rows, checks)
+}

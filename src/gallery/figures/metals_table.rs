@@ -1,0 +1,40 @@
+//! Indices, special angles and albedo of the metals: `metals-table`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::study::metals;
+use crate::view::metals as view;
+
+/// Angles of a curve.
+const POINTS: usize = 181;
+
+/// One figure.
+pub fn figures() -> Vec<Figure> {
+    vec![Figure {
+        id: "metals-table",
+        title: "Metals: indices, special angles, albedo, error of the approximation",
+        report: Report::Second,
+        answers: "Table 1, η and k of metals",
+        shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
+                Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
+        beside: None,
+        command: None,
+        make: Box::new(|_, _| content()),
+    }]
+}
+
+fn content() -> Result<Content> {
+    let table = metals::table(POINTS)?;
+    let checks = vec![
+        Check::at_most("error of R(0°) against ((η−1)²+k²)/((η+1)²+k²)", table.normal_error(), 1e-14),
+        Check::at_most(
+            "error of the approximation's albedo against its closed form",
+            table.approximate_albedo_error(),
+            1e-9,
+        ),
+        Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
+        Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
+    ];
+    Content::new(view::drawing(&table.curves), &table.rows, checks)
+}

@@ -1,0 +1,41 @@
+//! Inversion with uniform and with Gaussian random numbers: `proposal`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::study::proposal::{self, Bin};
+use crate::view::proposal as view;
+
+/// Rows that are sampled.
+const SAMPLES: usize = 100_000;
+/// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
+const LEVEL: f64 = 1e-3;
+
+/// One figure.
+pub fn figures() -> Vec<Figure> {
+    vec![Figure {
+        id: "proposal",
+        title: "Inversion needs uniform random numbers",
+        report: Report::First,
+        answers: "text, proposal distributions",
+        shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
+                ones do not.",
+        beside: None,
+        command: Some("etalon envmap proposal {map}"),
+        make: Box::new(|inputs, _| content(inputs)),
+    }]
+}
+
+fn content(inputs: &Inputs) -> Result<Content> {
+    let Some(result) = proposal::compare(&inputs.map.map, SAMPLES, inputs.seed)? else {
+        let check = Check::is_true("the map has light in enough rows for a test", false);
+        return Content::new(view::nothing_to_test(), &[] as &[Bin], vec![check]);
+    };
+    let checks = vec![
+        Check::at_least("p-value with uniform random numbers", result.uniform.p, LEVEL),
+        Check::at_most("p-value with uniform random numbers (no suspiciously good fit)", result.uniform.p, 1.0 - LEVEL),
+        Check::at_most("p-value with Gaussian random numbers", result.gaussian.p, 1e-6),
+    ];
+    Content::new(view::drawing(&result), &result.bins, checks)
+}

@@ -1,0 +1,96 @@
+//! Importance sampling against hemisphere sampling: `sampling-importance`, `sampling-hemisphere`, `sampling-error`.
+
+use crate::error::Result;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::inputs::Inputs;
+use crate::gallery::studies::{Studies, Study};
+use crate::raster::ToneMap;
+use crate::study::sampling_strategies::{Comparison, compare};
+use crate::view::statue as view;
+
+/// Standard errors by which two means may differ.
+const SIGMAS: f64 = 4.0;
+
+/// Both renders and their profile.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct BothStrategies;
+
+impl Study for BothStrategies {
+    type Output = Comparison;
+
+    fn run(self, inputs: &Inputs) -> Result<Comparison> {
+        let (scene, request) = inputs.copper()?;
+        compare(&scene, &request, &inputs.settings())
+    }
+}
+
+/// Two renders and their comparison.
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "sampling-importance",
+            title: "Copper statue, importance sampling",
+            report: Report::Second,
+            answers: "Figure 3a, importance sampling",
+            shows: "Directions sampled in proportion to what the metal reflects: little noise with few samples.",
+            beside: Some("sampling-hemisphere"),
+            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report"),
+            make: Box::new(|inputs, studies| render(inputs, studies, true)),
+        },
+        Figure {
+            id: "sampling-hemisphere",
+            title: "Copper statue, uniform hemisphere sampling",
+            report: Report::Second,
+            answers: "Figure 3b, uniform hemisphere sampling",
+            shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
+                    image looks dark and noisy.",
+            beside: Some("sampling-importance"),
+            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report"),
+            make: Box::new(|inputs, studies| render(inputs, studies, false)),
+        },
+        Figure {
+            id: "sampling-error",
+            title: "Noise of both, and the dark rim at the silhouette",
+            report: Report::Second,
+            answers: "Figure 3, the dark rim of hemisphere sampling",
+            shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
+                    like a dark rim.",
+            beside: None,
+            command: None,
+            make: Box::new(errors),
+        },
+    ]
+}
+
+fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Content> {
+    let result = studies.get(BothStrategies, inputs)?;
+    let (shot, how) = if importance {
+        (&result.importance, "directions sampled in proportion to the BSDF")
+    } else {
+        (&result.hemisphere, "directions sampled uniformly over the hemisphere")
+    };
+    let name = |what: &str| format!("{what} by importance sampling minus by hemisphere sampling (standard errors)");
+    let checks = vec![
+        Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
+        Check::within(name("image"), 0.0, result.z_picture, SIGMAS),
+        Check::within(name("statue"), 0.0, result.z_statue, SIGMAS),
+    ];
+    let content = Content::new(view::strategy(shot, how), std::slice::from_ref(&shot.row), checks)?;
+    Ok(content.with_image(&shot.rendered.image, ToneMap::Report))
+}
+
+fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = studies.get(BothStrategies, inputs)?;
+    let rim = "rim by importance sampling minus by hemisphere sampling (standard errors)";
+    let mut checks = vec![
+        Check::within(rim, 0.0, result.z_rim, SIGMAS),
+        Check::at_most("median of the rim, hemisphere over importance sampling", result.rim_median_ratio(), 0.5),
+    ];
+    // The files' light has no surface: only light samples find it, and highlights are as noisy in both.
+    if inputs.originals.is_none() {
+        let name = "noise on the statue, importance over hemisphere sampling";
+        checks.push(Check::at_most(name, result.noise_ratio(), 0.25));
+    }
+    Content::new(view::errors(&result)?, &result.profile, checks)
+}

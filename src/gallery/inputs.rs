@@ -1,0 +1,130 @@
+//! What a run of the gallery starts from: the map, the scenes, the seed and the effort.
+
+use super::originals::Originals;
+use crate::envmap::NamedMap;
+use crate::error::{Error, Result};
+use crate::optics::metals;
+use crate::raster::Rgb;
+use crate::render::Settings;
+use crate::scene::{Material, Request, Scene, builtin};
+use etalon_stats::{Protocol, SampleCount};
+
+/// How much work the figures take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// The sizes of the reports.
+    Full,
+    /// Smaller images and fewer samples.
+    Quick,
+}
+
+impl Effort {
+    /// `full` or `quick`.
+    #[must_use]
+    pub fn of<T>(self, full: T, quick: T) -> T {
+        match self {
+            Self::Full => full,
+            Self::Quick => quick,
+        }
+    }
+}
+
+/// The inputs of all figures.
+pub struct Inputs {
+    /// The environment map.
+    pub map: NamedMap,
+    /// The second report's own scenes; without them, the built-in ones.
+    pub originals: Option<Originals>,
+    /// Of all random numbers.
+    pub seed: u64,
+    /// The sizes of renders and tests.
+    pub effort: Effort,
+}
+
+impl Inputs {
+    /// Default settings of a render under the run's seed.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        Settings { seed: self.seed, ..Settings::default() }
+    }
+
+    /// How claims are tested: with samples that detect errors of 2 %, or of 5 % in a quick run.
+    #[must_use]
+    pub fn protocol(&self) -> Protocol {
+        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
+    }
+
+    /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.
+    #[must_use]
+    pub fn spheres(&self) -> (Scene, Request) {
+        let (scene, request) = self.originals.as_ref().map_or_else(builtin::cornell_spheres, |o| o.spheres.clone());
+        (scene, self.request(request, 64, 4))
+    }
+
+    /// A statue (in the report's files, its dragon) of the metal of that symbol, and the request of the report's material
+    /// images.
+    ///
+    /// # Errors
+    /// An unknown metal, and those of [`builtin::cornell_statue`].
+    pub fn statue(&self, metal: &str, alpha: f32) -> Result<(Scene, Request)> {
+        let metal = known_metal(metal)?;
+        let Some(originals) = &self.originals else {
+            let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
+            return Ok((scene, self.request(request, 128, 1)));
+        };
+        let (mut scene, request) = originals.dragon.clone();
+        for object in &mut scene.objects {
+            if let Material::Conductor(conductor) = &mut object.material {
+                let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
+                (conductor.eta, conductor.k, conductor.alpha) = (rgb(metal.eta), rgb(metal.k), alpha);
+            }
+        }
+        Ok((scene, self.request(request, 128, 1)))
+    }
+
+    /// The copper statue (in the report's files, its bunny) of the sampling figures, and their request.
+    ///
+    /// # Errors
+    /// Those of [`builtin::cornell_statue`].
+    pub fn copper(&self) -> Result<(Scene, Request)> {
+        let (scene, request) = match &self.originals {
+            Some(originals) => originals.bunny.clone(),
+            None => builtin::cornell_statue(known_metal("Cu")?, 0.05, None)?,
+        };
+        Ok((scene, self.request(request, 64, 1)))
+    }
+
+    /// A quick run has half the width and height, and a quarter of the samples.
+    fn request(&self, asked: Request, spp: u32, light_samples: u32) -> Request {
+        let side = self.effort.of(1, 2);
+        let (width, height) = (asked.width / side, asked.height / side);
+        Request { width, height, spp: self.effort.of(spp, spp / 4), light_samples, max_depth: 5 }
+    }
+}
+
+fn known_metal(symbol: &str) -> Result<&'static metals::Metal> {
+    metals::by_name(symbol).ok_or_else(|| Error::parameter("metal", format!("\"{symbol}\" is not in the table")))
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::envmap::EnvMap;
+    use crate::envmap::synthetic::Synthetic;
+    use std::sync::Arc;
+
+    /// The smallest inputs.
+    pub fn inputs() -> Inputs {
+        let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
+        Inputs { map, originals: None, seed: 1, effort: Effort::Quick }
+    }
+
+    #[test]
+    fn quick_renders_are_smaller() {
+        let quick = inputs();
+        let full = Inputs { effort: Effort::Full, ..inputs() };
+        let (quick, full) = (quick.spheres().1, full.spheres().1);
+        assert_eq!((full.width, full.height, full.spp), (480, 360, 64));
+        assert_eq!((quick.width, quick.height, quick.spp), (240, 180, 16));
+    }
+}

@@ -1,0 +1,117 @@
+//! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
+
+use super::html::{Escaped, Seconds, counted};
+use super::picture::Picture;
+use super::record::Record;
+use crate::gallery::check::Check;
+use crate::gallery::figure::Figure;
+use std::fmt::Write;
+use std::path::Path;
+
+/// What else a figure's folder may hold of it, in the order of the links.
+const FILES: [&str; 7] = ["svg", "png", "pdf", "csv", "exr", "pfm", "ppm"];
+
+/// A figure of the registry that was made.
+pub struct Article<'a> {
+    pub figure: &'a Figure,
+    /// Its place in the registry, from 1.
+    pub number: usize,
+    pub record: &'a Record,
+    pub picture: Picture,
+    /// Its counterpart for comparison, if that is on the page, too.
+    pub beside: Option<&'static str>,
+}
+
+impl Article<'_> {
+    pub fn failed(&self) -> usize {
+        self.record.checks.iter().filter(|c| !c.pass).count()
+    }
+
+    /// The figure as an `<article>`.
+    pub fn html(&self, out: &mut String, folder: &Path) -> std::fmt::Result {
+        let Self { figure, record, picture, .. } = self;
+        let id = Escaped(figure.id);
+        writeln!(
+            out,
+            "<article id=\"figure-{id}\" data-id=\"{id}\" data-failed=\"{}\" data-beside=\"{}\">",
+            self.failed(),
+            Escaped(self.beside.unwrap_or_default())
+        )?;
+        writeln!(out, "<h3>{} <code>{id}</code></h3>", Escaped(&self.heading()))?;
+        writeln!(out, "<p>{}</p>", Escaped(figure.shows))?;
+        writeln!(out, "<p class=\"fine\">Counterpart: {}</p>", Escaped(&figure.counterpart()))?;
+        writeln!(
+            out,
+            "<figure><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{}\"><img src=\"{}\" width=\"{}\" height=\"{}\" \
+             data-vector=\"{}\" alt=\"{}\" /></a>",
+            Escaped(&self.heading()),
+            picture.source,
+            picture.width,
+            picture.height,
+            picture.vector,
+            Escaped(&self.alternative())
+        )?;
+        out.push_str("<figcaption class=\"fine\">Files beside this page:");
+        for extension in FILES.into_iter().filter(|e| folder.join(format!("{}.{e}", figure.id)).exists()) {
+            write!(out, " <a href=\"{id}.{extension}\">{}</a>", extension.to_uppercase())?;
+        }
+        out.push_str("</figcaption></figure>\n");
+        if let Some(beside) = self.beside {
+            let beside = Escaped(beside);
+            writeln!(out, "<p class=\"beside\">Compare with <a href=\"#figure-{beside}\">{beside}</a></p>")?;
+        }
+        checks(out, &record.checks)?;
+        out.push_str("<div class=\"again\"><p>Reproduce with</p>");
+        command(out, &join(&format!("etalon reproduce --only {}", figure.id), &record.setup.options))?;
+        if let Some(direct) = figure.command {
+            out.push_str("<p>or, with all options,</p>");
+            command(out, &direct.replace("{map}", &record.setup.map))?;
+        }
+        writeln!(out, "<p class=\"fine\">{} here</p></div>\n</article>", Seconds(record.seconds))
+    }
+
+    pub fn heading(&self) -> String {
+        format!("{}. {}", self.number, self.figure.title)
+    }
+
+    /// For those who do not see the picture.
+    fn alternative(&self) -> String {
+        let Figure { id, title, shows, .. } = self.figure;
+        format!("{title} ({id}). {shows}")
+    }
+}
+
+/// A command and the flags of the run.
+pub fn join(command: &str, options: &str) -> String {
+    format!("{command} {options}").trim_end().to_owned()
+}
+
+fn command(out: &mut String, text: &str) -> std::fmt::Result {
+    writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", Escaped(text))
+}
+
+fn checks(out: &mut String, checks: &[Check]) -> std::fmt::Result {
+    if checks.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "<table><caption>{}</caption>\n<thead><tr><th scope=\"col\">Verdict</th><th scope=\"col\">Check</th>\
+         <th scope=\"col\">Measured</th><th scope=\"col\">Must be</th></tr></thead>\n<tbody>",
+        counted(checks.len(), "check")
+    )?;
+    for check in checks {
+        let (class, verdict) = if check.pass { ("pass", "✓ pass") } else { ("fail", "✗ FAIL") };
+        writeln!(
+            out,
+            "<tr><td class=\"{class}\">{verdict}</td><td>{}</td><td class=\"number\" title=\"{}\">{}</td>\
+             <td class=\"number\">{}</td></tr>",
+            Escaped(&check.name),
+            check.got,
+            Escaped(&check.measured()),
+            Escaped(&check.demand())
+        )?;
+    }
+    out.push_str("</tbody></table>\n");
+    Ok(())
+}

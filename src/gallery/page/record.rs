@@ -1,0 +1,154 @@
+//! What is known of the figures in a folder: one record per figure, kept in `reproduce.json` from run to run.
+
+use crate::error::{Error, Result};
+use crate::files;
+use crate::gallery::check::Check;
+use crate::gallery::figure::{Erratum, Figure};
+use crate::gallery::inputs::Inputs;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::num::NonZero;
+use std::path::Path;
+
+/// The file of records, beside the figures.
+const FILE: &str = "reproduce.json";
+/// The largest such file that is read.
+const LIMIT: u64 = 16 << 20;
+
+/// Records by the figure's id.
+pub type Records = BTreeMap<String, Record>;
+
+/// How a figure came out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    pub seconds: f64,
+    pub checks: Vec<Check>,
+    pub errata: Vec<Erratum>,
+    pub setup: Setup,
+}
+
+/// The program, what it was asked for and the machine. Names no host, no user and no folder.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Setup {
+    pub version: String,
+    pub seed: u64,
+    /// The environment map, as the command line names it.
+    pub map: String,
+    /// The flags that make the same again.
+    pub options: String,
+    pub cpu: String,
+    pub cores: usize,
+    pub threads: usize,
+    pub system: String,
+}
+
+impl Setup {
+    #[must_use]
+    pub fn of(inputs: &Inputs, options: &str) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: inputs.seed,
+            map: without_place(&inputs.map.name),
+            options: options.to_owned(),
+            cpu: cpu(),
+            cores: std::thread::available_parallelism().map_or(1, NonZero::get),
+            threads: rayon::current_num_threads(),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        }
+    }
+}
+
+/// A path that tells nobody where on a disk it lies: absolute ones lose their folders.
+#[must_use]
+pub fn without_place(name: &str) -> String {
+    let path = Path::new(name);
+    match path.file_name() {
+        Some(file) if path.is_absolute() => file.to_string_lossy().into_owned(),
+        _ => name.to_owned(),
+    }
+}
+
+/// The processor's model, or its architecture where the system does not say.
+fn cpu() -> String {
+    let info = files::read_bounded(Path::new("/proc/cpuinfo"), LIMIT).unwrap_or_default();
+    let info = String::from_utf8_lossy(&info);
+    let model = info.lines().filter_map(|line| line.split_once(':')).find(|(key, _)| key.trim() == "model name");
+    model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// The records that earlier runs left in `folder`, of those `figures` whose files are still there.
+///
+/// # Errors
+/// When the file is there but cannot be read or understood.
+pub fn read_records(folder: &Path, figures: &[Figure]) -> Result<Records> {
+    let path = folder.join(FILE);
+    if !path.exists() {
+        return Ok(Records::new());
+    }
+    let mut records: Records = serde_json::from_slice(&files::read_bounded(&path, LIMIT)?).map_err(|e| {
+        Error::input(&path, format!("no records of figures: {e}"))
+            .with_hint("remove it: the page then covers what the next run makes")
+    })?;
+    records.retain(|id, _| {
+        figures.iter().any(|figure| figure.id == id)
+            && ["png", "svg"].iter().all(|e| folder.join(format!("{id}.{e}")).exists())
+    });
+    Ok(records)
+}
+
+pub(super) fn write_records(folder: &Path, records: &Records) -> Result<()> {
+    let path = folder.join(FILE);
+    let mut text = serde_json::to_vec_pretty(records).map_err(|e| Error::io(&path, e.into()))?;
+    text.push(b'\n');
+    files::write_bytes(&path, &text)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::gallery::registry;
+
+    /// A record with one good and one bad check.
+    pub fn record() -> Record {
+        Record {
+            seconds: 0.25,
+            checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
+            errata: Vec::new(),
+            setup: Setup {
+                version: "0".into(),
+                seed: 1,
+                map: "nave".into(),
+                options: "--quick".into(),
+                cpu: "abacus".into(),
+                cores: 1,
+                threads: 1,
+                system: "none".into(),
+            },
+        }
+    }
+
+    #[test]
+    fn records_survive_and_lost_figures_leave() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str| std::fs::write(dir.path().join(name), "x").unwrap();
+        assert_eq!(read_records(dir.path(), &registry()).unwrap(), Records::new());
+        let records: Records = ["iron", "depth-1", "no-such"].map(|id| (id.to_owned(), record())).into();
+        write_records(dir.path(), &records).unwrap();
+        for name in ["iron.png", "iron.svg", "no-such.png", "no-such.svg", "depth-1.svg"] {
+            write(name);
+        }
+        let read = read_records(dir.path(), &registry()).unwrap();
+        assert_eq!(read.keys().collect::<Vec<_>>(), ["iron"]);
+        let checks = &read["iron"].checks;
+        assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && !checks[1].pass);
+        write(FILE);
+        assert!(matches!(read_records(dir.path(), &registry()), Err(Error::Input { .. })));
+    }
+
+    #[test]
+    fn absolute_paths_lose_their_folders() {
+        assert_eq!(without_place("maps/a.exr"), "maps/a.exr");
+        assert_eq!(without_place("nave"), "nave");
+        assert_eq!(without_place("/home/who/a.exr"), "a.exr");
+    }
+}

@@ -1,0 +1,81 @@
+//! The page as a document: well-formed, complete, without references to elsewhere.
+
+use super::record::tests::record;
+use super::*;
+use crate::figure::Drawing;
+use crate::gallery::{Erratum, registry};
+
+/// The page of all figures of the registry, each with an empty drawing.
+fn page(change: impl Fn(&str, &mut Record)) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    let figures = registry();
+    let records: Records = figures
+        .iter()
+        .map(|figure| {
+            Drawing::new(40.0, 30.0, 1.0).write(&dir.path().join(figure.id)).unwrap();
+            let mut record = record();
+            change(figure.id, &mut record);
+            (figure.id.to_owned(), record)
+        })
+        .collect();
+    write(dir.path(), &figures, &records).unwrap();
+    assert_eq!(read_records(dir.path(), &figures).unwrap().len(), figures.len());
+    std::fs::read_to_string(dir.path().join(FILE)).unwrap()
+}
+
+fn parsed(text: &str) -> roxmltree::Document<'_> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
+    roxmltree::Document::parse_with_options(text, options).unwrap()
+}
+
+#[test]
+fn every_figure_is_there_and_nothing_is_loaded_from_elsewhere() {
+    let text = page(|_, _| ());
+    let tree = parsed(&text);
+    let ids: Vec<&str> = tree.descendants().filter_map(|n| n.attribute("id")).collect();
+    assert_eq!(ids.len(), ids.iter().collect::<std::collections::BTreeSet<_>>().len(), "an id twice");
+    for figure in registry() {
+        assert!(ids.contains(&format!("figure-{}", figure.id).as_str()), "{}", figure.id);
+    }
+    for node in tree.descendants() {
+        for attribute in node.attributes().filter(|a| ["href", "src"].contains(&a.name())) {
+            let value = attribute.value();
+            match value.split_once('#') {
+                Some(("", id)) => assert!(ids.contains(&id), "{value}"),
+                _ => assert!(value.starts_with("data:") || !value.contains(':'), "{value}"),
+            }
+        }
+        if node.has_tag_name("img") {
+            assert!(node.attribute("src").unwrap().starts_with("data:image/"));
+            assert!(node.attribute("alt").unwrap().len() > 10);
+        }
+    }
+    assert!(!ids.contains(&"errata"), "no report is said to be wrong without evidence");
+}
+
+#[test]
+fn failures_and_errata_are_shown_as_text() {
+    let evil = "</td><script>alert(\"1\")</script>&";
+    let text = page(|id, record| {
+        record.setup.cpu = evil.into();
+        if id == "iron" {
+            record.errata = vec![Erratum {
+                printed: evil.into(),
+                right: "R₀ = 0.04".into(),
+                test: "t-test".into(),
+                p_value: Some(1e-12),
+                picture_error: "3 %".into(),
+            }];
+        } else {
+            record.checks.retain(|c| c.pass);
+        }
+    });
+    let tree = parsed(&text);
+    let evil_texts = tree.descendants().filter(|n| n.is_text() && n.text().is_some_and(|t| t.contains(evil))).count();
+    assert_eq!(evil_texts, 2, "in the table of errata and in the summary");
+    assert_eq!(tree.descendants().filter(|n| n.has_tag_name("script")).count(), 1);
+    let failed: Vec<_> = tree.descendants().filter(|n| n.attribute("data-failed") == Some("1")).collect();
+    assert_eq!(failed.iter().map(|n| n.attribute("id")).collect::<Vec<_>>(), [Some("figure-iron")]);
+    assert!(tree.descendants().any(|n| n.attribute("id") == Some("errata")));
+    assert!(text.contains("1.0e-12") && text.contains("NaN"));
+}

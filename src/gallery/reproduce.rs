@@ -1,0 +1,136 @@
+//! A run of the gallery: makes figures, writes their files, and keeps the records and the page up to date.
+
+use super::check::{Check, Kind};
+use super::figure::{Content, Erratum, Figure, RenderedImage};
+use super::inputs::Inputs;
+use super::page::{self, Record, Records, Setup};
+use super::registry::registry;
+use super::studies::Studies;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::interrupt;
+use crate::output;
+use crate::raster::{self, Metadata, WriteOptions};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A figure that was made. Field names are JSON keys.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reproduced {
+    /// Of the figure.
+    pub id: &'static str,
+    /// What was written.
+    pub files: Vec<PathBuf>,
+    /// Wall-clock time; studies that figures share count for the first of them.
+    pub seconds: f64,
+    /// What its numbers must meet.
+    pub checks: Vec<Check>,
+    /// Errors of the reports that it demonstrates.
+    pub errata: Vec<Erratum>,
+}
+
+/// What a run made.
+pub struct Reproduction {
+    /// In the order of the registry.
+    pub figures: Vec<Reproduced>,
+    /// Whether the process was asked to stop before all figures were made.
+    pub interrupted: bool,
+}
+
+/// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
+///
+/// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They also cover figures that earlier runs
+/// left in the folder. `options` are the flags of this run, for the commands on the page. If the process is asked to stop,
+/// the finished figures are covered.
+///
+/// # Errors
+/// An unknown id, a damaged `reproduce.json`, those of the figures and of writing them.
+pub fn reproduce(
+    inputs: &Inputs,
+    ids: &[String],
+    folder: &Path,
+    options: &str,
+    before: &mut dyn FnMut(&Figure),
+) -> Result<Reproduction> {
+    let all = registry();
+    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != id.as_str())) {
+        let known: Vec<_> = all.iter().map(|figure| figure.id).collect();
+        return Err(Error::parameter("--only", format!("there is no figure \"{unknown}\""))
+            .with_hint(format!("figures: {}", known.join(", "))));
+    }
+    let mut records = page::read_records(folder, &all)?;
+    let setup = Setup::of(inputs, options);
+    let mut studies = Studies::default();
+    let (mut done, mut interrupted) = (Vec::new(), false);
+    for figure in all.iter().filter(|figure| ids.is_empty() || ids.iter().any(|id| id == figure.id)) {
+        before(figure);
+        let made = match make(figure, inputs, &mut studies, folder) {
+            Err(Error::Interrupted) => {
+                interrupted = true;
+                break;
+            }
+            made => made?,
+        };
+        let Reproduced { seconds, ref checks, ref errata, .. } = made;
+        let record = Record { seconds, checks: checks.clone(), errata: errata.clone(), setup: setup.clone() };
+        records.insert(figure.id.to_owned(), record);
+        done.push(made);
+    }
+    if !done.is_empty() {
+        files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
+        page::write(folder, &all, &records)?;
+    }
+    Ok(Reproduction { figures: done, interrupted })
+}
+
+/// Makes one figure and writes its files.
+fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
+    interrupt::check()?;
+    let start = Instant::now();
+    let Content { drawing, table, image, checks, errata } = (figure.make)(inputs, studies)?;
+    // Studies that were cut short return what they have: that is no figure.
+    interrupt::check()?;
+    let stem = folder.join(figure.id);
+    let mut files = output::write(&stem, &drawing, &table)?;
+    if let Some(image) = &image {
+        files.extend(write_image(&stem, image, &Metadata::default().with("figure", figure.id))?);
+    }
+    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata })
+}
+
+/// Writes a render as EXR and PFM (linear) and as PPM (tone-mapped as in its report).
+fn write_image(stem: &Path, rendered: &RenderedImage, metadata: &Metadata) -> Result<Vec<PathBuf>> {
+    let options = WriteOptions { tone: rendered.tone, ..WriteOptions::default() };
+    ["exr", "pfm", "ppm"]
+        .into_iter()
+        .map(|extension| {
+            let path = output::with_extension(stem, extension);
+            raster::write_with(&path, &rendered.image, metadata, options)?;
+            Ok(path)
+        })
+        .collect()
+}
+
+/// All checks of all recorded figures, in the order of the registry.
+fn checks_table(figures: &[Figure], records: &Records) -> Result<Vec<u8>> {
+    #[derive(Default, Serialize)]
+    struct Row<'a> {
+        figure: &'a str,
+        name: &'a str,
+        kind: Kind,
+        expected: f64,
+        got: f64,
+        tolerance: Option<f64>,
+        pass: bool,
+    }
+    let mut rows = Vec::new();
+    for figure in figures {
+        let checks = records.get(figure.id).map_or(&[][..], |record| &record.checks);
+        rows.extend(checks.iter().map(|check| {
+            let Check { ref name, kind, expected, got, tolerance, pass } = *check;
+            Row { figure: figure.id, name, kind, expected, got, tolerance, pass }
+        }));
+    }
+    output::table(&rows)
+}

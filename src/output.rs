@@ -1,0 +1,272 @@
+//! Where results go: tables as CSV, drawings as SVG, PNG and PDF, under one name.
+
+use crate::error::{Error, Result};
+use crate::figure::Drawing;
+use crate::files;
+use serde::{Serialize, Serializer};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// What `-o` asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Target {
+    folder: PathBuf,
+    /// The file name without its extension, if a file was named.
+    name: Option<OsString>,
+    /// What default names end with, to tell results of other parameters apart.
+    variant: String,
+    /// Files that must not be replaced.
+    inputs: Vec<PathBuf>,
+    /// What lay in the folder before, unless a file was named.
+    before: Vec<OsString>,
+}
+
+/// Extensions by which a path is known to name a file, not a folder.
+const FILE_EXTENSIONS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "json"];
+
+/// Where results go that nobody gave a place.
+pub const DEFAULT_FOLDER: &str = "out";
+
+impl Target {
+    /// A path with one of the known extensions names the files (all get its stem); any other path is a folder, made
+    /// if it is missing. Without a path, the folder `out`.
+    #[must_use]
+    pub fn new(out: Option<&Path>) -> Self {
+        let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let (folder, name) = match extension {
+            Some(e) if FILE_EXTENSIONS.contains(&e.as_str()) => {
+                (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from))
+            }
+            _ => (path, None),
+        };
+        let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
+        let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
+        Self { folder: folder.into(), name, variant: String::new(), inputs: Vec::new(), before }
+    }
+
+    /// Makes default names end with `variant`; a name that was asked for stays as it is.
+    #[must_use]
+    pub fn with_variant(self, variant: &str) -> Self {
+        Self { variant: variant.into(), ..self }
+    }
+
+    /// Adds files that must not be replaced.
+    #[must_use]
+    pub fn with_inputs(mut self, inputs: &[PathBuf]) -> Self {
+        self.inputs.extend_from_slice(inputs);
+        self
+    }
+
+    /// Whether a file was named, not a folder.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        self.name.is_some()
+    }
+
+    /// The path of the result called `name`, without extension; `suffix` tells several results of one command apart. A
+    /// default name that is too long is cut and ends with a checksum of the whole.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the path with one of the `extensions` is that of an input.
+    pub fn stem(&self, name: &str, suffix: &str, extensions: &[&str]) -> Result<PathBuf> {
+        let mut file = self.name.clone().unwrap_or_else(|| {
+            let room = LONGEST_NAME.saturating_sub(suffix.len() + LONGEST_EXTENSION);
+            shortened(format!("{name}{}", self.variant), room).into()
+        });
+        file.push(suffix);
+        let stem = self.folder.join(file);
+        extensions.iter().try_for_each(|extension| check_no_input(&with_extension(&stem, extension), &self.inputs))?;
+        Ok(stem)
+    }
+
+    /// Of files that were written: which of them took the place of older ones, though nobody had named them.
+    #[must_use]
+    pub fn written(&self, files: Vec<PathBuf>) -> Written {
+        let was_there = |path: &&PathBuf| {
+            path.parent() == Some(&self.folder) && self.before.iter().any(|name| path.file_name() == Some(name))
+        };
+        let replaced = files.iter().filter(was_there).cloned().collect();
+        Written { files, replaced }
+    }
+}
+
+/// The files that a command has written.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Written {
+    #[serde(serialize_with = "lossy")]
+    pub files: Vec<PathBuf>,
+    /// Those under default names that took the place of older ones.
+    #[serde(serialize_with = "lossy")]
+    pub replaced: Vec<PathBuf>,
+}
+
+impl Written {
+    /// A line for each file.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let line = |path: &PathBuf| {
+            let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
+            format!("{verb} {}\n", path.display())
+        };
+        self.files.iter().map(line).collect()
+    }
+}
+
+/// Paths as text, whatever their encoding.
+fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
+}
+
+/// Refuses to write to a file that is one of the inputs.
+///
+/// # Errors
+/// [`Error::Parameter`] that names the file.
+pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
+    if inputs.iter().any(|input| files::is_same_file(input, path)) {
+        return Err(Error::parameter("out", format!("{} is read by this command, too", path.display()))
+            .with_hint("name another file or folder: the result would replace the input"));
+    }
+    Ok(())
+}
+
+/// Default file names are at most so many bytes long, extension included.
+const LONGEST_NAME: usize = 120;
+/// A dot and three letters.
+const LONGEST_EXTENSION: usize = 4;
+
+/// `name`, cut to `room` bytes if it is longer, with a checksum of the whole at its end.
+fn shortened(name: String, room: usize) -> String {
+    if name.len() <= room {
+        return name;
+    }
+    let checksum = checksum(OsStr::new(&name));
+    format!("{}-{checksum}", &name[..name.floor_char_boundary(room.saturating_sub(checksum.len() + 1))])
+}
+
+/// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
+#[must_use]
+pub fn checksum(text: &OsStr) -> String {
+    let mut crc = flate2::Crc::new();
+    crc.update(text.as_encoded_bytes());
+    format!("{:08x}", crc.sum())
+}
+
+/// `stem` with an extension added (a dot inside the stem stays).
+#[must_use]
+pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
+    let mut path = stem.as_os_str().to_owned();
+    path.push(".");
+    path.push(extension);
+    path.into()
+}
+
+/// A name without anything that a file name cannot hold.
+#[must_use]
+pub fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
+}
+
+/// The image format that a path names, if it names a file; an error if that is no image.
+pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
+    let extension = out.and_then(Path::extension).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let Some(known) = FILE_EXTENSIONS.iter().find(|known| extension.as_deref() == Some(**known)) else {
+        return Ok(None);
+    };
+    if IMAGES.contains(known) {
+        return Ok(Some(known));
+    }
+    Err(Error::parameter("out", format!("an image cannot be written as .{known}"))
+        .with_hint(format!("image formats: {}", IMAGES.join(", "))))
+}
+
+/// Formats that images are written in.
+const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
+
+/// Rows as CSV text, with the field names of `T` as header, which stands there even without rows.
+pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
+    if rows.is_empty() {
+        let mut text = table(&[T::default()])?;
+        let header = text.iter().position(|b| *b == b'\n').map_or(text.len(), |end| end + 1);
+        text.truncate(header);
+        return Ok(text);
+    }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let bad = |e: String| Error::io(Path::new("table"), std::io::Error::other(e));
+    for row in rows {
+        writer.serialize(row).map_err(|e| bad(e.to_string()))?;
+    }
+    writer.into_inner().map_err(|e| bad(e.to_string()))
+}
+
+/// Extensions of the files that [`write`](write()) leaves.
+pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
+/// Extensions of the files of a drawing alone.
+pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
+
+/// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
+pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
+    let csv = with_extension(stem, "csv");
+    files::write_bytes(&csv, table)?;
+    let mut paths = vec![csv];
+    paths.extend(drawing.write(stem)?);
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_names_a_folder_or_files() {
+        let stem = |out: Option<&str>| Target::new(out.map(Path::new)).stem("fresnel", "", &[]).unwrap();
+        assert_eq!(stem(None), Path::new("out/fresnel"));
+        assert_eq!(stem(Some("results")), Path::new("results/fresnel"));
+        assert_eq!(stem(Some("results.v2")), Path::new("results.v2/fresnel"));
+        assert_eq!(stem(Some("a/glass.png")), Path::new("a/glass"));
+        let named = Target::new(Some(Path::new("m.PNG"))).with_variant("-s8");
+        assert_eq!(named.stem("x", "-64", &[]).unwrap(), Path::new("m-64"));
+        assert_eq!(Target::new(None).with_variant("-s8").stem("x", "-64", &[]).unwrap(), Path::new("out/x-s8-64"));
+        assert_eq!(with_extension(Path::new("roughness-0.5"), "csv"), Path::new("roughness-0.5.csv"));
+    }
+
+    #[test]
+    fn long_names_are_cut_and_stay_apart() {
+        let stem = |last: char| {
+            let target = Target::new(None).with_variant(&format!("-{}{last}", "é".repeat(200)));
+            target.stem("validation", "-suffix", &[]).unwrap().file_name().unwrap().to_str().unwrap().to_owned()
+        };
+        let [a, b] = ['a', 'b'].map(stem);
+        assert!(a != b && a.starts_with("validation-é") && a.ends_with("-suffix"), "{a}");
+        assert!((110..=116).contains(&a.len()), "{} bytes", a.len());
+    }
+
+    #[test]
+    fn inputs_are_not_replaced_and_older_results_not_in_silence() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        files::write_bytes(&at("a.csv"), b"input").unwrap();
+        let inputs = [at("a.csv")];
+        let onto = |out: &str, extensions: &[&str]| {
+            Target::new(Some(&at(out))).with_inputs(&inputs).stem("a", "", extensions).is_err()
+        };
+        assert!(onto("a.png", &STUDY) && onto("", &STUDY) && onto("./a.csv", &STUDY));
+        assert!(!onto("a.png", &DRAWING) && !onto("b.csv", &STUDY) && !onto("new", &STUDY));
+
+        let files = vec![at("a.csv"), at("b.csv"), at("c/a.csv")];
+        let written = Target::new(Some(dir.path())).written(files.clone());
+        assert_eq!(written.replaced, [at("a.csv")]);
+        assert!(written.text().starts_with("replaced ") && written.text().matches("wrote ").count() == 2);
+        assert!(Target::new(Some(&at("a.csv"))).written(files).replaced.is_empty(), "this name was asked for");
+    }
+
+    #[test]
+    fn tables_have_their_field_names_as_header() {
+        #[derive(Default, Serialize)]
+        struct Row {
+            theta_deg: f64,
+        }
+        assert_eq!(table(&[Row { theta_deg: 0.5 }]).unwrap(), b"theta_deg\n0.5\n");
+        assert_eq!(table::<Row>(&[]).unwrap(), b"theta_deg\n");
+    }
+}

@@ -1,0 +1,46 @@
+//! The white furnace: spheres that absorb nothing, under radiance 1 from everywhere, must have radiance 1 themselves.
+
+use super::seen::{Kind, Mean, Seen};
+use crate::error::Result;
+use crate::render::{Settings, Silent, render};
+use crate::scene::{Material, Request, builtin};
+
+/// The mean radiance of one sphere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FurnaceSphere {
+    /// Its material.
+    pub material: &'static str,
+    /// Over the pixels whose centre shows it.
+    pub radiance: Mean,
+}
+
+/// Renders a diffuse, a mirror and a glass sphere at `spp` samples per pixel.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
+    let (mut scene, request) = builtin::furnace();
+    // The built-in scene's metal absorbs light, and the mirror shows it.
+    scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
+    let rendered = render(&scene, &Request { spp, ..request }, settings, &Silent)?;
+    let seen = Seen::new(&scene, &request);
+    let spheres = [(Kind::Room, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
+    Ok(spheres.map(|(kind, material)| FurnaceSphere {
+        material,
+        radiance: Mean::of(&rendered.part.exposure, &seen.mask(kind)),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_sphere_gains_or_loses_light() {
+        for sphere in furnace(4, &Settings::default()).unwrap() {
+            let Mean { error, pixels, .. } = sphere.radiance;
+            let error = error.into_iter().fold(0.0, f64::max);
+            assert!(pixels > 100 && (sphere.radiance.intensity() - 1.0).abs() < 4.0 * error + 1e-5, "{sphere:?}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! The errors of the two reports: what they print beside the correction.
+
+use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
+use crate::study::audit::Erratum;
+use etalon_stats::Verdict;
+
+/// Panels in a row, the size of a frame, and of the text under it.
+const COLUMNS: usize = 4;
+const FRAME: [f64; 2] = [190.0, 140.0];
+const LINE: f64 = 16.0;
+const GAP: f64 = 18.0;
+const EDGE: f64 = 12.0;
+/// What stands right of a panel's frame.
+const MARGIN: f64 = 14.0;
+/// The formula as printed, and the corrected one.
+const PRINTED: Stroke = Stroke { colour: theme::AS_PRINTED, width: theme::LINE, dash: theme::DASHED };
+const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
+
+/// A panel for each erratum, with the verdicts and the error of an image below it.
+#[must_use]
+pub fn drawing(errata: &[Erratum]) -> Drawing {
+    let panels: Vec<Drawing> =
+        errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
+    let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
+    let (width, below) = (largest(Drawing::width) + GAP, largest(Drawing::height));
+    let height = below + 3.0 * LINE + 2.0 * GAP;
+    let rows = errata.len().div_ceil(COLUMNS);
+    let head = EDGE + theme::LABEL_SIZE + GAP;
+    let columns = COLUMNS.min(errata.len());
+    let mut sheet = Drawing::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
+    let right = sheet.width();
+    legend(&mut sheet, right / 2.0);
+    for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
+        let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
+        let lines = [
+            (PRINTED.colour, format!("as printed: {}", verdict(erratum.verdict, erratum.p))),
+            (CORRECTED.colour, format!("corrected: {}", verdict(erratum.right_verdict, erratum.right_p))),
+            (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
+        ];
+        let middle = x + drawing.width() - MARGIN - 0.5 * FRAME[0];
+        sheet.append(drawing, x, y);
+        for (k, (colour, line)) in lines.into_iter().enumerate() {
+            let at = [middle, y + below + LINE * k as f64];
+            let text = Text::new(at, theme::NOTE_SIZE, line).held(Anchor::Middle, Level::Top);
+            sheet.text(text.coloured(colour));
+        }
+    }
+    sheet
+}
+
+fn panel(erratum: &Erratum, letter: char) -> Drawing {
+    let curves = &erratum.curves;
+    // Scattered are places on a map, whose first row is at the top.
+    let y = Axis::linear(curves.y);
+    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { y };
+    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y).title(format!("{letter}  {}", erratum.title));
+    let panel = if curves.scattered {
+        let dots = panel.dots("", CORRECTED.colour, curves.right.clone());
+        dots.dots("", PRINTED.colour, curves.printed.clone())
+    } else {
+        panel.line("", CORRECTED, curves.right.clone()).line("", PRINTED, curves.printed.clone())
+    };
+    Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
+}
+
+/// What the colours mean, above all panels.
+fn legend(sheet: &mut Drawing, middle: f64) {
+    const SAMPLE: f64 = 26.0;
+    for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (CORRECTED, "corrected", 40.0)] {
+        let (x, y) = (middle + from, EDGE + 0.5 * theme::LABEL_SIZE);
+        sheet.line([[x, y], [x + SAMPLE, y]], stroke);
+        let text = Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle);
+        sheet.text(text.coloured(theme::INK));
+    }
+}
+
+fn verdict(verdict: Verdict, p: Option<f64>) -> String {
+    let word = match verdict {
+        Verdict::Accept => "accepted",
+        Verdict::Reject => "rejected",
+        Verdict::Inconclusive => "inconclusive",
+    };
+    match p {
+        None => format!("{word} by an exact check"),
+        Some(p) if p >= 1e-3 => format!("{word}, /{{p}} = {p:.2}"),
+        Some(p) if p > 0.0 => format!("{word}, /{{p}} ≈ 10^{{−{:.0}}}", -p.log10()),
+        Some(_) => format!("{word}, /{{p}} < 10^{{−300}}"),
+    }
+}
+
+/// "−12.3 %".
+#[must_use]
+pub fn percent(error: f64) -> String {
+    let sign = if error < 0.0 { '−' } else { '+' };
+    format!("{sign}{:.1} %", 100.0 * error.abs())
+}

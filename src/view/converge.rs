@@ -1,0 +1,261 @@
+//! Error against run time: curves with their slopes, efficiency, equal-time pictures, the table.
+
+use crate::error::Result;
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
+use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use crate::study::converge::Convergence;
+use crate::study::converge::curve::{Curve, Level, Verdict};
+use serde::Serialize;
+
+/// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Row {
+    pub strategy: String,
+    pub spp: u32,
+    pub replicates: usize,
+    pub cpu_seconds: f64,
+    pub wall_seconds: f64,
+    pub preparation_seconds: f64,
+    pub rmse: f64,
+    pub rmse_low: f64,
+    pub rmse_high: f64,
+    pub rel_mse: f64,
+    pub rel_mse_half_width: f64,
+    pub flip: Option<f64>,
+    /// 1 / (MSE · processor seconds).
+    pub efficiency_per_second: f64,
+    pub slope: f64,
+    pub slope_half_width: f64,
+    pub mean_squared_bias: f64,
+    pub mean_squared_bias_error: f64,
+    pub verdict: &'static str,
+    /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
+    pub seconds_to_common_rmse: Option<f64>,
+}
+
+/// The table of all levels.
+#[must_use]
+pub fn rows(result: &Convergence) -> Vec<Row> {
+    let target = result.common_rmse();
+    let of_curve = |curve: &Curve| {
+        let Curve { strategy, replicates, slope, bias2, verdict, preparation_seconds, .. } = curve.clone();
+        let seconds_to_common_rmse = curve.time_to(target);
+        let row = move |level: &Level| {
+            let [rmse_low, rmse_high] = level.rmse_band();
+            Row {
+                strategy: strategy.name.clone(),
+                spp: level.spp,
+                replicates,
+                cpu_seconds: level.cpu_seconds,
+                wall_seconds: level.wall_seconds,
+                preparation_seconds,
+                rmse: level.rmse(),
+                rmse_low,
+                rmse_high,
+                rel_mse: level.rel_mse.value,
+                rel_mse_half_width: level.rel_mse.half_width,
+                flip: level.flip,
+                efficiency_per_second: level.efficiency,
+                slope: slope.value,
+                slope_half_width: slope.half_width,
+                mean_squared_bias: bias2.value,
+                mean_squared_bias_error: bias2.standard_error,
+                verdict: word(verdict),
+                seconds_to_common_rmse,
+            }
+        };
+        curve.levels.iter().map(row).collect::<Vec<_>>()
+    };
+    result.curves.iter().flat_map(of_curve).collect()
+}
+
+/// A verdict in a word or two.
+#[must_use]
+pub fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Biased => "biased",
+        Verdict::MonteCarlo => "as Monte Carlo",
+        Verdict::Faster => "faster",
+        Verdict::Slower => "slower",
+        Verdict::Unknown => "unknown",
+    }
+}
+
+/// "light: −0.50 ± 0.02", or what is wrong with it.
+fn label(curve: &Curve) -> String {
+    let name = curve.strategy.name.replace('+', ", ");
+    match curve.verdict {
+        Verdict::Biased => format!("{name}: bias {}", short(curve.bias2.value.sqrt())),
+        Verdict::Unknown => name,
+        _ => format!("{name}: {}", signed(curve.slope.value, curve.slope.half_width)),
+    }
+}
+
+/// Two digits that count: "0.0020", "0.31".
+fn short(value: f64) -> String {
+    let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// "−0.50 ± 0.02".
+fn signed(value: f64, half_width: f64) -> String {
+    let sign = if value < 0.0 { "−" } else { "" };
+    let digits = if half_width < 0.0095 { 3 } else { 2 };
+    format!("{sign}{:.digits$} ± {half_width:.digits$}", value.abs())
+}
+
+/// Solid lines for Sobol' points, dashed ones for independent numbers; a colour for each way of choosing directions, the
+/// same for both streams.
+fn stroke(result: &Convergence, curve: &Curve) -> Stroke {
+    let base = |curve: &Curve| curve.strategy.name.replace("+independent", "");
+    let mut bases: Vec<String> = Vec::new();
+    for curve in &result.curves {
+        if !bases.contains(&base(curve)) {
+            bases.push(base(curve));
+        }
+    }
+    let place = bases.iter().position(|b| *b == base(curve)).unwrap_or(0);
+    let dash = if curve.strategy.is_independent() { theme::DASHED } else { theme::SOLID };
+    Stroke { dash, ..Stroke::solid(theme::strategy(place), theme::LINE) }
+}
+
+/// Error against processor time and against samples, and efficiency at equal time.
+#[must_use]
+pub fn curves(result: &Convergence) -> Drawing {
+    let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
+        let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
+        for curve in &result.curves {
+            let stroke = stroke(result, curve);
+            let band = |level: &Level| {
+                let [low, high] = level.rmse_band();
+                [at(level), low, high]
+            };
+            panel = panel.band("", stroke.colour, curve.levels.iter().map(band).collect::<Vec<_>>());
+            let line: Vec<[f64; 2]> = curve.levels.iter().map(|l| [at(l), l.rmse()]).collect();
+            panel = panel.line(label(curve), stroke, line);
+        }
+        let guide = guide(result, at);
+        panel = panel.line("slope −1/2", theme::GUIDE, guide);
+        match &result.reference {
+            Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
+            _ => panel,
+        }
+    };
+    let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
+    let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
+    Plot::new([time, samples, efficiency(result)]).frame_size(330.0, 300.0).draw()
+}
+
+/// Two points on a line of slope −1/2 above all curves.
+fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
+    let levels = || result.curves.iter().flat_map(|curve| &curve.levels).filter(|level| level.rmse() > 0.0);
+    let scale = levels().map(|l| l.rmse() * at(l).sqrt()).fold(0.0, f64::max) * 1.4;
+    let (first, last) = levels().fold((f64::INFINITY, 0.0_f64), |(lo, hi), l| (lo.min(at(l)), hi.max(at(l))));
+    vec![[first, scale / first.sqrt()], [last, scale / last.sqrt()]]
+}
+
+/// 1 / (MSE · time) of each strategy, at the level nearest to the time that all have had.
+fn efficiency(result: &Convergence) -> Panel {
+    let seconds = result.common_seconds();
+    let title = format!("Efficiency at equal time ({})", duration(seconds));
+    let count = result.curves.len() as f64;
+    let x = Axis::linear("strategies, in the order of the legend").range(0.0, count).at([-1.0]);
+    let mut panel = Panel::new(x, Axis::log("1 / (MSE · time) (1/s)")).title(title);
+    for (i, curve) in result.curves.iter().enumerate() {
+        let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
+        let (left, stroke) = (i as f64, stroke(result, curve));
+        panel = panel.bars("", stroke.colour, [left + 0.15, left + 0.85], [level.efficiency]);
+        let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
+        panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
+        panel = panel.line(label(curve), stroke, Vec::new());
+    }
+    panel.line("slope −1/2", theme::GUIDE, Vec::new())
+}
+
+/// "0.52 s", "31 ms".
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s >= 10.0 => format!("{s:.0} s"),
+        s if s >= 1.0 => format!("{s:.1} s"),
+        s if s >= 0.1 => format!("{s:.2} s"),
+        s => format!("{:.1} ms", 1e3 * s),
+    }
+}
+
+/// Every strategy's picture after equal time, with its relative error beside it.
+///
+/// # Errors
+/// Those of [`Heatmap::new`].
+pub fn pictures(result: &Convergence) -> Result<Drawing> {
+    let seconds = result.common_seconds();
+    let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
+    let truth = truth.image();
+    let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    let shown: Vec<(&Curve, &Level, &Image)> = result
+        .curves
+        .iter()
+        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
+        .collect();
+    let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
+    errors.sort_by(f64::total_cmp);
+    let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
+    let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
+    let mut cells = Vec::new();
+    for (curve, level, image) in shown {
+        let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
+            let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
+            // What is darker than a hundredth of the mean is compared with that.
+            (got - expected) / expected.max(0.03 * mean)
+        });
+        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();
+        let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
+        let caption = format!(
+            "{}: {} spp, {}, RMSE {}\u{a0}%",
+            curve.strategy.name.replace('+', ", "),
+            level.spp,
+            duration(level.cpu_seconds),
+            short(100.0 * level.rmse() / mean)
+        );
+        cells.push((caption, beside(&picture, &map)));
+    }
+    let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
+    Ok(contact_sheet(&title, 4, &cells))
+}
+
+fn beside(left: &Rgb8, right: &Rgb8) -> Rgb8 {
+    let width = left.width();
+    Rgb8::from_fn(2 * width, left.height(), |x, y| {
+        let (image, x) = if x < width { (left, x) } else { (right, x - width) };
+        let at = 3 * (y * width + x);
+        [0, 1, 2].map(|c| image.data()[at + c])
+    })
+}
+
+/// The next of 1, 2, 5 times a power of ten.
+fn round(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 1.0;
+    }
+    let power = 10.0_f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
+}
+
+/// Curves above equal-time pictures.
+///
+/// # Errors
+/// Those of [`pictures`].
+pub fn sheet(result: &Convergence) -> Result<Drawing> {
+    Ok(above(curves(result), pictures(result)?))
+}
+
+/// One drawing above another, both in the middle of the page.
+fn above(upper: Drawing, lower: Drawing) -> Drawing {
+    let width = upper.width().max(lower.width());
+    let mut page = Drawing::new(width, upper.height() + lower.height(), upper.scale());
+    let (dx, dy) = ((width - lower.width()) / 2.0, upper.height());
+    let middle = (width - upper.width()) / 2.0;
+    page.append(upper, middle, 0.0);
+    page.append(lower, dx, dy);
+    page
+}

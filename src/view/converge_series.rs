@@ -1,0 +1,168 @@
+//! Error and time over a quantity: missing light over depth, efficiency over roughness, error over a number of lights.
+
+use super::converge::duration;
+use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
+use crate::study::converge::Convergence;
+use crate::study::converge::curve::{Curve, Level};
+use crate::study::converge::depth::Depths;
+use crate::study::converge::lights::CUTS;
+use crate::study::converge::roughness::{self, NORMALS};
+use etalon_stats::estimate::Estimate;
+use serde::Serialize;
+
+/// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct DepthRow {
+    pub scene: String,
+    pub depth: u32,
+    pub spp: u32,
+    pub replicates: u32,
+    /// Of the light of the deepest picture.
+    pub missing_share: f64,
+    pub missing_share_half_width: f64,
+    pub cpu_seconds: f64,
+    pub cpu_seconds_half_width: f64,
+    /// Of the time of the deepest picture.
+    pub time_share: f64,
+}
+
+#[must_use]
+pub fn depth_rows(scenes: &[Depths]) -> Vec<DepthRow> {
+    let of_scene = |depths: &Depths| {
+        let Depths { scene, replicates, spp, levels } = depths.clone();
+        levels.into_iter().map(move |level| DepthRow {
+            scene: scene.clone(),
+            depth: level.depth,
+            spp,
+            replicates,
+            missing_share: level.missing.value,
+            missing_share_half_width: level.missing.half_width,
+            cpu_seconds: level.cpu_seconds.value,
+            cpu_seconds_half_width: level.cpu_seconds.half_width,
+            time_share: level.time_share,
+        })
+    };
+    scenes.iter().flat_map(of_scene).collect()
+}
+
+/// Missing light over the depth, and over the time that the render takes.
+#[must_use]
+pub fn depths(scenes: &[Depths]) -> Drawing {
+    let share = || Axis::log("light missing (share of all)");
+    let mut over_depth = Panel::new(Axis::linear("maximum depth").range(0.0, 10.0).every(1.0), share());
+    let mut over_time = Panel::new(Axis::linear("processor time (share of depth 100's)").range(0.0, 1.1), share());
+    for (i, depths) in scenes.iter().enumerate() {
+        let stroke = theme::series(i);
+        // The last one misses nothing by definition, and has no place on a logarithmic axis.
+        let Some((deepest, levels)) = depths.levels.split_last() else { continue };
+        let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
+        let over = |at: &dyn Fn(&crate::study::converge::depth::Level) -> f64| {
+            levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>()
+        };
+        let band = |l: &crate::study::converge::depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
+        let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
+        over_depth = over_depth
+            .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())
+            .line(label.clone(), stroke, by_depth.clone())
+            .dots(label.clone(), stroke.colour, by_depth);
+        over_time = over_time.line(label.clone(), stroke, by_time.clone()).dots(label, stroke.colour, by_time);
+        for level in levels {
+            over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string());
+        }
+    }
+    Plot::new([
+        over_depth.title("Light that a maximum depth leaves out"),
+        over_time.title("What leaving it out saves (numbers: depth)"),
+    ])
+    .draw()
+}
+
+/// One way of drawing normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct RoughnessRow {
+    pub alpha: f32,
+    pub normals: &'static str,
+    pub spp: u32,
+    pub replicates: u32,
+    pub mse: f64,
+    pub mse_half_width: f64,
+    pub cpu_seconds: f64,
+    pub cpu_seconds_half_width: f64,
+    pub efficiency_per_second: f64,
+    pub efficiency_half_width: f64,
+}
+
+#[must_use]
+pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
+    let row = |l: &roughness::Level| RoughnessRow {
+        alpha: l.alpha,
+        normals: l.normals,
+        spp: l.spp,
+        replicates: l.replicates,
+        mse: l.mse.value,
+        mse_half_width: l.mse.half_width,
+        cpu_seconds: l.cpu_seconds.value,
+        cpu_seconds_half_width: l.cpu_seconds.half_width,
+        efficiency_per_second: l.efficiency.value,
+        efficiency_half_width: l.efficiency.half_width,
+    };
+    levels.iter().map(row).collect()
+}
+
+/// Noise and efficiency over the roughness, a curve for each way of drawing normals.
+#[must_use]
+pub fn roughness(levels: &[roughness::Level]) -> Drawing {
+    let alpha = || Axis::log("/{α}");
+    let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
+    let mut efficiency = Panel::new(alpha(), Axis::log("1 / (MSE · processor time) (1/s)"));
+    for (i, (name, _)) in NORMALS.iter().enumerate() {
+        let stroke = theme::series(i);
+        let add = |panel: Panel, of: &dyn Fn(&roughness::Level) -> [f64; 3]| {
+            let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
+            let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
+            let line: Vec<_> = mine().map(|(x, [_, value, _])| [x, value]).collect();
+            panel.band("", stroke.colour, band).line(*name, stroke, line.clone()).dots(*name, stroke.colour, line)
+        };
+        let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
+        noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));
+        efficiency = add(efficiency, &|l| with_ends(l.efficiency));
+    }
+    let spp = levels.first().map_or(0, |l| l.spp);
+    Plot::new([noise.title(format!("Noise at {spp} samples per pixel")), efficiency.title("Efficiency")]).draw()
+}
+
+/// Error over the number of lights, and over time: fixed lights, and light samples drawn at random.
+#[must_use]
+pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
+    let error = || Axis::log("RMSE of radiance");
+    let mut by_number = Panel::new(Axis::log("lights, or light samples per pixel"), error());
+    let mut by_time = Panel::new(Axis::log("processor time (s)"), error());
+    let mut add = |label: &str, stroke: Stroke, points: Vec<(f64, &Level)>| {
+        let line = |at: &dyn Fn(&(f64, &Level)) -> f64| points.iter().map(|p| [at(p), p.1.rmse()]).collect::<Vec<_>>();
+        let band = |at: &dyn Fn(&(f64, &Level)) -> f64| {
+            points.iter().map(|p| [at(p), p.1.rmse_band()[0], p.1.rmse_band()[1]]).collect::<Vec<_>>()
+        };
+        let (number, time) = (|p: &(f64, &Level)| p.0, |p: &(f64, &Level)| p.1.cpu_seconds);
+        by_number = by_number.clone().band("", stroke.colour, band(&number)).line(label, stroke, line(&number));
+        by_time = by_time.clone().band("", stroke.colour, band(&time)).line(label, stroke, line(&time));
+    };
+    let labels = ["median cut: fixed lights", "variance minimisation: fixed lights"];
+    for ((i, cut), label) in CUTS.into_iter().enumerate().zip(labels) {
+        let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
+        add(label, theme::series(i), points.collect());
+    }
+    for (i, curve) in sampled.curves.iter().filter(|c| SAMPLED.contains(&c.strategy.name.as_str())).enumerate() {
+        let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
+        add(&format!("{}: drawn anew at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
+    }
+    Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
+}
+
+/// The strategies of the sphere's curves that stand beside the fixed lights.
+const SAMPLED: [&str; 3] = ["light", "light-cosine", "strata-64"];
+
+/// K of "median-cut-K".
+#[must_use]
+pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
+    curve.strategy.name.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
+}

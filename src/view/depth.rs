@@ -1,0 +1,96 @@
+//! Images of a Cornell box at increasing path depth, and their differences by path class.
+
+use crate::figure::{Drawing, Rgb8, contact_sheet};
+use crate::raster::{Image, ToneMap, to_rgb8};
+use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
+
+/// An image as the second report shows its own.
+#[must_use]
+pub fn as_the_report(image: &Image) -> Rgb8 {
+    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Report))
+}
+
+/// How [`as_the_report`] shows radiance, for captions.
+pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
+
+/// One depth.
+#[must_use]
+pub fn image(result: &Depths, place: usize) -> Drawing {
+    let depth = DEPTHS[place];
+    let what = match depth {
+        0 => "no scattering".into(),
+        1 => "at most one scattering".into(),
+        n => format!("at most {n} scatterings"),
+    };
+    let caption = format!("/{{m}} = {depth}: {what}; mean radiance {:.3}; {SHOWN}", result.mean(depth));
+    contact_sheet("", 1, &[(caption, as_the_report(&result.pictures[place]))])
+}
+
+/// By how much differences are brightened, all alike.
+const FACTOR: f32 = 4.0;
+/// Wider differences are averaged over blocks of pixels: that much less noise, and bytes.
+const WIDEST: usize = 320;
+
+/// The differences of consecutive depths on one scale, each with the path classes that make it.
+#[must_use]
+pub fn differences(result: &Depths) -> Drawing {
+    let images: Vec<(String, Rgb8)> = result
+        .differences
+        .iter()
+        .zip(DEPTHS.windows(2))
+        .map(|(image, pair)| {
+            let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
+            (caption(result, pair[0], pair[1]), as_the_report(&brighter))
+        })
+        .collect();
+    contact_sheet(
+        &format!("What each depth adds, {FACTOR} times brighter, and the path classes that make it"),
+        3,
+        &images,
+    )
+}
+
+/// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
+fn caption(result: &Depths, before: u32, depth: u32) -> String {
+    let mut classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
+    classes.sort_by(|a, b| b.share_of_difference.total_cmp(&a.share_of_difference));
+    let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
+    let mut text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
+    if depth == DEPTHS[DEPTHS.len() - 1] {
+        return text + "All classes of more than five scatterings";
+    }
+    let named = &classes[..classes.len().min(NAMED)];
+    let list = named.iter().map(|r| format!("{}{} {}", r.class, meaning(&r.class), percent(r.share_of_difference)));
+    text += &list.collect::<Vec<_>>().join(", ");
+    match &classes[named.len()..] {
+        [] => text,
+        others => {
+            let share = others.iter().map(|r| r.share_of_difference).sum();
+            text + &format!(", {} others {}", others.len(), percent(share))
+        }
+    }
+}
+
+/// Classes that a caption names.
+const NAMED: usize = 4;
+
+/// What a path class is in a Cornell box with a mirror and a glass sphere.
+fn meaning(class: &str) -> &'static str {
+    match class {
+        "LDE" => " (lit walls)",
+        "LSE" => " (reflected area light)",
+        "LDDE" => " (from wall to wall)",
+        "LDSE" => " (reflected walls)",
+        "LSDE" => " (reflected onto walls)",
+        "LSSE" => " (area light through glass)",
+        "LDSSE" => " (walls through glass)",
+        "LSSDE" => " (caustic of glass)",
+        _ => "",
+    }
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    // No break between number and sign.
+    if percent < 0.095 { format!("{percent:.2}\u{a0}%") } else { format!("{percent:.1}\u{a0}%") }
+}

@@ -1,0 +1,50 @@
+//! A run of tests as JUnit XML, which continuous integration shows: rejected tests are failures, inconclusive ones errors.
+//!
+//! Source of the format: the schema of Jenkins' xUnit plugin, `junit-10.xsd`.
+
+use crate::study::validation::{Tested, Validation};
+use etalon_stats::Verdict;
+
+/// The document.
+#[must_use]
+pub fn document(validation: &Validation) -> String {
+    let Validation { tests, rejected, inconclusive, seconds, .. } = validation;
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"etalon validate\" tests=\"{}\" \
+         failures=\"{rejected}\" errors=\"{inconclusive}\" time=\"{seconds:.3}\">\n",
+        tests.len()
+    );
+    for Tested { name, outcome } in tests {
+        let (family, own) = name.rsplit_once('/').unwrap_or(("etalon", name));
+        let case = format!(
+            "<testcase classname=\"{}\" name=\"{}\" time=\"{:.3}\"",
+            escaped(&family.replace('/', ".")),
+            escaped(own),
+            outcome.seconds
+        );
+        let body = |kind: &str| {
+            let message = outcome.remark().map_or_else(|| outcome.verdict.to_string(), str::to_owned);
+            let (message, all) = (escaped(&message), escaped(&outcome.to_string()));
+            format!("{case}>\n<{kind} message=\"{message}\">{all}</{kind}>\n</testcase>\n")
+        };
+        text += &match outcome.verdict {
+            Verdict::Accept => format!("{case}/>\n"),
+            Verdict::Reject => body("failure"),
+            Verdict::Inconclusive => body("error"),
+        };
+    }
+    text + "</testsuite>\n</testsuites>\n"
+}
+
+/// `text` as it stands in an attribute or between tags; control characters, which XML has no place for, become blanks.
+fn escaped(text: &str) -> String {
+    let escape = |c: char| match c {
+        '&' => "&amp;".into(),
+        '<' => "&lt;".into(),
+        '>' => "&gt;".into(),
+        '"' => "&quot;".into(),
+        c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => " ".into(),
+        c => c.to_string(),
+    };
+    text.chars().map(escape).collect()
+}

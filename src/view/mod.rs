@@ -1,0 +1,18 @@
+//! Views: the result of a study as a drawing, as rows of a table or as text. They lay out and compute nothing else.
+
+pub mod audit;
+pub mod converge;
+pub mod converge_series;
+pub mod depth;
+pub mod fresnel;
+pub mod junit;
+pub mod map;
+pub mod metals;
+pub mod planted;
+pub mod proposal;
+pub mod sphere;
+pub mod stability;
+pub mod stability_summary;
+pub mod statue;
+pub mod validation;
+pub mod validation_cells;

@@ -1,0 +1,49 @@
+//! Drawing of the proposal experiment.
+
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::study::proposal::Proposal;
+
+/// Two histograms over elevation, each with the target that it should follow and its p-value.
+#[must_use]
+pub fn drawing(result: &Proposal) -> Drawing {
+    let edges: Vec<f64> = result
+        .bins
+        .first()
+        .map(|b| b.theta_from_deg)
+        .into_iter()
+        .chain(result.bins.iter().map(|b| b.theta_to_deg))
+        .collect();
+    let highest = result.bins.iter().map(|b| b.target.max(b.uniform).max(b.gaussian)).fold(0.0, f64::max);
+    let target: Vec<Point> =
+        result.bins.iter().flat_map(|b| [[b.theta_from_deg, b.target], [b.theta_to_deg, b.target]]).collect();
+    let panel = |title: String, shares: Vec<f64>| {
+        Panel::new(
+            Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0),
+            Axis::linear("share of the draws").range(0.0, highest * 1.08),
+        )
+        .title(title)
+        .bars("draws", theme::OBSERVED, edges.clone(), shares)
+        .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
+    };
+    let share = |f: fn(&crate::study::proposal::Bin) -> f64| result.bins.iter().map(f).collect();
+    let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
+    Plot::new([
+        panel(format!("uniform numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
+        panel(format!("Gaussian numbers: {}", p(result.gaussian.p)), share(|b| b.gaussian)),
+    ])
+    .draw()
+}
+
+/// What stands in place of the experiment for a map that cannot show it.
+#[must_use]
+pub fn nothing_to_test() -> Drawing {
+    let axis = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
+    Plot::new([Panel::new(axis, Axis::linear("share of the draws").range(0.0, 1.0))
+        .title("this map has light in too few rows for the experiment")])
+    .draw()
+}
+
+/// "≈ 10^{−17}", or "< 10^{−300}" for what a double cannot hold.
+fn power_of_ten(p: f64) -> String {
+    if p > 0.0 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }
+}

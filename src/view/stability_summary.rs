@@ -1,0 +1,87 @@
+//! The worst case of every family, form and precision on one logarithmic scale.
+
+use crate::figure::{Anchor, Colour, Drawing, Level, Paint, Rect, Stroke, Text, theme};
+use crate::study::stability::{Precision, REPORT, Row, STABLE};
+
+/// Powers of ten of the scale; what is better or worse stands at its ends.
+const SCALE: (i32, i32) = (-17, 1);
+const DECADE: f64 = 26.0;
+const LINE: f64 = 21.0;
+/// Left and top of the frame.
+const FRAME: [f64; 2] = [128.0, 62.0];
+
+/// Every family a line, every form a dot: filled for f32, open for f64.
+#[must_use]
+pub fn worst_cases(rows: &[Row]) -> Drawing {
+    let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
+    families.dedup();
+    let [left, top] = FRAME;
+    let (width, height) = (DECADE * f64::from(SCALE.1 - SCALE.0), LINE * families.len() as f64);
+    let mut page = Drawing::new(left + width + 24.0, top + height + 50.0, 2.0);
+    let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup).coloured(theme::INK);
+    for power in SCALE.0..=SCALE.1 {
+        let x = left + DECADE * f64::from(power - SCALE.0);
+        page.line([[x, top], [x, top + height]], theme::GRID);
+        if (power - SCALE.0) % 3 == 1 {
+            let label =
+                if power == 0 { "1".into() } else { format!("10^{{{}}}", power.to_string().replace('-', "−")) };
+            page.text(text(x, top + height + 17.0, theme::TICK_SIZE, label).held(Anchor::Middle, Level::Baseline));
+        }
+    }
+    for (i, family) in families.iter().enumerate() {
+        let y = top + LINE * (i as f64 + 0.5);
+        page.line([[left, y], [left + width, y]], theme::GRID);
+        page.text(text(left - 8.0, y, theme::TICK_SIZE, (*family).into()).held(Anchor::End, Level::Middle));
+        for row in rows.iter().filter(|row| row.family == *family) {
+            let place = (row.max_relative.log10() - f64::from(SCALE.0)) * DECADE;
+            let x = left + if place.is_nan() { width } else { place.clamp(0.0, width) };
+            dot(&mut page, [x, y + aside(row.variant)], colour(row.variant), row.precision);
+        }
+    }
+    page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));
+    let below = [left + width / 2.0, top + height + 39.0];
+    let label =
+        text(below[0], below[1], theme::LABEL_SIZE, "largest relative error (at the edges: none, or more)".into());
+    page.text(label.held(Anchor::Middle, Level::Baseline));
+    legend(&mut page, left);
+    page
+}
+
+fn colour(form: &str) -> Colour {
+    match form {
+        REPORT => theme::REPORT_FORM,
+        _ if form.starts_with(STABLE) => theme::STABLE_FORM,
+        _ => theme::TEXTBOOK_FORM,
+    }
+}
+
+/// Forms of a family stand a little below each other, so that none hides another.
+fn aside(form: &str) -> f64 {
+    match form {
+        REPORT => 5.0,
+        _ if form.starts_with(STABLE) => -5.0,
+        _ => 0.0,
+    }
+}
+
+fn dot(page: &mut Drawing, at: [f64; 2], colour: Colour, precision: Precision) {
+    match precision {
+        Precision::Single => page.circle(at, 3.4, Paint::from(colour)),
+        Precision::Double => page.circle(at, 3.4, Paint::from(Stroke::solid(colour, 1.5))),
+    }
+}
+
+/// Two lines above the frame.
+fn legend(page: &mut Drawing, left: f64) {
+    for (line, precision) in Precision::ALL.into_iter().enumerate() {
+        let y = 20.0 + LINE * line as f64;
+        for (column, (form, name)) in
+            [(STABLE, "as it renders"), ("textbook", "textbook"), (REPORT, "report")].into_iter().enumerate()
+        {
+            let x = left + 160.0 * column as f64;
+            dot(page, [x + 6.0, y], colour(form), precision);
+            let label = Text::new([x + 16.0, y], theme::TICK_SIZE, format!("{name}, {}", precision.name()));
+            page.text(label.coloured(theme::INK).held(Anchor::Start, Level::Middle));
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A run of tests as a table and as a drawing of its p-values.
+
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
+use etalon_stats::kolmogorov::Uniformity;
+use etalon_stats::multiple::sidak;
+use etalon_stats::{Bound, Verdict};
+use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
+
+/// A line of the table. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Row<'a> {
+    pub name: &'a str,
+    pub verdict: String,
+    pub statistic: f64,
+    pub dof: usize,
+    pub p: Option<f64>,
+    pub samples: u64,
+    /// Relative density error (root mean square) that would be found with 90 % probability.
+    pub detectable: Option<f64>,
+    pub mass: Option<f64>,
+    /// The bound of the mass's error, and whether it is rigorous or statistical.
+    pub mass_error: Option<f64>,
+    pub mass_bound: Option<Bound>,
+    pub cells: usize,
+    pub pooled: usize,
+    pub none: u64,
+    pub repeated: bool,
+    pub seconds: f64,
+    pub remark: &'a str,
+}
+
+impl<'a> From<&'a Tested> for Row<'a> {
+    fn from(Tested { name, outcome }: &'a Tested) -> Self {
+        Self {
+            name,
+            verdict: outcome.verdict.to_string(),
+            statistic: outcome.statistic,
+            dof: outcome.dof,
+            p: outcome.p,
+            samples: outcome.samples,
+            detectable: outcome.detectable,
+            mass: outcome.mass.map(|mass| mass.value),
+            mass_error: outcome.mass.map(|mass| mass.error),
+            mass_bound: outcome.mass.map(|mass| mass.bound),
+            cells: outcome.cells,
+            pooled: outcome.pooled,
+            none: outcome.none,
+            repeated: outcome.repeated,
+            seconds: outcome.seconds,
+            remark: outcome.remark().unwrap_or_default(),
+        }
+    }
+}
+
+/// The table of a run.
+#[must_use]
+pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
+    validation.tests.iter().map(Row::from).collect()
+}
+
+/// The run's p-values in ascending order against those of true claims: as they are, and the small ones enlarged.
+#[must_use]
+pub fn drawing(validation: &Validation) -> Drawing {
+    let mut tests: Vec<(f64, bool)> = validation
+        .tests
+        .iter()
+        .filter_map(|t| Some((t.outcome.continuous_p()?, t.outcome.verdict == Verdict::Reject)))
+        .collect();
+    tests.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let n = tests.len();
+    let place = |i: usize| (i + 1) as f64 / (n + 1) as f64;
+    // p-values of 0 and below what a double can hold stand at the foot of the logarithmic axis.
+    const LEAST: f64 = 1e-20;
+    let dots = |rejected: bool, least: f64| -> Vec<Point> {
+        let of = tests.iter().enumerate().filter(|(_, test)| test.1 == rejected);
+        of.map(|(i, (p, _))| [place(i), p.max(least)]).collect()
+    };
+    // Of n uniform numbers the i-th smallest is distributed as Beta(i, n − i + 1).
+    let quantile =
+        |i: usize, share: f64| Beta::new((i + 1) as f64, (n - i) as f64).map_or(share, |b| b.inverse_cdf(share));
+    let band: Vec<[f64; 3]> = (0..n).map(|i| [place(i), quantile(i, 0.005), quantile(i, 0.995)]).collect();
+    let line: Vec<Point> = (0..n).map(|i| [place(i), place(i)]).collect();
+    let holm: Vec<Point> = (0..n).map(|i| [place(i), sidak(validation.level, validation.tests.len() - i)]).collect();
+    let panel = |x: Axis, y: Axis, least: f64| {
+        let panel = Panel::new(x, y)
+            .band("99 % of true claims at each rank", theme::INTERVAL, band.clone())
+            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), line.clone())
+            .line(
+                "rejected below",
+                Stroke { dash: theme::DASHED, ..Stroke::solid(theme::REJECTED, theme::THIN) },
+                holm.clone(),
+            )
+            .dots("accepted or inconclusive", theme::ACCEPTED, dots(false, least));
+        if tests.iter().any(|test| test.1) { panel.dots("rejected", theme::REJECTED, dots(true, least)) } else { panel }
+    };
+    let smallest = tests.first().map_or(LEAST, |test| test.0.clamp(LEAST, 1.0));
+    let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
+    let uniformity = validation.uniformity;
+    Plot::new([
+        panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
+            .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", uniformity.p)),
+        panel(
+            Axis::log("rank / (tests + 1)").range(0.8 * place(0), 1.0),
+            Axis::log("/{p}-value").range(foot, 1.0),
+            foot,
+        )
+        .title(format!(
+            "{} accepted, {} rejected, {} inconclusive",
+            validation.accepted, validation.rejected, validation.inconclusive
+        )),
+    ])
+    .draw()
+}
+
+/// A line of a calibration's table.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct CalibrationRow<'a> {
+    pub name: &'a str,
+    pub count: usize,
+    pub distance: f64,
+    pub p: f64,
+    pub uneven: bool,
+    pub fault: &'a str,
+}
+
+impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
+    fn from(Calibrated { name, uniformity, skewed, violation }: &'a Calibrated) -> Self {
+        let Uniformity { count, distance, p } = *uniformity;
+        Self { name, count, distance, p, uneven: *skewed, fault: violation.as_deref().unwrap_or_default() }
+    }
+}
+
+/// The table of a calibration.
+#[must_use]
+pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
+    calibration.tests.iter().map(CalibrationRow::from).collect()
+}
+
+/// All p-values of a calibration as a histogram, with what chance allows each bar.
+#[must_use]
+pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
+    const BARS: usize = 20;
+    let n = calibration.p.len() as f64;
+    let mut counts = vec![0.0; BARS];
+    calibration.p.iter().for_each(|p| counts[((p * BARS as f64) as usize).min(BARS - 1)] += 1.0);
+    let edges: Vec<f64> = (0..=BARS).map(|i| i as f64 / BARS as f64).collect();
+    let expected = n / BARS as f64;
+    // 99 % of a binomial count, by its normal limit.
+    let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
+    let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
+        .title(format!(
+            "{} /{{p}}-values under {} seeds: uniformity /{{p}} = {:.3}",
+            calibration.p.len(),
+            calibration.seeds,
+            calibration.uniformity.p
+        ))
+        .bars("found", theme::OBSERVED, edges, counts)
+        .band(
+            "99 % of each bar",
+            theme::INTERVAL_OVER_BARS,
+            [[0.0, expected - spread, expected + spread], [1.0, expected - spread, expected + spread]],
+        )
+        .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), [[0.0, expected], [1.0, expected]]);
+    Plot::new([panel]).draw()
+}

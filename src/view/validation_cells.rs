@@ -1,0 +1,173 @@
+//! One test's counts: observed, expected, and how far they are apart.
+
+use crate::error::Result;
+use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
+use crate::study::validation::Tested;
+use etalon_stats::{Cell, Counts};
+use serde::Serialize;
+
+/// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Row {
+    pub kind: &'static str,
+    pub x_from: Option<f64>,
+    pub x_to: Option<f64>,
+    pub y_from: Option<f64>,
+    pub y_to: Option<f64>,
+    pub observed: u64,
+    pub expected: f64,
+    /// (O − E)/√E.
+    pub residual: f64,
+}
+
+/// The table of a test's cells.
+#[must_use]
+pub fn rows(counts: &Counts) -> Vec<Row> {
+    let places = counts.grid.cells().map(Some).chain(std::iter::repeat(None));
+    let of = |(i, (place, (&observed, &expected))): (usize, (Option<Cell>, (&u64, &f64)))| Row {
+        kind: match i.checked_sub(counts.grid.len()) {
+            None => "cell",
+            Some(i) if i < counts.atoms => "atom",
+            Some(_) => "none",
+        },
+        x_from: place.map(|cell| cell.x[0]),
+        x_to: place.map(|cell| cell.x[1]),
+        y_from: place.map(|cell| cell.y[0]),
+        y_to: place.map(|cell| cell.y[1]),
+        observed,
+        expected,
+        residual: residual(observed, expected),
+    };
+    places.zip(counts.observed.iter().zip(&counts.expected)).enumerate().map(of).collect()
+}
+
+/// 0 where nothing is expected and nothing is seen.
+fn residual(observed: u64, expected: f64) -> f64 {
+    let off = observed as f64 - expected;
+    if off == 0.0 { 0.0 } else { off / expected.max(1e-3).sqrt() }
+}
+
+/// The drawing of a test's cells; `None` for a test that counts nothing.
+pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
+    let Some(counts) = &tested.outcome.counts else { return Ok(None) };
+    let p = tested.outcome.p.map_or("none".into(), |p| if p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") });
+    let title = format!("{}: {}, /{{p}} = {p}", tested.name, tested.outcome.verdict);
+    let rows = rows(counts);
+    let (cells, beyond) = rows.split_at(counts.grid.len());
+    let columns = columns(counts);
+    let plot = if cells.iter().all(|row| row.expected < 1.0 && row.observed == 0) {
+        listed(beyond, "atoms, then no sample")
+    } else if columns.iter().all(|n| *n == 1) {
+        listed(cells, &format!("cell, by {}", counts.axes[0]))
+    } else {
+        maps(counts.axes, cells, &columns)?
+    };
+    Ok(Some(headed(plot.draw(), title, remainder(counts.atoms, beyond))))
+}
+
+/// Puts two lines above a drawing.
+fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
+    const EDGE: f64 = 12.0;
+    let (first, second) = (EDGE + theme::TITLE_SIZE, EDGE + theme::TITLE_SIZE + 1.5 * theme::NOTE_SIZE);
+    let widest = text::width(&title, theme::TITLE_SIZE, true).max(text::width(&remark, theme::NOTE_SIZE, false));
+    let width = drawing.width().max(widest + 2.0 * EDGE).ceil();
+    let left = 0.5 * (width - drawing.width());
+    let mut page = Drawing::new(width, (second + drawing.height()).ceil(), drawing.scale());
+    page.append(drawing, left, second);
+    let centred = |y: f64, size: f64, line: String| {
+        Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline).coloured(theme::INK)
+    };
+    page.text(centred(first, theme::TITLE_SIZE, title).bold());
+    page.text(centred(second, theme::NOTE_SIZE, remark));
+    page
+}
+
+/// Three heat maps: at their places where all cells are equal, else by number of row and column.
+fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
+    let width = |row: &Row| row.y_to.zip(row.y_from).map_or(0.0, |(to, from)| to - from);
+    let height = |row: &Row| row.x_to.zip(row.x_from).map_or(0.0, |(to, from)| to - from);
+    let even = |size: &dyn Fn(&Row) -> f64| cells.iter().all(|row| (size(row) / size(&cells[0]) - 1.0).abs() < 1e-9);
+    let equal = even(&width) && even(&height);
+    let most = columns.iter().copied().max().unwrap_or(1);
+    let (across, down) = if equal {
+        (Axis::linear(axes[1]).range(0.0, 1.0), Axis::linear(axes[0]).range(1.0, 0.0))
+    } else {
+        (Axis::linear(format!("column, by {}", axes[1])), Axis::linear(format!("row, by {}", axes[0])))
+    };
+    // Rows that have fewer columns than others end early.
+    let grid = |value: &dyn Fn(&Row) -> f64| -> Vec<f64> {
+        let mut rest = cells;
+        let row = |&n: &usize| -> Vec<f64> {
+            let (row, after) = rest.split_at(n);
+            rest = after;
+            row.iter().map(value).chain(std::iter::repeat_n(f64::NAN, most - n)).collect()
+        };
+        columns.iter().flat_map(row).collect()
+    };
+    let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
+    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Result<Panel> {
+        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples")?.range(0.0, highest);
+        Ok(Panel::new(across.clone(), down.clone()).title(title).heatmap(map))
+    };
+    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations")?;
+    Ok(Plot::new([
+        counts("observed /{O}", &|row| row.observed as f64)?,
+        counts("expected /{E}", &|row| row.expected)?,
+        Panel::new(across.clone(), down.clone()).title("residual (/{O} − /{E})/√/{E}").heatmap(residual),
+    ])
+    .frame_size(250.0, 210.0))
+}
+
+/// Counts one after the other, with their residuals.
+fn listed(rows: &[Row], axis: &str) -> Plot {
+    let n = rows.len() as f64;
+    let edges: Vec<f64> = (0..=rows.len()).map(|i| i as f64).collect();
+    let steps = |value: fn(&Row) -> f64| -> Vec<Point> {
+        rows.iter().enumerate().flat_map(|(i, row)| [[i as f64, value(row)], [i as f64 + 1.0, value(row)]]).collect()
+    };
+    let residuals: Vec<Point> = rows.iter().enumerate().map(|(i, row)| [i as f64 + 0.5, row.residual]).collect();
+    let largest = rows.iter().map(|row| row.residual.abs()).fold(1.0, f64::max);
+    let numbers = || {
+        let axis = Axis::linear(axis).range(0.0, n);
+        if rows.len() <= 12 { axis.every(1.0) } else { axis }
+    };
+    let observed: Vec<f64> = rows.iter().map(|row| row.observed as f64).collect();
+    Plot::new([
+        Panel::new(numbers(), Axis::linear("samples"))
+            .title("counts")
+            .bars("observed", theme::OBSERVED, edges, observed)
+            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), steps(|row| row.expected)),
+        Panel::new(numbers(), Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
+            .title("residual (/{O} − /{E})/√/{E}")
+            .horizontal(0.0, "")
+            .dots("", theme::RESIDUAL, residuals),
+    ])
+}
+
+/// What has no place on the chart.
+fn remainder(atoms: usize, beyond: &[Row]) -> String {
+    let of = |kind: &str| {
+        let of_kind = beyond.iter().filter(|row| row.kind == kind);
+        let (o, e) = of_kind.fold((0, 0.0), |(o, e), row| (o + row.observed, e + row.expected));
+        format!("{o} (expected {e:.1})")
+    };
+    let at_atoms = if atoms > 0 { format!("at atoms {}; ", of("atom")) } else { String::new() };
+    format!("{at_atoms}no sample {}", of("none"))
+}
+
+/// The number of cells in each row of the grid.
+fn columns(counts: &Counts) -> Vec<usize> {
+    let mut columns: Vec<usize> = Vec::new();
+    let mut row = None;
+    for cell in counts.grid.cells() {
+        if row == Some(cell.x) {
+            if let Some(last) = columns.last_mut() {
+                *last += 1;
+            }
+        } else {
+            columns.push(1);
+            row = Some(cell.x);
+        }
+    }
+    columns
+}
