@@ -8,6 +8,7 @@ use std::sync::Arc;
 /// An environment map in a scene.
 #[derive(Debug, Clone)]
 pub struct Environment {
+    /// Radiance by direction, in the map's own frame.
     pub map: Arc<EnvMap>,
     /// What the map is called: its file or built-in name.
     pub source: String,

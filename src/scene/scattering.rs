@@ -11,7 +11,7 @@ use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 /// Which of several models and sampling strategies to use for the materials of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ScatterModel {
-    /// How rough conductors draw directions.
+    /// How rough conductors are sampled.
     pub normals: Normals,
     /// What glass reflects.
     pub dielectric: DielectricFresnel,

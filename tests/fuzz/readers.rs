@@ -36,7 +36,7 @@ pub fn png(path: &Path) -> Result<()> {
         *sum = crc.sum().to_be_bytes();
         rest = tail;
     }
-    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))?;
+    std::fs::remove_file(path).and_then(|()| std::fs::write(path, bytes)).map_err(|e| Error::io(path, e))?;
     image(path)
 }
 
