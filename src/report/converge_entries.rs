@@ -10,7 +10,7 @@ use super::registry::{Entry, Made};
 use crate::error::Result;
 use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::converge::curve::{Curve, SIGMAS};
-use crate::study::converge::ladder::Deadline;
+use crate::study::converge::doubling::Deadline;
 use crate::study::converge::lights::{self, CUTS};
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, depth, measure, roughness};
@@ -94,7 +94,7 @@ fn error_time(result: &Convergence, checks: fn(&Convergence) -> Vec<Check>) -> R
         table: output::table(&rows(result))?,
         picture: None,
         checks: [
-            vec![Check::near("things cut off by the time limit", 0.0, result.cut.len() as f64, 0.0)],
+            vec![Check::near("strategies stopped by the time limit", 0.0, result.cut.len() as f64, 0.0)],
             checks(result),
         ]
         .concat(),
@@ -225,7 +225,7 @@ fn median_cut(context: &Context) -> Result<Made> {
     let sampled = sphere(context)?;
     let plan = plan(context, 1, 3);
     let fixed = lights::cuts(&scene, &request, &LIGHTS, &plan, sampled.truth.as_ref())?;
-    let mut checks = vec![Check::near("things cut off by the time limit", 0.0, fixed.cut.len() as f64, 0.0)];
+    let mut checks = vec![Check::near("strategies stopped by the time limit", 0.0, fixed.cut.len() as f64, 0.0)];
     for cut in CUTS {
         let errors: Vec<f64> = fixed
             .curves

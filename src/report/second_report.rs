@@ -13,9 +13,9 @@ use crate::render::{Silent, render};
 use crate::scene::{Material, Request, builtin};
 use crate::study::depth::{self, ALL, DEPTHS, Depths};
 use crate::study::metals;
+use crate::study::object_ids::{Kind, Mean, ObjectIdBuffer};
 use crate::study::roughness::{self, Shot};
 use crate::study::sampling_strategies::RIM;
-use crate::study::seen::{Kind, Mean, Seen};
 
 /// Angles of a curve of the metals' table.
 const POINTS: usize = 181;
@@ -246,9 +246,9 @@ fn furnace(context: &Context) -> Result<Vec<Check>> {
     // A mirror shows its neighbours, and one of them loses light.
     scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
     let rendered = render(&scene, &Request { spp: 32, ..request }, &context.settings(), &Silent)?;
-    let seen = Seen::new(&scene, &request);
+    let objects = ObjectIdBuffer::new(&scene, &request);
     let checks = [(Kind::Room, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")].map(|(kind, name)| {
-        let mean = Mean::of(&rendered.part.exposure, &seen.mask(kind));
+        let mean = Mean::of(&rendered.part.exposure, &objects.mask(kind));
         let error = mean.error.into_iter().fold(0.0, f64::max);
         // Samples that are all 1 are 1 to the last bits of f32.
         Check::near(format!("white furnace, {name} ball"), 1.0, mean.intensity(), SIGMAS * error + 1e-5)

@@ -1,4 +1,4 @@
-//! Names of sampling strategies, and what each asks of the renderer.
+//! The registry of sampling strategies: their names, and what each asks of the renderer.
 
 use crate::bsdf::Normals;
 use crate::envmap::cut::Split;
@@ -9,8 +9,7 @@ use crate::scene::Scene;
 use serde::Serialize;
 use std::str::FromStr;
 
-/// A sampling strategy by its name: a way of choosing directions, then `+independent` for independent random numbers in
-/// place of Sobol's, `+all-normals` for rough metal that draws all facets in place of the visible ones.
+/// A sampling strategy by its name: one of [`METHODS`], then any of [`SUFFIXES`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
@@ -27,66 +26,143 @@ impl From<Strategy> for String {
     }
 }
 
-/// Every way of choosing directions, and what it does. `K` stands for a number of regions.
-pub const NAMES: [(&str, &str); 10] = [
-    ("light", "by the light: the environment's radiance, the lamps' solid angles"),
-    ("light-cosine", "the same, the environment's radiance times the cosine"),
-    ("bsdf", "by the material (cosine at diffuse surfaces)"),
-    ("hemisphere", "evenly over the hemisphere"),
-    ("mis", "light and bsdf by multiple importance sampling"),
-    ("mis-cosine", "light-cosine and bsdf; at diffuse surfaces, light-cosine alone"),
-    ("mis-compensated", "the same as mis, the environment's radiance less its mean"),
-    ("strata-K", "an environment's region by its energy, evenly within: without bias"),
-    ("median-cut-K", "K fixed lights in place of the environment, by energy: with bias"),
-    ("variance-cut-K", "the same, by variance"),
+/// A way of choosing directions towards the light.
+pub struct Method {
+    /// Its name; one that ends in `-K` is followed by a number of regions.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub about: &'static str,
+    sampling: Sampling,
+    density: Density,
+}
+
+/// What directions towards an environment are sampled in proportion to.
+enum Density {
+    /// As the renderer names it. [`LightDensity::Map`] also stands for "as the lights are" in a scene without a map.
+    Of(LightDensity),
+    /// By a cut of the map into so many regions.
+    Regions(fn(RegionCount) -> LightDensity),
+}
+
+/// All ways of choosing directions. Samplers of environment maps enter here and nowhere else in this study.
+pub const METHODS: [Method; 10] = [
+    Method {
+        name: "light",
+        about: "by the light: the environment's radiance, the solid angles of area lights",
+        sampling: Sampling::Light,
+        density: Density::Of(LightDensity::Map),
+    },
+    Method {
+        name: "light-cosine",
+        about: "the same, the environment's radiance times the cosine",
+        sampling: Sampling::Light,
+        density: Density::Of(LightDensity::Cosine),
+    },
+    Method {
+        name: "bsdf",
+        about: "by the material (cosine at diffuse surfaces)",
+        sampling: Sampling::Bsdf,
+        density: Density::Of(LightDensity::Map),
+    },
+    Method {
+        name: "hemisphere",
+        about: "uniformly over the hemisphere",
+        sampling: Sampling::Hemisphere,
+        density: Density::Of(LightDensity::Map),
+    },
+    Method {
+        name: "mis",
+        about: "light and bsdf by multiple importance sampling; caustics by light tracing",
+        sampling: Sampling::Mis,
+        density: Density::Of(LightDensity::Map),
+    },
+    Method {
+        name: "mis-cosine",
+        about: "light-cosine and bsdf; at diffuse surfaces, light-cosine alone",
+        sampling: Sampling::Mis,
+        density: Density::Of(LightDensity::Cosine),
+    },
+    Method {
+        name: "mis-compensated",
+        about: "the same as mis, the environment's radiance minus its mean",
+        sampling: Sampling::Mis,
+        density: Density::Of(LightDensity::Compensated),
+    },
+    Method {
+        name: "strata-K",
+        about: "an environment's region by its energy, uniformly within: without bias",
+        sampling: Sampling::Light,
+        density: Density::Regions(LightDensity::Strata),
+    },
+    Method {
+        name: "median-cut-K",
+        about: "K fixed lights in place of the environment, by energy: with bias",
+        sampling: Sampling::Light,
+        density: Density::Regions(|k| LightDensity::CutLights(k, Split::Energy)),
+    },
+    Method {
+        name: "variance-cut-K",
+        about: "the same, by variance",
+        sampling: Sampling::Light,
+        density: Density::Regions(|k| LightDensity::CutLights(k, Split::Variance)),
+    },
 ];
+
+/// What a name may end in, after a plus sign.
+pub struct Suffix {
+    pub name: &'static str,
+    pub about: &'static str,
+    apply: fn(&mut Strategy),
+}
+
+/// All suffixes.
+pub const SUFFIXES: [Suffix; 2] = [
+    Suffix {
+        name: "independent",
+        about: "independent random numbers in place of Sobol's",
+        apply: |strategy| strategy.stream = StreamKind::Independent,
+    },
+    Suffix {
+        name: "all-normals",
+        about: "rough metal samples the distribution of all normals in place of the visible ones",
+        apply: |strategy| strategy.normals = Normals::All,
+    },
+];
+
+impl Method {
+    /// What the method of that name samples in proportion to; `None` if the name is another one.
+    fn density(&self, name: &str) -> Option<LightDensity> {
+        match self.density {
+            Density::Of(density) => (self.name == name).then_some(density),
+            Density::Regions(of) => Some(of(name.strip_prefix(self.name.strip_suffix('K')?)?.parse().ok()?)),
+        }
+    }
+}
 
 impl FromStr for Strategy {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
         let mut parts = name.split('+');
-        let (sampling, density) = directions(parts.next().unwrap_or_default()).ok_or_else(|| {
-            let known: Vec<_> = NAMES.iter().map(|(name, _)| *name).collect();
+        let method = parts.next().unwrap_or_default();
+        let found = METHODS.iter().find_map(|known| Some((known.sampling, known.density(method)?)));
+        let (sampling, density) = found.ok_or_else(|| {
+            let known = METHODS.map(|method| method.name).join(", ");
+            let suffixes = SUFFIXES.map(|suffix| format!("+{}", suffix.name)).join(", ");
             Error::parameter("strategies", format!("there is no strategy \"{name}\""))
-                .with_hint(format!("strategies: {}; then +independent, +all-normals", known.join(", ")))
+                .with_hint(format!("strategies: {known}; then {suffixes}"))
         })?;
         let mut strategy =
             Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: Normals::Visible };
-        for suffix in parts {
-            match suffix {
-                "independent" => strategy.stream = StreamKind::Independent,
-                "all-normals" => strategy.normals = Normals::All,
-                _ => {
-                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{suffix}\""))
-                        .with_hint("a strategy may end in +independent and in +all-normals"));
-                }
-            }
+        for part in parts {
+            let suffix = SUFFIXES.iter().find(|suffix| suffix.name == part).ok_or_else(|| {
+                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                    .with_hint("a strategy may end in +independent and in +all-normals")
+            })?;
+            (suffix.apply)(&mut strategy);
         }
         Ok(strategy)
     }
-}
-
-fn directions(name: &str) -> Option<(Sampling, LightDensity)> {
-    let regions = |prefix: &str| name.strip_prefix(prefix)?.parse::<RegionCount>().ok();
-    if let Some(n) = regions("strata-") {
-        return Some((Sampling::Light, LightDensity::Strata(n)));
-    }
-    for (prefix, split) in [("median-cut-", Split::Energy), ("variance-cut-", Split::Variance)] {
-        if let Some(n) = regions(prefix) {
-            return Some((Sampling::Light, LightDensity::CutLights(n, split)));
-        }
-    }
-    Some(match name {
-        "light" => (Sampling::Light, LightDensity::Map),
-        "light-cosine" => (Sampling::Light, LightDensity::Cosine),
-        "bsdf" => (Sampling::Bsdf, LightDensity::Map),
-        "hemisphere" => (Sampling::Hemisphere, LightDensity::Map),
-        "mis" => (Sampling::Mis, LightDensity::Map),
-        "mis-cosine" => (Sampling::Mis, LightDensity::Cosine),
-        "mis-compensated" => (Sampling::Mis, LightDensity::Compensated),
-        _ => return None,
-    })
 }
 
 impl Strategy {
@@ -146,7 +222,7 @@ impl Strategy {
             return Ok(());
         }
         let message = format!("{} needs an environment map, and the scene {} has none", self.name, scene.name);
-        Err(Error::parameter("strategies", message).with_hint("for its lamps: light, bsdf, mis, hemisphere"))
+        Err(Error::parameter("strategies", message).with_hint("for its area lights: light, bsdf, mis, hemisphere"))
     }
 }
 
@@ -157,7 +233,8 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        for (name, _) in NAMES {
+        for Method { name, about, .. } in METHODS {
+            assert!(!about.is_empty());
             for suffix in ["", "+independent", "+all-normals", "+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
                 let strategy: Strategy = name.parse().unwrap();
