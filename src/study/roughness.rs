@@ -1,6 +1,6 @@
 //! A metal statue in its room: its light, how much of that gleams, and the noise of the picture.
 
-use super::seen::{Kind, Mean, Seen};
+use super::object_ids::{Kind, Mean, ObjectIdBuffer};
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
@@ -34,15 +34,15 @@ pub struct Shot {
     pub statue: Mean,
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
-    pub seen: Seen,
+    pub objects: ObjectIdBuffer,
     pub rendered: Rendered,
 }
 
 /// Renders a statue.
 pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
     let rendered = render(scene, request, settings, &Silent)?;
-    let seen = Seen::new(scene, request);
-    let mask = seen.mask(Kind::Metal);
+    let objects = ObjectIdBuffer::new(scene, request);
+    let mask = objects.mask(Kind::Metal);
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
@@ -65,7 +65,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
         noise,
         brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
     };
-    Ok(Shot { row, statue, mask, seen, rendered })
+    Ok(Shot { row, statue, mask, objects, rendered })
 }
 
 /// The statue's mean by another way of drawing directions, facets as they lie, with an eighth of the samples and other

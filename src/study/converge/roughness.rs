@@ -1,13 +1,13 @@
 //! What the choice of microfacet normals costs and brings, over the roughness of a metal.
 
-use super::ladder::{Deadline, Times};
+use super::doubling::{Deadline, Times};
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::raster::Metadata;
 use crate::render::{Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Material, Request, Scene};
-use crate::study::seen::{Kind, Mean, Seen};
+use crate::study::object_ids::{Kind, Mean, ObjectIdBuffer};
 use etalon_stats::estimate::Estimate;
 
 /// The ways of drawing normals, by name.
@@ -45,7 +45,7 @@ pub fn measure(
     seed: u64,
     deadline: &Deadline,
 ) -> Result<Vec<Level>> {
-    let mask = Seen::new(scene, request).mask(Kind::Metal);
+    let mask = ObjectIdBuffer::new(scene, request).mask(Kind::Metal);
     let each = request.spp;
     let request = Request { spp: each * replicates, ..*request };
     let mut levels = Vec::new();

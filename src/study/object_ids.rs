@@ -43,12 +43,12 @@ impl Kind {
 
 /// What each pixel shows, row by row from the top; `None` where that is nothing.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct ObjectIdBuffer {
     pub width: usize,
     pub pixels: Vec<Option<Kind>>,
 }
 
-impl Seen {
+impl ObjectIdBuffer {
     /// Looks through the scene's camera.
     #[must_use]
     pub fn new(scene: &Scene, request: &Request) -> Self {
@@ -145,25 +145,25 @@ mod tests {
     #[test]
     fn the_room_shows_what_is_in_it() {
         let (scene, request) = builtin::cornell_spheres();
-        let seen = Seen::new(&scene, &request);
-        let at = |x: usize, y: usize| seen.pixels[y * request.width + x];
+        let objects = ObjectIdBuffer::new(&scene, &request);
+        let at = |x: usize, y: usize| objects.pixels[y * request.width + x];
         assert_eq!(at(240, 44), Some(Kind::Lamp));
         assert_eq!(at(160, 270), Some(Kind::Mirror));
         assert_eq!(at(325, 280), Some(Kind::Glass));
         assert_eq!(at(240, 150), Some(Kind::Room));
         assert_eq!(at(0, 180), None, "beside the room");
-        assert!(seen.pixels.iter().all(|k| *k != Some(Kind::Metal)));
+        assert!(objects.pixels.iter().all(|k| *k != Some(Kind::Metal)));
         let (scene, request) = builtin::find("cornell-statue-fe").unwrap().make(None, None).unwrap();
-        let statue = Seen::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
+        let statue = ObjectIdBuffer::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
         assert!((10_000..25_000).contains(&statue), "{statue}");
     }
 
     #[test]
     fn distances_are_euclidean() {
-        let seen = Seen { width: 9, pixels: vec![None; 9 * 7] };
+        let objects = ObjectIdBuffer { width: 9, pixels: vec![None; 9 * 7] };
         let mut mask = vec![true; 9 * 7];
         mask[3 * 9 + 4] = false;
-        let depth = seen.depth_inside(&mask, 3);
+        let depth = objects.depth_inside(&mask, 3);
         assert_eq!(depth[3 * 9 + 4], -1.0);
         assert_eq!((depth[2 * 9 + 4], depth[9 + 3]), (1.0, 5f64.sqrt()));
         assert_eq!((depth[3 * 9 + 7], depth[8]), (3.0, f64::INFINITY));
