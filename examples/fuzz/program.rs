@@ -2,7 +2,7 @@
 
 use super::samplers::BRIEF;
 use etalon::import::sampler::files::Row;
-use etalon::import::sampler::program::{Answer, Client, Peer, Program};
+use etalon::import::sampler::program::{Answer, Client, Connection, Program};
 use etalon::import::sampler::{Coordinates, Visitor};
 use etalon::{Error, Result};
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler, examine};
@@ -22,9 +22,9 @@ pub fn read(path: &Path) -> Result<()> {
     test(Record { blocks: blocks.into_iter() })
 }
 
-/// Tests the sampler of `peer`, over the domain that it names.
-fn test(peer: impl Peer + 'static) -> Result<()> {
-    let client = Client::greet(peer, None)?;
+/// Tests the sampler of `connection`, over the domain that it names.
+fn test(connection: impl Connection + 'static) -> Result<()> {
+    let client = Client::connect(connection, None)?;
     client.space().with(Examined(client))
 }
 
@@ -44,7 +44,7 @@ struct Record {
     blocks: IntoIter<Vec<u8>>,
 }
 
-impl Peer for Record {
+impl Connection for Record {
     fn name(&self) -> &str {
         "record"
     }
@@ -76,7 +76,7 @@ struct Recorded {
     said: Arc<Mutex<Vec<String>>>,
 }
 
-impl Peer for Recorded {
+impl Connection for Recorded {
     fn name(&self) -> &str {
         "actor"
     }

@@ -1,23 +1,23 @@
-//! Mistakes of an integrator, seen in its pictures.
+//! Mistakes of an integrator, seen in its images.
 
-use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
+use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
 use super::{Case, Planted};
 use crate::render::{LightDensity, Sampling, Settings};
 use etalon_stats::welch::Mean;
 use etalon_stats::{Protocol, SampleCount};
 
-/// A picture, and what is done to its tiles.
-type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
+/// The test of an image, and what is done to its tiles.
+type Spoiled = (RenderTest, fn(&mut [[Mean; 2]]));
 
-/// Both tests find biases of 0.5 % of the whole picture, unless the number of samples is given.
-fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Picture) -> Planted {
-    let case = |kind: &str, (picture, spoil): Spoiled| {
+/// Both tests find biases of 0.5 % of the whole image, unless the number of samples is given.
+fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: RenderTest) -> Planted {
+    let case = |kind: &str, (test, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let samples = match protocol.samples {
                 SampleCount::Detect(w) => SampleCount::Detect(w.min(0.005)),
                 count @ SampleCount::Fixed(_) => count,
             };
-            picture.examine(&Protocol { samples, ..*protocol }, round, spoil)
+            test.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })
     };
     Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
@@ -36,7 +36,7 @@ pub fn faults() -> Vec<Planted> {
     let mut shadowing = bsdf;
     shadowing.model.scattering.report.lambda_pi = true;
     let series = inside(1000, blind);
-    let cut = Picture { truth: Truth::Even(2.0), ..inside(5, blind) };
+    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, blind) };
     vec![
         planted(
             "renders/one-percent-more",

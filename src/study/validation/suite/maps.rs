@@ -106,7 +106,7 @@ fn preparing(lazy: &Arc<Lazy>) -> impl Fn() + Send + Sync + use<> {
     move || drop(lazy.get())
 }
 
-/// A black map has nothing to draw.
+/// A black map has no samples.
 fn mass(map: &EnvMap) -> Mass {
     Mass::Exactly(if map.image().pixels().iter().any(|p| *p != Rgb::ZERO) { 1.0 } else { 0.0 })
 }
