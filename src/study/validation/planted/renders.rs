@@ -40,13 +40,13 @@ pub fn faults() -> Vec<Planted> {
     vec![
         planted(
             "renders/one-percent-more",
-            "a picture with one percent more light all over: a density off by a constant",
+            "an image with one percent more light everywhere: a pdf wrong by a constant factor",
             (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
             lit_sphere(settings),
         ),
         planted(
             "renders/one-dark-tile",
-            "one tile of the picture a tenth too dark: a worker thread that lost part of its samples",
+            "one tile of the image a tenth too dark: a worker thread that lost part of its samples",
             (lit_sphere(settings), |tiles| {
                 if let Some(tile) = tiles.get_mut(10) {
                     brighten(tile, 0.9);
