@@ -86,7 +86,7 @@ impl Converge {
             console.warn(&format!("{end} cut off {what}"));
         }
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        files.extend(view::pictures(&result)?.write(&pictures)?);
+        files.extend(view::images(&result)?.write(&pictures)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
         console.result(&output, || text(&output));

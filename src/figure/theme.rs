@@ -2,7 +2,7 @@
 
 use super::shapes::{Colour, Stroke};
 
-// The palette of Okabe and Ito (2008), told apart with every common kind of colour vision. Private to this module's
+// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. Private to this module's
 // folder: a view takes its colours from the roles below.
 pub(super) const ORANGE: Colour = Colour::rgb(230, 159, 0);
 pub(super) const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
@@ -39,7 +39,7 @@ pub const ACCEPTED: Colour = BLUE;
 /// A test whose claim is rejected, and the line below which that happens.
 pub const REJECTED: Colour = VERMILION;
 /// A test with too few samples for either.
-pub const INCONCLUSIVE: Colour = BLUE;
+pub const INCONCLUSIVE: Colour = ORANGE;
 /// What was counted.
 pub const OBSERVED: Colour = SKY_BLUE;
 /// What a true claim predicts.

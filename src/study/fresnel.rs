@@ -53,7 +53,7 @@ pub struct Curves {
 /// Largest number of angles that can be asked for.
 pub const MAX_POINTS: usize = 1_000_000;
 
-/// Checks a number of angles and spreads them evenly over 0–90°, both ends included.
+/// Checks a number of angles and spaces them uniformly over 0–90°, both ends included.
 pub(super) fn angles(points: usize) -> Result<impl Iterator<Item = f64>> {
     if !(2..=MAX_POINTS).contains(&points) {
         return Err(Error::parameter("--points", format!("{points} is out of range"))

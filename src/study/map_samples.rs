@@ -1,4 +1,4 @@
-//! Samples of an environment map: where they fall, with which density, seeing what.
+//! Samples of an environment map: direction, pdf, radiance.
 
 use crate::envmap::EnvMap;
 use crate::envmap::batch::EnvSamples;
@@ -12,7 +12,7 @@ use crate::sampling::table::Table2;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// How to draw from the map.
+/// How to sample the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
     /// Row CDF, then column CDF.
@@ -20,7 +20,7 @@ pub enum Method {
     Cdf,
     /// One alias table over all texels.
     Alias,
-    /// The MIS-compensated density, by CDF.
+    /// The MIS-compensated pdf, by CDF.
     Compensated,
     /// As the first report does it: weights of 0 at the poles, texel corners.
     Report,
@@ -46,14 +46,17 @@ pub struct MapSamples {
     pub rows: Vec<Row>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,
-    /// Samples whose density is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
+    /// Samples whose pdf is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
     pub pdf_mismatches: usize,
 }
 
 /// Largest number of samples that can be asked for at once.
 pub const MAX_SAMPLES: usize = 1 << 16;
 
-/// Draws `n` samples with independent random numbers.
+/// Takes `n` samples with independent random numbers.
+///
+/// # Errors
+/// No sample or too many, or too little memory.
 pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<MapSamples> {
     if n == 0 || n > MAX_SAMPLES {
         return Err(
@@ -69,9 +72,9 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
         Method::Report => Box::new(ReportSampler::new(map.clone())),
     };
     let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
-    let mut drawn = EnvSamples::default();
-    sampler.sample_many(&numbers, &mut drawn);
-    let samples: Vec<EnvSample> = drawn.iter().collect();
+    let mut sampled = EnvSamples::default();
+    sampler.sample_many(&numbers, &mut sampled);
+    let samples: Vec<EnvSample> = sampled.iter().collect();
     let estimate = |s: &EnvSample| intensity(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
@@ -100,7 +103,7 @@ mod tests {
     use crate::envmap::synthetic::Synthetic;
 
     #[test]
-    fn every_method_draws_what_it_is_asked_for() {
+    fn every_method_takes_as_many_samples_as_asked() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         for method in [Method::Cdf, Method::Alias, Method::Compensated, Method::Report] {
             let samples = draw(&map, method, 256, 1).unwrap();
@@ -112,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_density_estimates_the_flux_without_noise() {
+    fn a_perfect_pdf_estimates_the_flux_without_noise() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let info = crate::envmap::info::Info::of(&map);
         let flux = info.flux_rgb.iter().sum::<f64>() / 3.0;

@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nave_is_cut_evenly() {
+    fn the_nave_is_cut_into_similar_energies() {
         let map = EnvMap::new(Synthetic::Nave.make());
         let rows = &cut(&map, &[64], Split::Energy, SideRule::default(), Centroid::Energy).unwrap()[0];
         assert!(imbalance(rows) < 1.5, "{}", imbalance(rows));

@@ -1,4 +1,4 @@
-//! One file per experiment: each computes a plain result and neither draws nor prints.
+//! One file per experiment: each computes a plain result and neither plots nor prints.
 
 pub mod audit;
 pub mod converge;

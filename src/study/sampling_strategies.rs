@@ -1,5 +1,5 @@
-//! Directions drawn as the metal reflects them, and spread evenly over the hemisphere: the same picture on average, and
-//! another one to the eye. Measured from the statue's silhouette inwards, where the second report saw a dark rim.
+//! Directions sampled in proportion to the BSDF, and uniformly over the hemisphere: the same mean, but very different medians
+//! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
 use super::roughness::{Shot, shoot};
 use super::seen::{Kind, Mean};
@@ -10,7 +10,7 @@ use crate::render::Settings;
 use crate::scene::{Request, Scene};
 use serde::Serialize;
 
-/// How far from the silhouette the profile goes, in pixels: into the statue, and out into the room.
+/// How far from the silhouette the profile goes, in pixels: into the statue, and out of it.
 const INSIDE: i32 = 24;
 const OUTSIDE: i32 = 6;
 /// Width of the statue's rim in pixels.
@@ -31,7 +31,7 @@ pub struct Bin {
     /// Half of the pixels are darker.
     pub importance_median: f64,
     pub hemisphere_median: f64,
-    /// Mean 8-bit value of the picture as it is shown.
+    /// Mean 8-bit value of the tone-mapped image.
     pub importance_shown: f64,
     pub hemisphere_shown: f64,
     /// Root of the mean square of the pixels' standard errors.
@@ -39,12 +39,12 @@ pub struct Bin {
     pub hemisphere_error: f64,
 }
 
-/// Both pictures and their profile.
+/// Both images and their profile.
 pub struct Comparison {
     pub importance: Shot,
     pub hemisphere: Shot,
     pub profile: Vec<Bin>,
-    /// Difference of the means over the whole picture, the statue, and the statue's rim, in units of its standard error.
+    /// Difference of the means over the whole image, the statue, and the statue's rim, in units of its standard error.
     pub z_picture: f64,
     pub z_statue: f64,
     pub z_rim: f64,
@@ -84,12 +84,12 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
     Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
 }
 
-/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour in the room.
+/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour outside.
 fn from_silhouette(depth: f64) -> f64 {
     if depth > 0.0 { depth - 0.5 } else { depth + 0.5 }
 }
 
-/// What both pictures show at each distance from the silhouette.
+/// Both images at each distance from the silhouette.
 fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
     let room: Vec<bool> = importance.seen.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Room))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
@@ -116,7 +116,7 @@ fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
     bins.filter(|bin| bin.pixels > 0).collect()
 }
 
-/// One picture on some pixels.
+/// One image on some pixels.
 struct Side {
     mean: Mean,
     median: f64,

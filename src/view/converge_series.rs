@@ -17,12 +17,12 @@ pub struct DepthRow {
     pub depth: u32,
     pub spp: u32,
     pub replicates: u32,
-    /// Of the light of the deepest picture.
+    /// Of the light of the deepest image.
     pub missing_share: f64,
     pub missing_share_half_width: f64,
     pub cpu_seconds: f64,
     pub cpu_seconds_half_width: f64,
-    /// Of the time of the deepest picture.
+    /// Of the time of the deepest image.
     pub time_share: f64,
 }
 
@@ -71,13 +71,13 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
         }
     }
     Plot::new([
-        over_depth.title("Light that a maximum depth leaves out"),
-        over_time.title("What leaving it out saves (numbers: depth)"),
+        over_depth.title("Light missing at each maximum depth"),
+        over_time.title("Time that it saves (labels: depth)"),
     ])
     .draw()
 }
 
-/// One way of drawing normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
+/// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RoughnessRow {
     pub alpha: f32,
@@ -109,7 +109,7 @@ pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
     levels.iter().map(row).collect()
 }
 
-/// Noise and efficiency over the roughness, a curve for each way of drawing normals.
+/// Noise and efficiency over the roughness, a curve for each way of sampling normals.
 #[must_use]
 pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     let alpha = || Axis::log("/{α}");
@@ -131,7 +131,7 @@ pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     Plot::new([noise.title(format!("Noise at {spp} samples per pixel")), efficiency.title("Efficiency")]).draw()
 }
 
-/// Error over the number of lights, and over time: fixed lights, and light samples drawn at random.
+/// Error over the number of lights, and over time: fixed lights, and random light samples.
 #[must_use]
 pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let error = || Axis::log("RMSE of radiance");
@@ -153,7 +153,7 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     }
     for (i, curve) in sampled.curves.iter().filter(|c| SAMPLED.contains(&c.strategy.name.as_str())).enumerate() {
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
-        add(&format!("{}: drawn anew at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
+        add(&format!("{}: sampled at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
     }
     Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }

@@ -62,21 +62,18 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
 /// The run's p-values in ascending order against those of true claims: as they are, and the small ones enlarged.
 #[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
-    let mut tests: Vec<(f64, bool)> = validation
-        .tests
-        .iter()
-        .filter_map(|t| Some((t.outcome.continuous_p()?, t.outcome.verdict == Verdict::Reject)))
-        .collect();
+    let mut tests: Vec<(f64, Verdict)> =
+        validation.tests.iter().filter_map(|t| Some((t.outcome.continuous_p()?, t.outcome.verdict))).collect();
     tests.sort_by(|a, b| a.0.total_cmp(&b.0));
     let n = tests.len();
     let place = |i: usize| (i + 1) as f64 / (n + 1) as f64;
     // p-values of 0 and below what a double can hold stand at the foot of the logarithmic axis.
     const LEAST: f64 = 1e-20;
-    let dots = |rejected: bool, least: f64| -> Vec<Point> {
-        let of = tests.iter().enumerate().filter(|(_, test)| test.1 == rejected);
+    let dots = |verdict: Verdict, least: f64| -> Vec<Point> {
+        let of = tests.iter().enumerate().filter(|(_, test)| test.1 == verdict);
         of.map(|(i, (p, _))| [place(i), p.max(least)]).collect()
     };
-    // Of n uniform numbers the i-th smallest is distributed as Beta(i, n − i + 1).
+    // Of n uniform random numbers the i-th smallest is distributed as Beta(i, n − i + 1).
     let quantile =
         |i: usize, share: f64| Beta::new((i + 1) as f64, (n - i) as f64).map_or(share, |b| b.inverse_cdf(share));
     let band: Vec<[f64; 3]> = (0..n).map(|i| [place(i), quantile(i, 0.005), quantile(i, 0.995)]).collect();
@@ -91,15 +88,18 @@ pub fn drawing(validation: &Validation) -> Drawing {
                 Stroke { dash: theme::DASHED, ..Stroke::solid(theme::REJECTED, theme::THIN) },
                 holm.clone(),
             )
-            .dots("accepted or inconclusive", theme::ACCEPTED, dots(false, least));
-        if tests.iter().any(|test| test.1) { panel.dots("rejected", theme::REJECTED, dots(true, least)) } else { panel }
+            .dots("accepted", theme::ACCEPTED, dots(Verdict::Accept, least));
+        [("rejected", theme::REJECTED, Verdict::Reject), ("inconclusive", theme::INCONCLUSIVE, Verdict::Inconclusive)]
+            .into_iter()
+            .filter(|(.., verdict)| tests.iter().any(|test| test.1 == *verdict))
+            .fold(panel, |panel, (name, colour, verdict)| panel.dots(name, colour, dots(verdict, least)))
     };
     let smallest = tests.first().map_or(LEAST, |test| test.0.clamp(LEAST, 1.0));
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
     let evenness = validation.evenness;
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
-            .title(format!("{n} tests: evenness of the /{{p}}-values /{{p}} = {:.3}", evenness.p)),
+            .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", evenness.p)),
         panel(
             Axis::log("rank / (tests + 1)").range(0.8 * place(0), 1.0),
             Axis::log("/{p}-value").range(foot, 1.0),
@@ -150,7 +150,7 @@ pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
     let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
         .title(format!(
-            "{} /{{p}}-values under {} seeds: evenness /{{p}} = {:.3}",
+            "{} /{{p}}-values under {} seeds: uniformity /{{p}} = {:.3}",
             calibration.p.len(),
             calibration.seeds,
             calibration.evenness.p

@@ -1,4 +1,4 @@
-//! One test's counts: observed, expected, and how far they are apart.
+//! One test's counts: observed, expected, and their residuals.
 
 use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};

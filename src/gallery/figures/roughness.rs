@@ -94,7 +94,7 @@ pub fn figures() -> Vec<Figure> {
 pub fn content(inputs: &Inputs, studies: &mut Studies, statue: Statue, metal: &str) -> Result<Content> {
     let shot = studies.get(statue, inputs)?;
     let (scene, request) = inputs.statue(statue.0, statue.alpha())?;
-    let other = roughness::second_opinion(&scene, &request, &inputs.settings(), &shot.mask)?;
+    let other = roughness::mean_by_all_normals(&scene, &request, &inputs.settings(), &shot.mask)?;
     let z = shot.statue.z(&other);
     let checks = vec![
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
