@@ -1,4 +1,7 @@
 //! The one error type, sorted by who is to blame; every message says what is wrong and, where it can, what to do.
+//!
+//! Messages and hints put the names of parameters between backquotes: [`Error::with_names`] replaces them by the words of
+//! a user interface.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -23,7 +26,7 @@ pub enum Place {
 pub enum Error {
     /// The file's content is damaged or contradicts its own format.
     Input { path: PathBuf, place: Place, message: String, hint: Option<String> },
-    /// A value given by the caller (a flag or an argument) is out of range.
+    /// A value given by the caller is out of range; `name` is that of the field or argument.
     Parameter { name: String, message: String, hint: Option<String> },
     /// The file may be sound, but uses something that this program does not implement.
     Unsupported { path: PathBuf, place: Place, message: String, hint: Option<String> },
@@ -56,7 +59,7 @@ impl Error {
         Error::Input { path: path.into(), place: Place::File, message: message.into(), hint: None }
     }
 
-    /// A parameter out of its range; `name` as the user typed it, for example `--points`.
+    /// A parameter out of its range; `name` is that of the field or argument, for example `max_depth`.
     pub fn parameter(name: impl Into<String>, message: impl Into<String>) -> Self {
         Error::Parameter { name: name.into(), message: message.into(), hint: None }
     }
@@ -98,6 +101,29 @@ impl Error {
         self
     }
 
+    /// The error with other words for parameters, such as flags: `word` gives the word for a name. Names that it does not
+    /// know stay as they are.
+    #[must_use]
+    pub fn with_names<'a>(mut self, word: impl Fn(&str) -> Option<&'a str>) -> Self {
+        if let Error::Parameter { name, .. } = &mut self
+            && let Some(word) = word(name)
+        {
+            *name = word.to_owned();
+        }
+        match &mut self {
+            Error::Input { message, hint, .. }
+            | Error::Parameter { message, hint, .. }
+            | Error::Unsupported { message, hint, .. }
+            | Error::Limit { message, hint, .. } => {
+                for text in std::iter::once(message).chain(hint) {
+                    *text = renamed(text, &word);
+                }
+            }
+            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => {}
+        }
+        self
+    }
+
     /// What the user can do about it, if the program knows.
     #[must_use]
     pub fn hint(&self) -> Option<&str> {
@@ -109,6 +135,25 @@ impl Error {
             Error::Io { .. } | Error::Memory(_) | Error::Interrupted => None,
         }
     }
+}
+
+/// `text` with `word` in place of every name between backquotes for which there is one.
+fn renamed<'a>(text: &str, word: &impl Fn(&str) -> Option<&'a str>) -> String {
+    let (mut done, mut rest) = (String::new(), text);
+    while let Some((before, after)) = rest.split_once('`') {
+        done += before;
+        match after.split_once('`').and_then(|(name, left)| Some((word(name)?, left))) {
+            Some((word, left)) => {
+                done += word;
+                rest = left;
+            }
+            None => {
+                done.push('`');
+                rest = after;
+            }
+        }
+    }
+    done + rest
 }
 
 impl fmt::Display for Place {
@@ -158,6 +203,33 @@ impl std::error::Error for Error {
     }
 }
 
+/// The error of a test: one of the program's own, raised by a sampler or density of it, comes back as it was.
+impl From<etalon_stats::Error> for Error {
+    fn from(error: etalon_stats::Error) -> Self {
+        match error {
+            etalon_stats::Error::Parameter { name, message, hint } => {
+                Error::Parameter { name: name.into(), message, hint: hint.map(str::to_owned) }
+            }
+            etalon_stats::Error::Cancelled => Error::Interrupted,
+            etalon_stats::Error::External(error) => match error.downcast::<Error>() {
+                Ok(own) => *own,
+                Err(other) => Error::input(Path::new("sampler"), other.to_string()),
+            },
+            other => Error::input(Path::new("sampler"), other.to_string()),
+        }
+    }
+}
+
+/// What a sampler or density of the program returns to the test that called it.
+impl From<Error> for etalon_stats::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Interrupted => Self::Cancelled,
+            error => Self::external(error),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,5 +241,25 @@ mod tests {
         let e = Error::input(Path::new("a.pfm"), "file ends early").at(Place::Byte(12)).with_hint("download it again");
         assert_eq!(e.to_string(), "a.pfm, byte 12: file ends early");
         assert_eq!(e.hint(), Some("download it again"));
+    }
+
+    #[test]
+    fn names_of_parameters_can_be_replaced() {
+        let word = |name: &str| [("spp", "SPP"), ("ldr", "LDR")].into_iter().find(|w| w.0 == name).map(|w| w.1);
+        let e = Error::parameter("spp", "0 (`spp`), a ` alone")
+            .with_hint("`spp` or `ldr`, `git lfs pull`")
+            .with_names(word);
+        assert_eq!(e.to_string(), "SPP: 0 (SPP), a ` alone");
+        assert_eq!(e.hint(), Some("SPP or LDR, `git lfs pull`"));
+        let e = Error::input(Path::new("spp"), "`size` of ``spp`").with_names(word);
+        assert_eq!(e.to_string(), "spp: `size` of `SPP");
+    }
+
+    #[test]
+    fn errors_pass_through_a_test_unchanged() {
+        let there_and_back = |e: Error| Error::from(etalon_stats::Error::from(e));
+        let e = there_and_back(Error::input(Path::new("a.csv"), "no row").at(Place::Byte(3)).with_hint("add one"));
+        assert_eq!((e.to_string(), e.hint()), ("a.csv, byte 3: no row".to_owned(), Some("add one")));
+        assert!(matches!(there_and_back(Error::Interrupted), Error::Interrupted));
     }
 }

@@ -111,7 +111,7 @@ fn temporary(path: &Path) -> Result<Part> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         Ok(there) if !there.is_file() => {
-            return Err(Error::parameter("-o", format!("{} is there and is not a file", path.display()))
+            return Err(Error::parameter("path", format!("{} is there and is not a file", path.display()))
                 .with_hint("name a file that is new or may be replaced"));
         }
         _ => {}

@@ -124,7 +124,7 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
 /// [`Error::Parameter`] that names the file.
 pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
     if inputs.iter().any(|input| files::is_same_file(input, path)) {
-        return Err(Error::parameter("-o", format!("{} is read by this command, too", path.display()))
+        return Err(Error::parameter("out", format!("{} is read by this command, too", path.display()))
             .with_hint("name another file or folder: the result would replace the input"));
     }
     Ok(())
@@ -176,7 +176,7 @@ pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
     if IMAGES.contains(known) {
         return Ok(Some(known));
     }
-    Err(Error::parameter("-o", format!("an image cannot be written as .{known}"))
+    Err(Error::parameter("out", format!("an image cannot be written as .{known}"))
         .with_hint(format!("image formats: {}", IMAGES.join(", "))))
 }
 

@@ -4,8 +4,9 @@ use super::report_model::{ReportConventions, printed_pdf};
 use super::*;
 use crate::optics::metals::by_name;
 use crate::optics::microfacet::Distribution;
+use crate::sampling::direction_density;
 use crate::scene::{Conductor as ConductorMaterial, Material, ScatterModel};
-use crate::stats::{Directions, Draw, Mass, Outcome, Pole, Protocol, Verdict, density, sampler, validate};
+use etalon_stats::{Directions, Mass, Outcome, Pole, Protocol, Sample, Verdict, sampler, validate};
 use glam::DVec3;
 
 const ALPHAS: [f32; 7] = [1e-4, 1e-3, 0.005, 0.05, 0.25, 0.5, 1.0];
@@ -245,9 +246,9 @@ fn exact_glass_reflects_as_often_as_fresnel_says() {
 /// Draws of `bsdf` for `wo`, tested against `pdf`. Every material is tested so by the validation suite.
 fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outcome {
     let sampler = sampler(2, |u: &[f64]| {
-        bsdf.sample(wo, 0.0, [u[0] as f32, u[1] as f32]).map(|sample| Draw::new(sample.wi.as_dvec3()))
+        bsdf.sample(wo, 0.0, [u[0] as f32, u[1] as f32]).map(|sample| Sample::new(sample.wi.as_dvec3().to_array()))
     });
-    let density = density(|wi: DVec3| f64::from(pdf(wo, wi.as_vec3()))).with_mass(Mass::AtMostOne);
+    let density = direction_density(|wi: DVec3| f64::from(pdf(wo, wi.as_vec3()))).with_mass(Mass::AtMostOne);
     validate(&Directions::hemisphere(Pole::Z), &sampler, &density, &Protocol::default()).unwrap()
 }
 

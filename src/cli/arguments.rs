@@ -20,7 +20,7 @@ const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "g
 pub struct Arguments {
     /// Files and built-in names that are read.
     inputs: Vec<PathBuf>,
-    /// Paths that are written, by the flags that name them.
+    /// Paths that are written, by the ids of the arguments that name them.
     outputs: Vec<(String, PathBuf)>,
     /// Arguments that change the results and differ from their defaults: id, and how a file name shows it.
     differing: Vec<(String, String)>,
@@ -41,7 +41,7 @@ impl Arguments {
             let values: Vec<&OsStr> = matches.get_raw(id).into_iter().flatten().collect();
             let paths = values.iter().map(PathBuf::from);
             if OUTPUTS.contains(&id) {
-                found.outputs.extend(paths.map(|path| (flag(arg), path)));
+                found.outputs.extend(paths.map(|path| (id.to_owned(), path)));
                 continue;
             }
             if is_path(arg) {
@@ -59,10 +59,8 @@ impl Arguments {
         let onto = |path: &Path| self.inputs.iter().any(|input| input.is_file() && is_same_file(input, path));
         match self.outputs.iter().find(|(_, path)| onto(path)) {
             None => Ok(()),
-            Some((flag, path)) => {
-                Err(Error::parameter(flag, format!("{} is read by this command, too", path.display()))
-                    .with_hint("name another file: results would replace the input"))
-            }
+            Some((id, path)) => Err(Error::parameter(id, format!("{} is read by this command, too", path.display()))
+                .with_hint("name another file: results would replace the input")),
         }
     }
 
@@ -72,15 +70,6 @@ impl Arguments {
         let texts = self.differing.iter().filter(|(id, _)| !in_name.contains(&id.as_str()));
         let variant: String = texts.map(|(_, text)| format!("-{text}")).collect();
         Target::new(out).with_variant(&variant).with_inputs(&self.inputs)
-    }
-}
-
-/// An argument as the user types it.
-fn flag(arg: &Arg) -> String {
-    match (arg.get_short(), arg.get_long()) {
-        (Some(letter), _) => format!("-{letter}"),
-        (None, Some(long)) => format!("--{long}"),
-        (None, None) => arg.get_id().to_string().to_uppercase(),
     }
 }
 

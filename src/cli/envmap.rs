@@ -351,14 +351,14 @@ impl ProposalArgs {
         }
         let source = map_file::load(&self.map, self.options, console)?;
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
-            return Err(Error::parameter("MAP", format!("{} has light in too few rows for this test", source.name)));
+            return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
         let target = global.target(&["map"]);
         let stem = target.stem(&format!("{}-proposal", map_file::short_name(&self.map)), "", &output::STUDY)?;
         let files = output::write(&stem, &proposal_view::drawing(&result), &output::table(&result.bins)?)?;
         let output = Output { result, written: target.written(files) };
         console.result(&output, || {
-            let line = |name: &str, t: &crate::stats::chi_square::ChiSquare| {
+            let line = |name: &str, t: &etalon_stats::chi_square::ChiSquare| {
                 format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
             line("uniform numbers ", &output.result.uniform)
@@ -388,7 +388,7 @@ impl MakeArgs {
         }
         let Some(synthetic) = Synthetic::from_name(&self.name) else {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| format!("{} ({})", s.name(), s.description())).collect();
-            return Err(Error::parameter("NAME", format!("there is no built-in map \"{}\"", self.name))
+            return Err(Error::parameter("name", format!("there is no built-in map \"{}\"", self.name))
                 .with_hint(format!("built-in maps: {}", known.join("; "))));
         };
         let image = synthetic.make();

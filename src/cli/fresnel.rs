@@ -88,7 +88,7 @@ impl Fresnel {
 
     fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         if self.model == Model::Report {
-            return Err(Error::parameter("--model", "the first report draws no metals")
+            return Err(Error::parameter("model", "the first report draws no metals")
                 .with_hint("the second report's approximation is always drawn beside the exact curves"));
         }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();

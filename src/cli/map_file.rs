@@ -31,7 +31,7 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
         Some(synthetic) => synthetic.make(),
         None if !path.exists() && path.extension().is_none() => {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| s.name()).collect();
-            return Err(Error::parameter("MAP", format!("there is no file and no built-in map \"{name}\""))
+            return Err(Error::parameter("map", format!("there is no file and no built-in map \"{name}\""))
                 .with_hint(format!("built-in maps: {}", known.join(", "))));
         }
         None => {

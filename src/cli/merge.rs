@@ -44,7 +44,7 @@ struct Output {
 impl Merge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
-            return Err(Error::parameter("-o", "parts are merged into an OpenEXR file")
+            return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
         }
         let target = global.target(&[]);

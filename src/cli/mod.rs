@@ -5,6 +5,7 @@ mod compare;
 mod console;
 mod converge;
 mod envmap;
+mod flags;
 mod fresnel;
 mod map_file;
 mod merge;
@@ -22,6 +23,7 @@ use crate::output::Target;
 use arguments::Arguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use console::Console;
+use flags::Flags;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -164,8 +166,9 @@ pub fn main() -> ExitCode {
         Ok(Verdict::Rejected) => ExitCode::from(1),
         Ok(Verdict::Inconclusive) => ExitCode::from(3),
         Err(error) => {
-            Console::error(&error);
-            ExitCode::from(if matches!(error, Error::Interrupted) { 3 } else { 2 })
+            let code = if matches!(error, Error::Interrupted) { 3 } else { 2 };
+            Console::error(&Flags::of(&command, &matches).named(error));
+            ExitCode::from(code)
         }
     }
 }

@@ -50,7 +50,7 @@ impl SceneArgs {
     /// Loads the scene; its camera fits the request's size.
     pub fn load(&self, console: &Console) -> Result<Loaded> {
         if let Some(alpha) = self.alpha.filter(|alpha| !(0.0..=10.0).contains(alpha)) {
-            return Err(Error::parameter("--alpha", format!("{alpha} is not from 0 to 10")));
+            return Err(Error::parameter("alpha", format!("{alpha} is not from 0 to 10")));
         }
         let mut loaded = match self.file() {
             Some(path) => self.imported(path, console)?,
@@ -84,7 +84,7 @@ impl SceneArgs {
 
     fn imported(&self, path: &Path, console: &Console) -> Result<Loaded> {
         if self.mesh.is_some() {
-            return Err(Error::parameter("--mesh", "a scene file has no statue to replace")
+            return Err(Error::parameter("mesh", "a scene file has no statue to replace")
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }
         let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
@@ -107,11 +107,11 @@ impl SceneArgs {
         let name = &*self.scene.to_string_lossy();
         if !builtin::SCENES.iter().any(|(known, _)| *known == name) {
             let known = builtin::SCENES.map(|(name, _)| name).join(", ");
-            return Err(Error::parameter("SCENE", format!("\"{name}\" is neither a built-in scene nor a scene file"))
+            return Err(Error::parameter("scene", format!("\"{name}\" is neither a built-in scene nor a scene file"))
                 .with_hint(format!("built-in scenes: {known}; files: .pbrt, .dae")));
         }
         if self.camera.is_some() {
-            return Err(Error::parameter("-c", "camera settings are for COLLADA scenes")
+            return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
                 .with_hint("a built-in scene has its own camera"));
         }
         let mut warnings = Vec::new();
@@ -125,11 +125,8 @@ impl SceneArgs {
         });
         let found = match builtin::by_name(name, mesh)? {
             Some(_) if self.envmap.is_some() => {
-                return Err(Error::parameter(
-                    "--envmap",
-                    format!("the scene {name} has no environment map to replace"),
-                )
-                .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
+                return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
+                    .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
             }
             Some(found) => found,
             None => {
@@ -159,6 +156,6 @@ fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
     if found {
         return Ok(());
     }
-    Err(Error::parameter("--alpha", format!("the scene {} has no metal to roughen", scene.name))
+    Err(Error::parameter("alpha", format!("the scene {} has no metal to roughen", scene.name))
         .with_hint("cornell-statue-au, -cu, -fe and furnace have one"))
 }

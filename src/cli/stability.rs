@@ -4,17 +4,17 @@ use super::console::Console;
 use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::output::{self, Written};
-use crate::study::stability::{self, EXPERIMENTS, Effort, FAMILIES, Promise, Replay, Row};
+use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 
-/// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook forms
+/// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook formulas
 #[derive(Args)]
 #[command(
     after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
-                  input; beside it stands the condition number: the relative change of the answer per relative change \
-                  of the input. Exit code 1 if a promise is broken, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
+                  input; beside it stands the condition number: the relative change of the value per relative change \
+                  of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
 )]
@@ -22,7 +22,7 @@ pub struct Stability {
     /// Families to run (default: all; see --list)
     #[arg(value_name = "FAMILY")]
     families: Vec<String>,
-    /// Run one input in every form and precision
+    /// Run one input in every variant and precision
     #[arg(long, value_name = "CASE", conflicts_with = "families")]
     replay: Option<String>,
     /// List the families and stop
@@ -33,7 +33,8 @@ pub struct Stability {
 #[derive(Serialize)]
 struct Output<'a> {
     rows: &'a [Row],
-    promises: &'a [Promise],
+    #[serde(rename = "promises")]
+    bounds: &'a [BoundCheck],
     effort: Effort,
     interrupted: bool,
     #[serde(flatten)]
@@ -76,12 +77,12 @@ impl Stability {
         if !self.families.is_empty() && !result.sweeps.is_empty() {
             files.extend(maps::maps(&result.sweeps)?.write(&maps_stem)?);
         }
-        let (rows, promises, interrupted) = (&result.rows, &result.promises, result.interrupted);
+        let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let output = Output { rows, promises, effort, interrupted, written: &written };
+        let output = Output { rows, bounds, effort, interrupted, written: &written };
         console.result(&output, || human(&output));
-        let kept = result.promises.iter().all(|promise| promise.kept);
-        Ok(match kept {
+        let all_hold = result.bounds.iter().all(|bound| bound.holds);
+        Ok(match all_hold {
             _ if interrupted => Verdict::Inconclusive,
             true => Verdict::Good,
             false => Verdict::Rejected,
@@ -94,9 +95,8 @@ fn list(console: &Console) {
     struct List {
         families: Vec<Listed>,
     }
-    let formulas = FAMILIES.iter().map(|f| Listed { family: f.name, about: f.about, inputs: f.inputs });
-    let experiments = EXPERIMENTS.iter().map(|e| Listed { family: e.name, about: e.about, inputs: &[] });
-    let list = List { families: formulas.chain(experiments).collect() };
+    let listed = |e: &stability::Entry| Listed { family: e.name(), about: e.about(), inputs: e.inputs() };
+    let list = List { families: REGISTRY.iter().map(listed).collect() };
     console.result(&list, || {
         let line = |l: &Listed| match l.inputs {
             [] => format!("{:<16} {}\n", l.family, l.about),
@@ -116,7 +116,7 @@ fn replayed(replay: &Replay) -> String {
     for line in &replay.lines {
         text += &format!(
             "{:<9} {}  {}\n  reference    {}\n  {:.3e} ULP, relative {:.3e}, condition number {:.3e}{}{}\n",
-            line.form,
+            line.variant,
             line.precision.name(),
             numbers(&line.value),
             numbers(&line.reference),
@@ -133,13 +133,13 @@ fn replayed(replay: &Replay) -> String {
 fn human(output: &Output<'_>) -> String {
     let mut text = format!(
         "{:<15} {:<13} {:<4} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>9}  worst input\n",
-        "family", "form", "", "cases", "relative", "ULP", "condition", "nonfin.", "negative", "out range"
+        "family", "variant", "", "cases", "relative", "ULP", "condition", "nonfin.", "negative", "out range"
     );
     for r in output.rows {
         text += &format!(
             "{:<15} {:<13} {:<4} {:>9} {:>9.2e} {:>9.2e} {:>9.2e} {:>8} {:>8} {:>9}  {}\n",
             r.family,
-            r.form,
+            r.variant,
             r.precision.name(),
             r.cases,
             r.max_relative,
@@ -152,10 +152,11 @@ fn human(output: &Output<'_>) -> String {
         );
     }
     text.push('\n');
-    for p in output.promises {
-        let verdict = if p.kept { "kept  " } else { "BROKEN" };
-        text += &format!("{verdict} {}: {:.3e}, at most {:.0e}", p.name, p.got, p.limit);
-        text += &if p.kept || p.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", p.worst) };
+    for bound in output.bounds {
+        let verdict = if bound.holds { "ok    " } else { "FAILED" };
+        text += &format!("{verdict} {}: {:.3e}, at most {}", bound.name, bound.got, bound.limit);
+        text +=
+            &if bound.holds || bound.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", bound.worst) };
     }
     if output.interrupted {
         text += "interrupted: the other families were not run\n";

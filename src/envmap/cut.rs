@@ -117,7 +117,7 @@ impl<'a> MedianCut<'a> {
     pub fn regions(&self, n: usize) -> Result<Vec<Region>> {
         let (width, height) = (self.map.geometry().width(), self.map.geometry().height());
         if n == 0 || n > width * height {
-            return Err(Error::parameter("-n", format!("{n} regions out of {width}x{height} texels"))
+            return Err(Error::parameter("n", format!("{n} regions out of {width}x{height} texels"))
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };

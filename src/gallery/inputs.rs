@@ -7,7 +7,7 @@ use crate::optics::metals;
 use crate::raster::Rgb;
 use crate::render::Settings;
 use crate::scene::{Material, Request, Scene, builtin};
-use crate::stats::{Protocol, Samples};
+use etalon_stats::{Protocol, SampleCount};
 
 /// How much work the figures take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Inputs {
     /// How claims are tested: with samples that detect errors of 2 %, or of 5 % in a quick run.
     #[must_use]
     pub fn protocol(&self) -> Protocol {
-        Protocol { seed: self.seed, samples: Samples::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
+        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
     }
 
     /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.

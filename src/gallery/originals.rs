@@ -24,7 +24,7 @@ impl Originals {
     /// Those of [`collada::read`], a missing file among them.
     pub fn read(folder: &Path) -> Result<(Self, Vec<String>)> {
         let mut warnings = Vec::new();
-        let mut scene = |name: &str| {
+        let mut scene = |name: &str| -> Result<(Scene, Request)> {
             let options = ColladaOptions { resolution: Some(SIZE), settings: None };
             let imported = collada::read(&folder.join(name), &options)?;
             warnings.extend(imported.warnings);

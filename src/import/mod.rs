@@ -3,6 +3,7 @@
 
 pub mod collada;
 pub mod mesh;
+pub(crate) mod number;
 pub mod pbrt;
 mod place;
 pub mod sampler;
@@ -59,14 +60,14 @@ pub fn read_scene(path: &Path, options: SceneOptions) -> Result<Imported> {
     let mut imported = match extension.to_str() {
         Some("pbrt") => {
             if options.camera.is_some() {
-                return Err(Error::parameter("-c", "camera settings are for COLLADA scenes")
+                return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
                     .with_hint("a .pbrt file has its camera in itself"));
             }
             let ldr = raster::ReadOptions { allow_ldr: options.allow_ldr };
             let (named, notes) = (RefCell::new(None), RefCell::new(Vec::new()));
             let load_map = |map: &Path| {
                 let (image, said) = raster::read_lat_long(map, ldr)
-                    .map_err(|e| e.with_hint("--envmap FILE stands in for the map that the scene names"))?;
+                    .map_err(|e| e.with_hint("`environment` stands in for the map that the scene names"))?;
                 notes.borrow_mut().extend(said);
                 named.replace(Some(map.to_owned()));
                 Ok(image)

@@ -1,7 +1,7 @@
 //! Triangles to the shape that a renderer traces fastest: two that make up a rectangle become one.
 
 use crate::scene::{Mesh, Rectangle, Shape};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// How far a vertex normal may lean, as a distance between unit vectors, before a flat shape is shaded as a curved one.
@@ -10,6 +10,19 @@ const FLAT: f32 = 1e-4;
 /// The triangles of a polygon: a fan around its first corner.
 pub fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+}
+
+/// Texture coordinates of the corners of triangles, from those of the vertices; none unless all corners have finite ones.
+pub fn corner_uv<T>(triangles: &[[T; 3]], of_vertex: impl Fn(T) -> Option<Vec2>) -> Vec<[Vec2; 3]>
+where
+    T: Copy,
+{
+    let corner = |vertex: T| of_vertex(vertex).filter(|uv| uv.is_finite());
+    triangles
+        .iter()
+        .map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]))
+        .collect::<Option<_>>()
+        .unwrap_or_default()
 }
 
 /// The mesh as it is, or the rectangle that it is: two triangles wound the same way, with one side in common and no
@@ -41,7 +54,8 @@ mod tests {
     const SQUARE: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
 
     fn shape(positions: &[Vec3], triangles: &[[u32; 3]], normals: &[Vec3]) -> Option<Rectangle> {
-        let mesh = Mesh { positions: positions.into(), normals: normals.into(), triangles: triangles.into() };
+        let (positions, normals, triangles) = (positions.into(), normals.into(), triangles.into());
+        let mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
         match simplest(mesh) {
             Shape::Rectangle(rectangle) => Some(rectangle),
             _ => None,

@@ -63,6 +63,14 @@ pub fn read_lat_long(path: &Path, options: ReadOptions) -> Result<(Image, Vec<St
     Ok(decoded.into_parts())
 }
 
+/// Decodes an OpenEXR file that is in memory; errors name it `path`.
+///
+/// # Errors
+/// Those of [`read`], without [`Error::Io`].
+pub(crate) fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Image> {
+    exr::decode(path, bytes).map(|decoded| decoded.image)
+}
+
 /// What a decoder makes of a file.
 #[derive(Debug)]
 pub(super) struct Decoded {
@@ -114,7 +122,7 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
             path,
             format!("a {} file holds no radiance: its values are clipped at 1", format.name()),
         )
-        .with_hint("use an OpenEXR, Radiance HDR or PFM file; --ldr takes this one all the same"))
+        .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one all the same"))
     } else {
         Err(no_image(path, &bytes))
     }
@@ -135,7 +143,8 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
     } else {
         let is_text = !start.contains(|c: char| c == '\u{fffd}' || (c.is_control() && !c.is_whitespace()));
         let what = if is_text { "this is a text file, not an image" } else { "not an image format known here" };
-        Error::input(path, what).with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG and PPM/PGM with --ldr")
+        Error::input(path, what)
+            .with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG and PPM/PGM with `allow_ldr`")
     }
 }
 
@@ -202,7 +211,7 @@ mod tests {
         for bytes in [&b"\x89PNG\r\n\x1a\n"[..], b"\xff\xd8\xff\xe0", b"P6\n1 1\n255\n\0\0\0"] {
             let error = refusal(bytes);
             assert!(error.to_string().contains("clipped at 1"), "{error}");
-            assert!(error.hint().unwrap().contains("--ldr"));
+            assert!(error.hint().unwrap().contains("`allow_ldr`"));
         }
     }
 

@@ -15,7 +15,7 @@ pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
         return Ok(Vec::new());
     };
     if settings.sampling != Sampling::Light {
-        return Err(Error::parameter("--light-density", "lights that stand for the map bring all of its light")
+        return Err(Error::parameter("density", "lights that stand for the map bring all of its light")
             .with_hint("light sampling only: the material's directions would find the map a second time"));
     }
     let regions = MedianCut::new(&environment.map, split, SideRule::default()).regions(count as usize)?;

@@ -151,24 +151,22 @@ const MOST: u32 = 1 << 16;
 fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, max_depth } = *request;
     if width == 0 || height == 0 {
-        return Err(
-            Error::parameter("-r", format!("cannot render {width}x{height} pixels")).with_hint("at least 1x1 pixels")
-        );
+        return Err(Error::parameter("width", format!("cannot render {width}x{height} pixels"))
+            .with_hint("at least 1x1 pixels"));
     }
     if spp == 0 || light_samples == 0 {
-        return Err(Error::parameter(if spp == 0 { "-s" } else { "-l" }, "must be at least 1"));
+        return Err(Error::parameter(if spp == 0 { "spp" } else { "light_samples" }, "must be at least 1"));
     }
     if u64::from(spp) * u64::from(light_samples) > 1 << 32 {
         return Err(Error::parameter(
-            "-s",
+            "spp",
             format!("{spp} samples with {light_samples} light samples each are too many"),
         )
         .with_hint("the random sequences repeat after 2^32 draws per pixel"));
     }
-    for (flag, value) in [("-l", light_samples), ("-m", max_depth)] {
+    for (name, value) in [("light_samples", light_samples), ("max_depth", max_depth)] {
         if value > MOST {
-            return Err(Error::parameter(flag, format!("{value} is more than anybody waits for"))
-                .with_hint(format!("at most {MOST}")));
+            return Err(Error::parameter(name, format!("{value} is too large")).with_hint(format!("at most {MOST}")));
         }
     }
     Ok(())

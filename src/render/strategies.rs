@@ -79,8 +79,8 @@ impl Strategies {
             (_, LightDensity::Cosine) => Strategies::Light(Box::new(CosineSampler::new(map))),
             (Sampling::Light, LightDensity::Map) => Strategies::Light(Box::new(CdfSampler::new(map))),
             (Sampling::Light, LightDensity::Compensated) => {
-                return Err(Error::parameter("--light-density", "the compensated density is 0 where the map is dim")
-                    .with_hint("it is correct only together with BSDF sampling: use --sampling mis"));
+                return Err(Error::parameter("density", "the compensated density is 0 where the map is dim")
+                    .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
             }
             (_, LightDensity::Map) => Strategies::Both(Box::new(CdfSampler::new(map)), scatter),
             (_, LightDensity::Compensated) => Strategies::Both(Box::new(CompensatedSampler::new(map)), scatter),

@@ -3,10 +3,12 @@
 pub mod alias;
 pub mod batch;
 pub mod circular;
-pub(crate) mod hash;
+mod direction;
 pub mod normals;
 pub(crate) mod prefetch;
 pub mod rectangle;
-pub mod stream;
 pub mod table;
 pub mod warp;
+
+pub use direction::direction_density;
+pub use etalon_stats::{hash, stream};

@@ -178,7 +178,7 @@ pub fn by_name(name: &str, mesh: Option<Mesh>) -> Result<Option<(Scene, Request)
         return cornell_statue(metal, alpha, mesh).map(Some);
     }
     if mesh.is_some() {
-        return Err(Error::parameter("--mesh", format!("the scene {name} has no statue to replace"))
+        return Err(Error::parameter("mesh", format!("the scene {name} has no statue to replace"))
             .with_hint("it takes the place of the statue in cornell-statue-au, -cu and -fe"));
     }
     Ok(match name {

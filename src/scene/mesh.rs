@@ -1,7 +1,7 @@
 //! Triangle meshes.
 
 use crate::error::{Error, Result};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// A triangle mesh in the world. Triangles are counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -11,6 +11,9 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Vertex numbers, all below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates (u, v) of the corners of each triangle; empty without. Corners, not vertices, have them: a
+    /// seam of the texture splits no vertex, so that it does not show in [`smooth`](Self::smooth) normals.
+    pub uv: Vec<[Vec2; 3]>,
 }
 
 /// A point on a triangle of a mesh.
@@ -45,7 +48,7 @@ impl Mesh {
     /// # Errors
     /// As [`validate`](Self::validate).
     pub fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
-        let mesh = Self { positions, normals, triangles };
+        let mesh = Self { positions, normals, triangles, uv: Vec::new() };
         mesh.validate()?;
         Ok(mesh)
     }
@@ -54,7 +57,8 @@ impl Mesh {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a position that is not finite or beyond ±[`FARTHEST`](Self::FARTHEST), a triangle with
-    /// a vertex that does not exist, normals in another number than positions or not of unit length (to 10⁻³).
+    /// a vertex that does not exist, normals in another number than positions or not of unit length (to 10⁻³), texture
+    /// coordinates for another number of triangles or not finite.
     pub fn validate(&self) -> Result<()> {
         let refuse = |message: String| Err(Error::parameter("mesh", message));
         if let Some(i) = self.positions.iter().position(|p| !usable(*p)) {
@@ -71,6 +75,12 @@ impl Mesh {
         let count = self.positions.len();
         if let Some(i) = self.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= count)) {
             return refuse(format!("triangle {i} has the vertices {:?}, but there are {count}", self.triangles[i]));
+        }
+        if !self.uv.is_empty() && self.uv.len() != self.triangles.len() {
+            return refuse(format!("texture coordinates of {} triangles for {}", self.uv.len(), self.triangles.len()));
+        }
+        if let Some(i) = self.uv.iter().position(|corners| corners.iter().any(|uv| !uv.is_finite())) {
+            return refuse(format!("triangle {i} has the texture coordinates {:?}", self.uv[i]));
         }
         Ok(())
     }
@@ -102,6 +112,24 @@ impl Mesh {
     pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Option<Surface> {
         let (corners, normal) = self.facet(triangle)?;
         Some(Surface::on(corners, normal, self.corner_normals(triangle, normal), [u, v]))
+    }
+
+    /// The unit tangent ∂p/∂u of a triangle: in its plane, towards greater u. `None` without texture coordinates, where
+    /// they do not map the triangle one to one, and where there is no [`facet`](Self::facet): any direction
+    /// perpendicular to the normal will do then.
+    ///
+    /// Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 6.5.4.
+    #[must_use]
+    pub fn tangent(&self, triangle: u32) -> Option<Vec3> {
+        let ([a, b, c], _) = self.facet(triangle)?;
+        let [uv_a, uv_b, uv_c] = self.uv.get(triangle as usize)?.map(Vec2::as_dvec2);
+        let (p_ab, p_ac) = ((b.as_dvec3() - a.as_dvec3()), (c.as_dvec3() - a.as_dvec3()));
+        let (uv_ab, uv_ac) = (uv_b - uv_a, uv_c - uv_a);
+        // Solve p_ab = uv_ab.x ∂p/∂u + uv_ab.y ∂p/∂v, and the same for c, by Cramer's rule. Only the direction is
+        // asked for, so of the determinant only its sign matters.
+        let determinant = uv_ab.perp_dot(uv_ac);
+        let tangent = (uv_ac.y * p_ab - uv_ab.y * p_ac) * determinant.signum();
+        if determinant == 0.0 { None } else { Some(tangent.try_normalize()?.as_vec3()) }
     }
 
     /// How far, per axis, the point of any [`Surface`] may be off its triangle, with room for the rounding of the ray
@@ -202,6 +230,27 @@ mod tests {
         assert_eq!(tiny.surface(0, 0.0, 0.0).unwrap().normal, Vec3::Z);
         let flat = triangle([Vec3::ZERO, Vec3::X, 2.0 * Vec3::X]);
         assert!(flat.surface(0, 0.5, 0.0).is_none());
+    }
+
+    #[test]
+    fn tangents_follow_u() {
+        let corners = [Vec3::ZERO, 2.0 * Vec3::X, Vec3::new(1.0, 3.0, 0.0)];
+        let with = |uv: [[f32; 2]; 3]| Mesh { uv: vec![uv.map(Vec2::from)], ..triangle(corners) };
+        // u and v as linear functions of x and y, with the gradient of u given: ∂p/∂u is where v stands still.
+        let mapped = |gu: Vec2, gv: Vec2| with(corners.map(|p| [p.truncate().dot(gu), p.truncate().dot(gv)]));
+        assert_eq!(mapped(Vec2::X, Vec2::Y).tangent(0), Some(Vec3::X));
+        assert_eq!(mapped(-Vec2::X, Vec2::Y).tangent(0), Some(-Vec3::X), "mirrored");
+        assert_eq!(mapped(Vec2::Y, Vec2::X).tangent(0), Some(Vec3::Y));
+        let skewed = mapped(Vec2::new(1.0, 0.5), Vec2::new(-1.0, 1.0)).tangent(0).unwrap();
+        assert!(skewed.distance(Vec3::new(1.0, 1.0, 0.0).normalize()) < 1e-6, "{skewed}");
+        assert!(mapped(1e-20 * Vec2::X, 1e-20 * Vec2::Y).tangent(0).is_some());
+        assert_eq!(triangle(corners).tangent(0), None);
+        assert_eq!(with([[0.5, 0.5]; 3]).tangent(0), None);
+        assert_eq!(mapped(Vec2::X, Vec2::X).tangent(0), None, "only one direction");
+        assert_eq!(mapped(Vec2::X, Vec2::Y).tangent(1), None);
+        assert!(with([[0.0; 2]; 3]).validate().is_ok());
+        assert!(with([[0.0, f32::NAN]; 3]).validate().is_err());
+        assert!(Mesh { uv: vec![[Vec2::ZERO; 3]; 2], ..triangle(corners) }.validate().is_err());
     }
 
     #[test]

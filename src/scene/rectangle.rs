@@ -59,6 +59,16 @@ impl Rectangle {
         self.normal
     }
 
+    /// The distance t > 0 along a ray at which it meets the rectangle, from either side; infinite where it does not.
+    #[must_use]
+    pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let from = origin - self.centre;
+        let t = -from.dot(self.normal) / direction.dot(self.normal);
+        let point = from + t * direction;
+        let within = self.half.iter().all(|side| point.dot(*side).abs() <= side.length_squared());
+        if t > 0.0 && within { t } else { f32::INFINITY }
+    }
+
     #[must_use]
     pub fn area(&self) -> f32 {
         4.0 * self.half[0].length() * self.half[1].length()
@@ -68,6 +78,16 @@ impl Rectangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rays_meet_both_sides_and_no_more() {
+        let r = Rectangle::new(Vec3::Y, Vec3::X, 2.0 * Vec3::Z).unwrap();
+        let along = |x: f32, y: f32, down: f32| r.distance(Vec3::new(x, y, 1.5), Vec3::new(0.0, -down, 0.0));
+        assert_eq!((along(0.5, 3.0, 1.0), along(0.5, -3.0, -1.0)), (2.0, 4.0));
+        assert_eq!((along(0.5, 3.0, -1.0), along(1.5, 3.0, 1.0)), (f32::INFINITY, f32::INFINITY));
+        assert_eq!(r.distance(Vec3::ZERO, Vec3::X), f32::INFINITY, "parallel");
+        assert_eq!(r.distance(Vec3::Y, Vec3::X), f32::INFINITY, "in its plane");
+    }
 
     #[test]
     fn corners_make_rectangles_or_nothing() {

@@ -4,7 +4,7 @@
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
 use super::seen::{Kind, Seen};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{Image, Metadata, Rgb};
 use crate::render::exposure::{Classes, Exposure, Part};
@@ -226,7 +226,7 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
         let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
-        Ok((rendered.part.exposure.path_layers(), rendered.image))
+        Ok::<_, Error>((rendered.part.exposure.path_layers(), rendered.image))
     };
     let (deep, _) = to(m + 3)?;
     let (layers, image) = to(m)?;

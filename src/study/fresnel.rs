@@ -56,18 +56,18 @@ pub const MAX_POINTS: usize = 1_000_000;
 /// Checks a number of angles and spaces them uniformly over 0–90°, both ends included.
 pub(super) fn angles(points: usize) -> Result<impl Iterator<Item = f64>> {
     if !(2..=MAX_POINTS).contains(&points) {
-        return Err(Error::parameter("--points", format!("{points} is out of range"))
+        return Err(Error::parameter("points", format!("{points} is out of range"))
             .with_hint(format!("a curve needs 2 to {MAX_POINTS} points")));
     }
     Ok((0..points).map(move |i| 90.0 * i as f64 / (points - 1) as f64))
 }
 
 /// Checks an index of refraction.
-pub(super) fn check_index(flag: &str, value: f64) -> Result<()> {
+pub(super) fn check_index(name: &str, value: f64) -> Result<()> {
     if value.is_finite() && (1e-6..=1e6).contains(&value) {
         return Ok(());
     }
-    Err(Error::parameter(flag, format!("{value} is not an index of refraction"))
+    Err(Error::parameter(name, format!("{value} is not an index of refraction"))
         .with_hint("give a positive number between 1e-6 and 1e6, for example 1 for air or 1.5 for glass"))
 }
 
@@ -78,8 +78,8 @@ pub(super) fn cos_deg(theta_deg: f64) -> f64 {
 
 /// Computes the curves for light that comes from index `eta_i` and meets index `eta_t`.
 pub fn curves(eta_i: f64, eta_t: f64, points: usize, model: Model) -> Result<Curves> {
-    check_index("--eta-i", eta_i)?;
-    check_index("--eta-t", eta_t)?;
+    check_index("eta_i", eta_i)?;
+    check_index("eta_t", eta_t)?;
     let eta = eta_t / eta_i;
     let approximate = |cos: f64| match model {
         Model::Exact => schlick::schlick(cos, eta),

@@ -60,7 +60,7 @@ pub const MAX_SAMPLES: usize = 1 << 16;
 pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<MapSamples> {
     if n == 0 || n > MAX_SAMPLES {
         return Err(
-            Error::parameter("-n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
+            Error::parameter("n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
     let bytes = if method == Method::Alias { AliasTable::BYTES } else { Table2::BYTES };

@@ -53,8 +53,8 @@ pub struct Curves {
 pub fn by_name(name: &str, points: usize) -> Result<Curves> {
     let Some(metal) = metals::by_name(name) else {
         let known: Vec<_> = metals::METALS.iter().map(|m| m.symbol).collect();
-        return Err(Error::parameter("--metal", format!("\"{name}\" is not in the table"))
-            .with_hint(format!("known metals: {}; any other by --eta-t and --k", known.join(", "))));
+        return Err(Error::parameter("metal", format!("\"{name}\" is not in the table"))
+            .with_hint(format!("known metals: {}; any other by `eta_t` and `k`", known.join(", "))));
     };
     let channels = (0..3)
         .map(|c| channel(format!("{} nm", metals::WAVELENGTHS_NM[c]), metal.eta[c], metal.k[c], points))
@@ -64,10 +64,10 @@ pub fn by_name(name: &str, points: usize) -> Result<Curves> {
 
 /// The curves of the complex index (`eta_t` + i `k`) met from index `eta_i`.
 pub fn by_index(eta_i: f64, eta_t: f64, k: f64, points: usize) -> Result<Curves> {
-    check_index("--eta-i", eta_i)?;
-    check_index("--eta-t", eta_t)?;
+    check_index("eta_i", eta_i)?;
+    check_index("eta_t", eta_t)?;
     if !(0.0..=1e6).contains(&k) {
-        return Err(Error::parameter("--k", format!("{k} is not an extinction coefficient"))
+        return Err(Error::parameter("k", format!("{k} is not an extinction coefficient"))
             .with_hint("give a number from 0 to 1e6; metals have 1 to 10 in visible light"));
     }
     let name = format!("η = {eta_t}, k = {k}");

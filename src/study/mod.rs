@@ -3,6 +3,7 @@
 pub mod audit;
 pub mod converge;
 pub mod depth;
+pub mod fit;
 pub mod fresnel;
 pub mod furnace;
 pub mod map_samples;

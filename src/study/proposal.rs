@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::sampling::stream::CounterRng;
 use crate::sampling::table::Table1;
-use crate::stats::chi_square::{ChiSquare, chi_square};
+use etalon_stats::chi_square::{ChiSquare, chi_square};
 use rand::RngExt;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -43,7 +43,7 @@ const POLL: usize = 1 << 16;
 /// `None` when the map's light falls into too few rows to test how it is spread over them.
 pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>> {
     if !(1000..=1 << 28).contains(&draws) {
-        return Err(Error::parameter("-n", format!("{draws} draws")).with_hint("use 1000 to 2^28 draws"));
+        return Err(Error::parameter("draws", format!("{draws} draws")).with_hint("use 1000 to 2^28 draws"));
     }
     let g = map.geometry();
     let energies: Vec<f64> =

@@ -1,7 +1,7 @@
 //! What a picture shows where: the object that the ray through each pixel's centre meets first.
 
 use crate::render::exposure::{Exposure, PixelEstimate};
-use crate::scene::{Material, Mesh, MeshBvh, Object, Ray, Rectangle, Request, Scene, Shape};
+use crate::scene::{FirstHit, Material, Object, Request, Scene};
 use rayon::prelude::*;
 
 /// The kinds of things that the second report's pictures show.
@@ -52,31 +52,12 @@ impl Seen {
     /// Looks through the scene's camera.
     #[must_use]
     pub fn new(scene: &Scene, request: &Request) -> Self {
-        let meshes = scene.objects.iter().filter_map(|o| match &o.shape {
-            Shape::Mesh(mesh) => Some((&**mesh, Kind::of(o))),
-            _ => None,
-        });
-        let (meshes, kinds): (Vec<&Mesh>, Vec<Kind>) = meshes.unzip();
-        let tree = MeshBvh::build(&meshes);
+        let objects = FirstHit::new(scene);
         let (width, height) = (request.width, request.height);
         let look = |i: usize| {
             let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
             let ray = scene.camera.ray(x / width as f64, y / height as f64);
-            let (mut nearest, mut kind) = (f32::INFINITY, None);
-            for object in &scene.objects {
-                let distance = match &object.shape {
-                    Shape::Sphere(sphere) => sphere.distance(ray.origin, ray.direction),
-                    Shape::Rectangle(rectangle) => distance(rectangle, &ray),
-                    Shape::Mesh(_) => f32::INFINITY,
-                };
-                if distance < nearest {
-                    (nearest, kind) = (distance, Some(Kind::of(object)));
-                }
-            }
-            match tree.nearest(&ray, nearest) {
-                Some(hit) => Some(kinds[tree.mesh_of(hit.triangle) as usize]),
-                None => kind,
-            }
+            objects.along(&ray).map(Kind::of)
         };
         Self { width, pixels: (0..width * height).into_par_iter().map(look).collect() }
     }
@@ -115,15 +96,6 @@ fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64
         if distance <= reach as f64 { distance } else { f64::INFINITY }
     };
     (0..mask.len()).into_par_iter().map(at).collect()
-}
-
-/// Where along a ray a rectangle is met, from either side; infinite where it is not.
-fn distance(rectangle: &Rectangle, ray: &Ray) -> f32 {
-    let (from, normal) = (ray.origin - rectangle.centre(), rectangle.normal());
-    let t = -from.dot(normal) / ray.direction.dot(normal);
-    let point = from + t * ray.direction;
-    let within = rectangle.half_sides().iter().all(|side| point.dot(*side).abs() <= side.length_squared());
-    if t > 0.0 && within { t } else { f32::INFINITY }
 }
 
 /// A mean over pixels with its standard error, for each channel.

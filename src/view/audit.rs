@@ -1,8 +1,8 @@
 //! The errors of the two reports: what they print beside the correction.
 
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
-use crate::stats::Verdict;
 use crate::study::audit::Erratum;
+use etalon_stats::Verdict;
 
 /// Panels in a row, the size of a frame, and of the text under it.
 const COLUMNS: usize = 4;

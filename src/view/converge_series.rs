@@ -2,12 +2,12 @@
 
 use super::converge::duration;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
-use crate::stats::estimate::Estimate;
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
 use crate::study::converge::depth::Depths;
 use crate::study::converge::lights::CUTS;
 use crate::study::converge::roughness::{self, NORMALS};
+use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 
 /// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.

@@ -2,8 +2,8 @@
 //!
 //! Source of the format: the schema of Jenkins' xUnit plugin, `junit-10.xsd`.
 
-use crate::stats::Verdict;
 use crate::study::validation::{Tested, Validation};
+use etalon_stats::Verdict;
 
 /// The document.
 #[must_use]

@@ -31,7 +31,7 @@ pub fn rows<'a>(findings: &'a Findings) -> Vec<Row<'a>> {
             mistake,
             verdict: outcome.verdict.to_string(),
             by: by.map_or("", By::name),
-            violation: outcome.fault.as_deref().unwrap_or(""),
+            violation: outcome.violation.as_deref().unwrap_or(""),
             statistic: outcome.statistic,
             dof: outcome.dof,
             p: outcome.p,

@@ -20,10 +20,10 @@ pub fn maps(sweeps: &[Sweep]) -> Result<Drawing> {
 
 fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
     let section = &sweep.family.sections[number];
-    let forms = sweep.family.forms.iter().enumerate();
-    let mut panels = forms
-        .map(|(form, f)| {
-            panel(sweep, number, f.name.into(), "", &|case| case.off[form].map_or(f64::NAN, |off| off.relative))
+    let variants = sweep.family.variants.iter().enumerate();
+    let mut panels = variants
+        .map(|(i, variant)| {
+            panel(sweep, number, variant.name.into(), "", &|case| case.deviations[i].map_or(f64::NAN, |d| d.relative))
         })
         .collect::<Result<Vec<_>>>()?;
     let heading = format!("{} ({})", sweep.family.about, section.title);

@@ -35,7 +35,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
         for row in rows.iter().filter(|row| row.family == *family) {
             let place = (row.max_relative.log10() - f64::from(SCALE.0)) * DECADE;
             let x = left + if place.is_nan() { width } else { place.clamp(0.0, width) };
-            dot(&mut page, [x, y + aside(row.form)], colour(row.form), row.precision);
+            dot(&mut page, [x, y + aside(row.variant)], colour(row.variant), row.precision);
         }
     }
     page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));

@@ -45,7 +45,7 @@ const SCALE: (f64, f64) = (0.003, 3.0);
 const WIDEST: usize = 240;
 
 fn maps(result: &Comparison) -> Result<Drawing> {
-    let panel = |shot: &Shot, title: &str| {
+    let panel = |shot: &Shot, title: &str| -> Result<Panel> {
         let error = shot.rendered.part.exposure.standard_error();
         let (width, height) = (error.width() as f64, error.height() as f64);
         let error = error.reduced(error.width().div_ceil(WIDEST));

@@ -1,9 +1,10 @@
 //! A run of tests as a table and as a drawing of its p-values.
 
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::stats::multiple::sidak;
-use crate::stats::{Bound, Verdict};
 use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
+use etalon_stats::kolmogorov::Uniformity;
+use etalon_stats::multiple::sidak;
+use etalon_stats::{Bound, Verdict};
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
@@ -96,10 +97,10 @@ pub fn drawing(validation: &Validation) -> Drawing {
     };
     let smallest = tests.first().map_or(LEAST, |test| test.0.clamp(LEAST, 1.0));
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
-    let evenness = validation.evenness;
+    let uniformity = validation.uniformity;
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
-            .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", evenness.p)),
+            .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", uniformity.p)),
         panel(
             Axis::log("rank / (tests + 1)").range(0.8 * place(0), 1.0),
             Axis::log("/{p}-value").range(foot, 1.0),
@@ -125,9 +126,9 @@ pub struct CalibrationRow<'a> {
 }
 
 impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
-    fn from(Calibrated { name, evenness, uneven, fault }: &'a Calibrated) -> Self {
-        let fault = fault.as_deref().unwrap_or_default();
-        Self { name, count: evenness.count, distance: evenness.distance, p: evenness.p, uneven: *uneven, fault }
+    fn from(Calibrated { name, uniformity, skewed, violation }: &'a Calibrated) -> Self {
+        let Uniformity { count, distance, p } = *uniformity;
+        Self { name, count, distance, p, uneven: *skewed, fault: violation.as_deref().unwrap_or_default() }
     }
 }
 
@@ -153,7 +154,7 @@ pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
             "{} /{{p}}-values under {} seeds: uniformity /{{p}} = {:.3}",
             calibration.p.len(),
             calibration.seeds,
-            calibration.evenness.p
+            calibration.uniformity.p
         ))
         .bars("found", theme::OBSERVED, edges, counts)
         .band(

@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
-use crate::stats::{Cell, Counts};
 use crate::study::validation::Tested;
+use etalon_stats::{Cell, Counts};
 use serde::Serialize;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.

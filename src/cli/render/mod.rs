@@ -201,7 +201,7 @@ impl Render {
 
     fn pictures(&self, global: &Global) -> Result<Pictures> {
         if self.file.is_some() && global.out.is_some() {
-            return Err(Error::parameter("-f", "-o is given, too").with_hint("both mean the same"));
+            return Err(Error::parameter("file", "`out` is given, too").with_hint("both mean the same"));
         }
         let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
         let out = self.file.as_deref().or(global.out.as_deref());
@@ -212,13 +212,13 @@ impl Render {
     fn samples(&self, spp: u32, held: Option<&Part>) -> Result<Range<u32>> {
         let Some(Shard { index, count }) = self.shard else { return Ok(0..spp) };
         if count > spp {
-            return Err(Error::parameter("--shard", format!("{spp} samples per pixel cannot be cut into {count}"))
-                .with_hint("at most one shard for each of the samples that -s says"));
+            return Err(Error::parameter("shard", format!("{spp} samples per pixel cannot be cut into {count}"))
+                .with_hint("at most one shard for each of the samples that `spp` says"));
         }
         match held.map(|part| part.ranges().spp()) {
             Some(held) if held != spp => {
-                Err(Error::parameter("-s", format!("{spp}, but the shard to go on with is of {held} samples"))
-                    .with_hint("all shards of a picture need the same -s"))
+                Err(Error::parameter("spp", format!("{spp}, but the shard to go on with is of {held} samples"))
+                    .with_hint("all shards of a picture need the same `spp`"))
             }
             _ => Ok(shard(index, count, spp)),
         }

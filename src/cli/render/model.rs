@@ -75,7 +75,7 @@ impl ModelArgs {
             inverse_distance: false,
         };
         if self.model.contains(&ModelName::Exact) && self.model.iter().any(|name| *name != ModelName::Exact) {
-            return Err(Error::parameter("--model", "exact excludes the reports' conventions"));
+            return Err(Error::parameter("model", "exact excludes the reports' conventions"));
         }
         let all = self.model.contains(&ModelName::Report);
         let has = |name| all || self.model.contains(&name);
@@ -86,12 +86,12 @@ impl ModelArgs {
         report.lambda_pi = has(ModelName::LambdaPi);
         model.inverse_distance = has(ModelName::InverseDistance);
         if report.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
-            return Err(Error::parameter("--normals", "the report's metal draws directions by all facets")
-                .with_hint("leave out --normals, or the conventions for metal"));
+            return Err(Error::parameter("normals", "the report's metal draws directions by all facets")
+                .with_hint("leave out `normals`, or the conventions for metal"));
         }
         if report.single_cosine_schlick && self.fresnel.is_some() {
-            return Err(Error::parameter("--fresnel", "the report's glass has its own reflectance")
-                .with_hint("leave out --fresnel, or single-cosine-schlick"));
+            return Err(Error::parameter("fresnel", "the report's glass has its own reflectance")
+                .with_hint("leave out `fresnel`, or single-cosine-schlick"));
         }
         Ok(model)
     }

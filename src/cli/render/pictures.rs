@@ -32,7 +32,7 @@ impl Pictures {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
-                return Err(Error::parameter("-o", "a shard is kept in an OpenEXR file")
+                return Err(Error::parameter("out", "a shard is kept in an OpenEXR file")
                     .with_hint("name a file with the extension .exr, or a folder"));
             }
             Some("png") => vec!["png"],

@@ -9,7 +9,7 @@ use std::path::Path;
 pub fn held(path: &Path) -> Result<Option<Part>> {
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
         return Err(Error::parameter(
-            "--resume",
+            "resume",
             format!("the state is kept in an OpenEXR file, not {}", path.display()),
         )
         .with_hint("name a file with the extension .exr"));
@@ -30,7 +30,7 @@ pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
         }
         let begun = held.metadata.get("command").map_or(String::new(), |command| format!(" (`{command}`)"));
         return Err(Error::input(path, message).with_hint(format!(
-            "go on with the scene, flags and version that began it{begun}, or give --resume another file"
+            "go on with the scene, flags and version that began it{begun}, or give `resume` another file"
         )));
     }
     held.set_spp(fresh.ranges().spp())?;

@@ -4,9 +4,9 @@ use crate::cli::console::Console;
 use crate::cli::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written};
-use crate::stats::Protocol;
 use crate::study::validation::{Calibration, Case, calibrate};
 use crate::view::validation as view;
+use etalon_stats::Protocol;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -35,8 +35,9 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
 
 fn text(found: &Calibration) -> String {
     let mut text = String::new();
-    for test in found.tests.iter().filter(|test| test.uneven || test.fault.is_some()) {
-        let why = test.fault.clone().unwrap_or_else(|| format!("p-values are uneven, p = {:.1e}", test.evenness.p));
+    for test in found.tests.iter().filter(|test| test.skewed || test.violation.is_some()) {
+        let not_uniform = || format!("p-values are not uniform, p = {:.1e}", test.uniformity.p);
+        let why = test.violation.clone().unwrap_or_else(not_uniform);
         text += &format!("{}: {why}\n", test.name);
     }
     if found.interrupted {
@@ -44,13 +45,13 @@ fn text(found: &Calibration) -> String {
     }
     text + &format!(
         "{} tests under {} seeds of {} samples: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
-         evenness of all p-values: p = {:.3}; tests that are uneven or at fault: {}\n",
+         uniformity of all p-values: p = {:.3}; tests with skewed p-values or a violation: {}\n",
         found.tests.len(),
         found.seeds,
         found.samples,
         100.0 * found.below_5_percent,
         100.0 * found.below_1_percent,
-        found.evenness.p,
-        found.uneven
+        found.uniformity.p,
+        found.skewed
     )
 }

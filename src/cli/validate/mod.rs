@@ -1,26 +1,26 @@
-//! `etalon validate`: samplers tested against their densities.
+//! `etalon validate`: samplers tested against their pdfs.
 
 mod calibration;
-mod elsewhere;
+mod external;
 mod planted;
 mod summary;
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
 use super::{Global, Verdict};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files;
 use crate::output::{self, Written};
-use crate::stats::{Protocol, Samples};
 use crate::study::validation::{Case, Tested, Validation, run, select, suite};
 use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
-use elsewhere::{Elsewhere, HowMany};
+use etalon_stats::{Protocol, SampleCount};
+use external::{ExternalSampler, SampleSource};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Test every sampler of this program against the density that it claims
+/// Test every sampler of this program against its pdf
 #[derive(Args)]
 #[command(
     after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
@@ -36,19 +36,19 @@ pub struct Validate {
     /// List the tests and stop
     #[arg(long)]
     list: bool,
-    /// Test samplers with a mistake each instead, all of which must be rejected
+    /// Test samplers with one planted fault each instead, all of which must be rejected
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
     /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
-    /// Take as many samples as find a relative density error of W with 90 % probability
+    /// Take as many samples as detect a relative error W of the pdf with 90 % probability
     #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
     detect: f64,
-    /// Probability that a run in which every claim is true rejects any of them
+    /// Probability that a run in which every sampler is right rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
-    /// Test the tests: are their p-values spread evenly under K seeds?
+    /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
     /// Draw the counts of each test: observed, expected, and how far they are apart
@@ -60,7 +60,7 @@ pub struct Validate {
     #[command(flatten)]
     options: MapOptions,
     #[command(flatten)]
-    elsewhere: Elsewhere,
+    external: ExternalSampler,
     /// Write the results as JUnit XML too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -75,7 +75,12 @@ struct Output<'a> {
 }
 
 impl Validate {
+    /// Runs the command; errors name its flags.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        self.execute(global, console).map_err(with_flag)
+    }
+
+    fn execute(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
             return planted::run(&self.protocol(global), global, console);
         }
@@ -116,18 +121,18 @@ impl Validate {
 
     fn protocol(&self, global: &Global) -> Protocol {
         let samples = match self.samples() {
-            Some(HowMany::Count(count)) => Samples::Count(count),
-            _ => Samples::Detect(self.detect),
+            Some(SampleSource::Count(count)) => SampleCount::Fixed(count),
+            _ => SampleCount::Detect(self.detect),
         };
         Protocol { seed: global.seed, samples, level: self.level, ..Protocol::default() }
     }
 
-    fn samples(&self) -> Option<HowMany> {
-        self.samples.as_deref().map(HowMany::from)
+    fn samples(&self) -> Option<SampleSource> {
+        self.samples.as_deref().map(SampleSource::from)
     }
 
     fn cases(&self, console: &Console) -> Result<Vec<Case>> {
-        if let Some(case) = self.elsewhere.case(self.samples().as_ref(), console)? {
+        if let Some(case) = self.external.case(self.samples().as_ref(), console)? {
             return Ok(vec![case]);
         }
         let mut all = suite::cases();
@@ -137,6 +142,20 @@ impl Validate {
         }
         select(all, &self.names)
     }
+}
+
+/// The same error with the flag that sets the parameter in place of the library's name for it.
+fn with_flag(mut error: Error) -> Error {
+    if let Error::Parameter { name, .. } = &mut error {
+        let flag = match name.as_str() {
+            "level" | "samples" | "detect" | "domain" => format!("--{name}"),
+            "seeds" => "--calibrate".to_owned(),
+            "command" => "--exec".to_owned(),
+            _ => return error,
+        };
+        *name = flag;
+    }
+    error
 }
 
 /// Writes the counts of one test, if it has any.

@@ -6,9 +6,9 @@ use crate::cli::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
 use crate::output::{self, Written};
-use crate::stats::{self, Protocol};
 use crate::study::validation::planted::{self, By, Findings};
 use crate::view::planted as view;
+use etalon_stats::Protocol;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -52,7 +52,7 @@ fn text(findings: &Findings, written: &Written) -> String {
             test.outcome.samples,
             test.sound,
         );
-        if test.outcome.verdict != stats::Verdict::Reject || test.sound != stats::Verdict::Accept {
+        if test.outcome.verdict != etalon_stats::Verdict::Reject || test.sound != etalon_stats::Verdict::Accept {
             text += &format!("  {}\n", test.outcome.remark().unwrap_or(test.mistake));
         }
     }

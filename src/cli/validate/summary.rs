@@ -1,8 +1,8 @@
 //! What a run found, as a table for people: test by test if they are few, else by family with what needs a look in full.
 
 use crate::output::Written;
-use crate::stats::Verdict;
 use crate::study::validation::{Tested, Validation};
+use etalon_stats::Verdict;
 
 /// More tests than these are summed up.
 const FEW: usize = 40;

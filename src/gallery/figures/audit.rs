@@ -4,9 +4,9 @@ use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{self, Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
-use crate::stats::Verdict;
 use crate::study::audit::{self, Erratum};
 use crate::view::audit as view;
+use etalon_stats::Verdict;
 
 /// One figure, which also feeds the page's list of errors.
 pub fn figures() -> Vec<Figure> {

@@ -106,8 +106,8 @@ pub fn content(inputs: &Inputs, studies: &mut Studies, statue: Statue, metal: &s
 
 /// Rougher metal has dimmer highlights.
 fn dimmer(inputs: &Inputs, studies: &mut Studies, alpha: f32, smoother: f32) -> Result<Check> {
-    let mut highlights = |alpha| Ok(studies.get(Statue::new("Au", alpha), inputs)?.row.brightest_percent);
-    let ratio = highlights(alpha)? / highlights(smoother)?;
+    let [rough, smooth] = [alpha, smoother].map(|alpha| studies.get(Statue::new("Au", alpha), inputs));
+    let ratio = rough?.row.brightest_percent / smooth?.row.brightest_percent;
     let name = format!("share of light in the brightest hundredth of the pixels, over that at α = {smoother}");
     Ok(Check::at_most(name, ratio, 1.0))
 }

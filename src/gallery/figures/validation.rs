@@ -36,8 +36,8 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let checks = vec![
         Check::equal("rejected tests", 0.0, found.rejected as f64),
         Check::equal("inconclusive tests", 0.0, found.inconclusive as f64),
-        Check::at_least("uniformity of the p-values (Kolmogorov–Smirnov p)", found.evenness.p, LEVEL),
-        Check::at_most("uniformity of the p-values (no suspiciously good fit)", found.evenness.p, 1.0 - LEVEL),
+        Check::at_least("uniformity of the p-values (Kolmogorov–Smirnov p)", found.uniformity.p, LEVEL),
+        Check::at_most("uniformity of the p-values (no suspiciously good fit)", found.uniformity.p, 1.0 - LEVEL),
     ];
     Content::new(view::drawing(&found), &view::rows(&found), checks)
 }

@@ -26,7 +26,7 @@ impl<'a> View<'a> {
         let Some(lens) = find(technique, "perspective") else {
             return Err(document.at(technique).unsupported("only <perspective> cameras are supported"));
         };
-        let tan_half_of = |node| {
+        let tan_half_of = |node| -> Result<f64> {
             let [degrees] = document.exactly(node, |x| x > 0.0 && x < 180.0, "between 0 and 180")?;
             Ok((f64::to_radians(degrees) * 0.5).tan())
         };

@@ -57,7 +57,7 @@ fn mesh<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -> Res
     let positions = positions(document, document.follow(vertex, "source", "vertices")?, to_world)?;
     let triangles = triangles(document, faces, vertex, positions.len())?;
     let positions = positions.into_iter().map(|p| p.as_vec3()).collect();
-    Ok(Mesh { positions, normals: Vec::new(), triangles })
+    Ok(Mesh { positions, triangles, ..Mesh::default() })
 }
 
 /// The positions that a `<vertices>` element names, in the world.

@@ -3,13 +3,13 @@
 use super::{point, unit_normals};
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
-use crate::import::shape::fan;
+use crate::import::shape::{corner_uv, fan};
 use crate::scene::Mesh;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-/// Reads the file at `path`, whose content is `bytes`. Materials, groups and texture coordinates are not read.
+/// Reads the file at `path`, whose content is `bytes`. Materials and groups are not read.
 pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
     let text = String::from_utf8_lossy(bytes);
     let (mut parts, mut statement) = (Parts::default(), Vec::new());
@@ -71,12 +71,14 @@ impl Word<'_> {
 #[derive(Clone, Copy)]
 struct Corner {
     point: u32,
+    uv: Option<u32>,
     normal: Option<u32>,
 }
 
 #[derive(Default)]
 struct Parts<'a> {
     points: Vec<Vec3>,
+    uv: Vec<Vec2>,
     normals: Vec<[f64; 3]>,
     triangles: Vec<[Corner; 3]>,
     /// Kinds of statements that were not read, and the line of the first of each.
@@ -94,8 +96,13 @@ impl<'a> Parts<'a> {
             }
             "vn" => self.normals.push(three(first, rest)?),
             "f" => self.face(first, rest)?,
+            "vt" => {
+                let [u, v @ ..] = rest else { return Err(first.error("\"vt\" needs a number".into())) };
+                let v = v.first().map_or(Ok(0.0), Word::number)?;
+                self.uv.push(Vec2::new(u.number()? as f32, v as f32));
+            }
             // Without effect on a shape.
-            "vt" | "g" | "o" | "s" => {}
+            "g" | "o" | "s" => {}
             "usemtl" | "mtllib" | "l" | "p" => {
                 self.left_out.entry(first.text).or_insert(first.number);
             }
@@ -116,8 +123,10 @@ impl<'a> Parts<'a> {
             // point, point/texture, point/texture/normal or point//normal.
             let mut parts = word.text.splitn(3, '/');
             let point = word.index(parts.next().unwrap_or_default(), self.points.len(), "vertex")?;
-            let normal = parts.nth(1).map(|text| word.index(text, self.normals.len(), "normal")).transpose()?;
-            corners.push(Corner { point, normal });
+            let uv = parts.next().filter(|text| !text.is_empty());
+            let uv = uv.map(|text| word.index(text, self.uv.len(), "texture coordinate")).transpose()?;
+            let normal = parts.next().map(|text| word.index(text, self.normals.len(), "normal")).transpose()?;
+            corners.push(Corner { point, uv, normal });
         }
         let numbers: Vec<u32> = (0..corners.len() as u32).collect();
         self.triangles.extend(fan(&numbers).map(|triangle| triangle.map(|i| corners[i as usize])));
@@ -131,14 +140,15 @@ impl<'a> Parts<'a> {
             warnings.push(format!("{}: some corners have no normal: all normals are left out", path.display()));
         }
         let normals = if all { unit_normals(path, &self.normals, warnings) } else { Vec::new() };
+        let uv = corner_uv(&self.triangles, |corner| Some(self.uv[corner.uv? as usize]));
         if normals.is_empty() {
             let triangles = self.triangles.iter().map(|corners| corners.map(|corner| corner.point)).collect();
-            return Mesh { positions: self.points, normals, triangles };
+            return Mesh { positions: self.points, normals, triangles, uv };
         }
         // A vertex for each pair of point and normal that occurs.
-        let (mut mesh, mut known) = (Mesh::default(), HashMap::new());
+        let (mut mesh, mut known) = (Mesh { uv, ..Mesh::default() }, HashMap::new());
         for corners in &self.triangles {
-            let triangle = corners.map(|Corner { point, normal }| {
+            let triangle = corners.map(|Corner { point, normal, .. }| {
                 *known.entry((point, normal)).or_insert_with(|| {
                     mesh.positions.push(self.points[point as usize]);
                     mesh.normals.push(normals[normal.unwrap_or_default() as usize]);

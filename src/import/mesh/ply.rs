@@ -4,8 +4,9 @@ use super::ply_header::{Element, Encoding, Header, Scalar};
 use super::{point, unit_normals};
 use crate::error::{Error, Place, Result};
 use crate::import::place::{At, quote};
-use crate::import::shape::fan;
+use crate::import::shape::{corner_uv, fan};
 use crate::scene::Mesh;
+use glam::{Vec2, Vec3};
 use std::path::Path;
 
 /// Reads the file at `path`, whose content is `bytes`.
@@ -17,19 +18,35 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
         return Err(Error::unsupported(path, "the file has points, but no faces"));
     }
     let mut body = Body { path, bytes, position: header.body, encoding: header.encoding };
-    let (mut mesh, mut normals) = (Mesh::default(), Vec::new());
+    let (mut mesh, mut vertices) = (Mesh::default(), Vertices::default());
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => body.vertices(element, &mut mesh, &mut normals)?,
+            "vertex" => vertices = body.vertices(element)?,
             "face" => mesh.triangles = body.faces(element, points)?,
             // There may be any number of rows with nothing in them.
             _ if element.properties.is_empty() => {}
             _ => (0..element.count).try_for_each(|_| body.row(element, |_, _| ()))?,
         }
     }
-    mesh.normals = unit_normals(path, &normals, warnings);
+    mesh.normals = unit_normals(path, &vertices.normals, warnings);
+    mesh.uv = corner_uv(&mesh.triangles, |i| vertices.uv.get(i as usize).copied());
+    mesh.positions = vertices.positions;
     Ok(mesh)
 }
+
+/// What is read of the vertices.
+#[derive(Default)]
+struct Vertices {
+    positions: Vec<Vec3>,
+    /// Of any length; empty without.
+    normals: Vec<[f64; 3]>,
+    /// Empty without.
+    uv: Vec<Vec2>,
+}
+
+/// The numbers of a vertex that are read, by the names that they go by.
+const NAMES: [&[&str]; 8] =
+    [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
 
 /// The numbers after the header, read from the front.
 struct Body<'a> {
@@ -40,33 +57,36 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    fn vertices(&mut self, element: &Element, mesh: &mut Mesh, normals: &mut Vec<[f64; 3]>) -> Result<()> {
-        let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.length.is_none());
-        let names = ["x", "y", "z", "nx", "ny", "nz"];
-        if let Some(missing) = names[..3].iter().find(|name| !has(name)) {
-            return Err(Error::input(self.path, format!("the vertices have no {missing}")));
+    fn vertices(&mut self, element: &Element) -> Result<Vertices> {
+        let has = |names: &[&str]| element.properties.iter().any(|p| names.contains(&&*p.name) && p.length.is_none());
+        if let Some(missing) = NAMES[..3].iter().find(|names| !has(names)) {
+            return Err(Error::input(self.path, format!("the vertices have no {}", missing[0])));
         }
-        let with_normals = names[3..].iter().all(|name| has(name));
+        let [with_normals, with_uv] = [&NAMES[3..6], &NAMES[6..]].map(|slots| slots.iter().all(|names| has(names)));
         let slots: Vec<Option<usize>> =
-            element.properties.iter().map(|p| names.iter().position(|name| *name == p.name)).collect();
+            element.properties.iter().map(|p| NAMES.iter().position(|names| names.contains(&&*p.name))).collect();
+        let mut vertices = Vertices::default();
         for _ in 0..element.count {
-            let (start, mut row) = (self.position, [0.0; 6]);
+            let (start, mut row) = (self.position, [0.0; 8]);
             self.row(element, |property, value| {
                 if let Some(slot) = slots[property] {
                     row[slot] = value;
                 }
             })?;
-            let [x, y, z, nx, ny, nz] = row;
-            mesh.positions.push(
+            let [x, y, z, nx, ny, nz, u, v] = row;
+            vertices.positions.push(
                 point([x, y, z]).ok_or_else(|| {
                     self.error(start, format!("a vertex at {x} {y} {z} is not finite or out of range"))
                 })?,
             );
             if with_normals {
-                normals.push([nx, ny, nz]);
+                vertices.normals.push([nx, ny, nz]);
+            }
+            if with_uv {
+                vertices.uv.push(Vec2::new(u as f32, v as f32));
             }
         }
-        Ok(())
+        Ok(vertices)
     }
 
     /// The faces, cut into triangles; their corners are below `points`.

@@ -4,10 +4,10 @@ use super::params::Params;
 use crate::error::{Error, Result};
 use crate::import::mesh;
 use crate::import::place::At;
-use crate::import::shape::simplest;
+use crate::import::shape::{corner_uv, simplest};
 use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Mesh, Shape, Sphere};
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// What is set where a shape stands.
@@ -70,7 +70,8 @@ fn triangle_mesh(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -
         None if positions.len() == 3 => vec![[0.0, 1.0, 2.0]],
         None => return Err(missing("\"integer indices\"")),
     };
-    p.finish(&["uv", "st", "S", "faceIndices"], warnings)?;
+    let (uv_at, mut uv) = (p.place("uv"), p.groups::<2>("uv", &["point2", "float"])?.unwrap_or_default());
+    p.finish(&["st", "S", "faceIndices"], warnings)?;
     if !normals.is_empty() && normals.len() != positions.len() {
         return Err(normals_at.input(format!("{owner} has {} P, but {} N", positions.len(), normals.len())));
     }
@@ -79,8 +80,14 @@ fn triangle_mesh(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -
         let message = format!("vertex {bad} of {}, counted from 0, does not exist", positions.len());
         return Err(indices_at.input(format!("{owner}: {message}")));
     }
-    let triangles = triangles.into_iter().map(|triangle| triangle.map(|i| i as u32)).collect();
-    place(&positions, &normals, triangles, setting, &at)
+    if !uv.is_empty() && uv.len() != positions.len() {
+        let message = format!("{owner} has {} P, but {} uv, which are left out", positions.len(), uv.len());
+        warnings.push(uv_at.warning(&message));
+        uv.clear();
+    }
+    let triangles: Vec<_> = triangles.into_iter().map(|triangle| triangle.map(|i| i as u32)).collect();
+    let uv = corner_uv(&triangles, |i| uv.get(i as usize).map(|&[u, v]| Vec2::new(u as f32, v as f32)));
+    place(&positions, &normals, triangles, uv, setting, &at)
 }
 
 /// A mesh in a file of its own.
@@ -98,7 +105,7 @@ fn ply_mesh(mut p: Params, setting: &mut Setting, warnings: &mut Vec<String>) ->
         other => other,
     })?;
     let numbers = |vectors: &[Vec3]| vectors.iter().map(|v| v.as_dvec3().to_array()).collect::<Vec<_>>();
-    place(&numbers(&mesh.positions), &numbers(&mesh.normals), mesh.triangles, setting, &at)
+    place(&numbers(&mesh.positions), &numbers(&mesh.normals), mesh.triangles, mesh.uv, setting, &at)
 }
 
 /// Takes a mesh to the world. Its outside is where its normals point; without normals, where its corners run
@@ -107,6 +114,7 @@ fn place(
     positions: &[[f64; 3]],
     normals: &[[f64; 3]],
     mut triangles: Vec<[u32; 3]>,
+    mut uv: Vec<[Vec2; 3]>,
     setting: &Setting,
     at: &At,
 ) -> Result<Mesh> {
@@ -123,7 +131,7 @@ fn place(
     let positions: Vec<Vec3> = positions.iter().map(point).collect::<Result<_>>()?;
     let normals: Vec<Vec3> = normals.iter().map(normal).collect::<Result<_>>()?;
     let mirrored = linear.determinant() < 0.0;
-    for triangle in &mut triangles {
+    for (i, triangle) in triangles.iter_mut().enumerate() {
         let inside_out = if normals.is_empty() {
             setting.reversed != mirrored
         } else {
@@ -133,7 +141,10 @@ fn place(
         };
         if inside_out {
             triangle.swap(1, 2);
+            if let Some(corners) = uv.get_mut(i) {
+                corners.swap(1, 2);
+            }
         }
     }
-    Ok(Mesh { positions, normals, triangles })
+    Ok(Mesh { positions, normals, triangles, uv })
 }

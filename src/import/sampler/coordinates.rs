@@ -1,7 +1,6 @@
 //! Points as words: one per coordinate.
 
 use super::number::{Words, write_number};
-use glam::DVec3;
 use std::fmt::{Debug, Write};
 
 /// A point that can be written as words and read back, to the last bit.
@@ -24,15 +23,15 @@ pub fn write_numbers(numbers: &[f64], out: &mut String) {
     }
 }
 
-impl Coordinates for DVec3 {
+impl Coordinates for [f64; 3] {
     const WORDS: &'static str = "x y z";
 
     fn write(&self, out: &mut String) {
-        write_numbers(&self.to_array(), out);
+        write_numbers(self, out);
     }
 
     fn read(words: &mut Words<'_>) -> Option<Self> {
-        Some(Self::new(words.number()?, words.number()?, words.number()?))
+        Some([words.number()?, words.number()?, words.number()?])
     }
 }
 
@@ -86,7 +85,7 @@ mod tests {
             assert_eq!(P::read(&mut words), Some(point), "{line}");
             assert!(words.is_empty());
         }
-        returns(DVec3::new(0.1, -1e-300, 1.0 / 3.0));
+        returns([0.1, -1e-300, 1.0 / 3.0]);
         returns([0.1, 2.0]);
         returns(0.1);
         returns(1_000_000usize);

@@ -1,5 +1,5 @@
-//! Samplers of others, as [`Sampler`](crate::stats::Sampler) and [`Density`](crate::stats::Density): a [`program`] that is
-//! called over its standard input and output, or [`files`] with its samples and its density.
+//! External samplers, as [`Sampler`](etalon_stats::Sampler) and [`Density`](etalon_stats::Density): a [`program`] that is
+//! called over its standard input and output, or [`files`] with its samples and their pdf.
 
 mod coordinates;
 pub mod files;

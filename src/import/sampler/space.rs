@@ -3,11 +3,11 @@
 use super::Coordinates;
 use super::files::Row;
 use crate::error::Error;
-use crate::stats::{Directions, Discrete, Line, Pole, Square};
+use etalon_stats::{Directions, Discrete, Line, Pole, Square};
 use std::fmt;
 use std::str::FromStr;
 
-/// A domain that a sampler from elsewhere can have.
+/// A domain that an external sampler can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Space {
     /// All directions.
@@ -50,7 +50,7 @@ impl FromStr for Space {
 
     fn from_str(text: &str) -> Result<Self, Error> {
         let fault = |message: String| {
-            Error::parameter("--domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
+            Error::parameter("domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
         };
         Ok(match text {
             "sphere" => Self::Sphere,

@@ -82,7 +82,7 @@ impl Part {
         let attributes = file.metadata();
         let (Some(samples), Some(fingerprint)) = (attributes.get(SAMPLES), attributes.get(FINGERPRINT)) else {
             return Err(Error::input(path, "this is no part of a render: it does not say which samples it holds")
-                .with_hint("parts are written by `etalon render`, for example with --shard"));
+                .with_hint("parts are written by `etalon render`, for example with `shard`"));
         };
         let wrong = |name: &str| Error::input(path, format!("the attribute {name:?} makes no sense"));
         let ranges = Ranges::parse(samples).ok_or_else(|| wrong(SAMPLES))?;
@@ -94,7 +94,7 @@ impl Part {
         let (names, slots): (Vec<String>, Vec<_>) = slots(classes, splats).into_iter().unzip();
         if ranges.is_complete() && !file.counts(&names[0])? {
             return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
-                .with_hint("a complete picture keeps no sums, unless it was rendered with --resume"));
+                .with_hint("a complete picture keeps no sums, unless it was rendered with `resume`"));
         }
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;

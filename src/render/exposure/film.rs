@@ -63,7 +63,7 @@ impl Exposure {
         let count = width.saturating_mul(height);
         let sums = count.saturating_mul(classes.map_or(0, Classes::count));
         if count == 0 || count > MAX_PIXELS {
-            return Err(Error::parameter("-r", format!("no film for {width}x{height} pixels"))
+            return Err(Error::parameter("width", format!("no film for {width}x{height} pixels"))
                 .with_hint("at least 1x1 and at most 2^28 pixels"));
         }
         let what = || {

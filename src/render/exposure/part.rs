@@ -82,7 +82,7 @@ impl Part {
         let ranges = self.ranges();
         let held = ranges.to_string();
         self.ranges = ranges.of(spp).ok_or_else(|| {
-            Error::parameter("-s", format!("{spp} samples per pixel are fewer than there are: {held}"))
+            Error::parameter("spp", format!("{spp} samples per pixel are fewer than there are: {held}"))
                 .with_hint("samples cannot be taken away; render anew")
         })?;
         Ok(())

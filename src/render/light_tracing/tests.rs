@@ -9,7 +9,7 @@ use crate::scene::{
     Camera, Conductor, Distribution, Emission, Material, Mesh, Object, Projection, Rectangle, Request, Role, Scene,
     Shape, Sphere,
 };
-use crate::stats::estimate::Estimate;
+use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use std::sync::Arc;
 

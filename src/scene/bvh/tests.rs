@@ -193,7 +193,7 @@ fn nothing_is_hit_where_nothing_is() {
         Vec3::INFINITY,
     ];
     let triangles = vec![[3, 4, 3], [3, 3, 3], [3, 4, 9], [3, 4, 5], [3, 4, 6], [0, 1, 2]];
-    let bvh = MeshBvh::build(&[&Mesh { positions, normals: vec![], triangles }]);
+    let bvh = MeshBvh::build(&[&Mesh { positions, triangles, ..Mesh::default() }]);
     let hit = bvh.nearest(&ray, f32::INFINITY).unwrap();
     assert_eq!((hit.t, hit.triangle), (5.0, 5));
     let nan = Ray { origin: Vec3::NAN, direction: Vec3::NAN };
@@ -227,7 +227,7 @@ fn hostile_triangles_take_no_time() {
             .collect();
         let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let start = Instant::now();
-        let bvh = MeshBvh::build(&[&Mesh { positions, normals: vec![], triangles }]);
+        let bvh = MeshBvh::build(&[&Mesh { positions, triangles, ..Mesh::default() }]);
         let ray = Ray { origin: Vec3::new(0.0, 1e-3, 9.0), direction: Vec3::NEG_Z };
         let _ = bvh.nearest(&ray, f32::INFINITY);
         assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());

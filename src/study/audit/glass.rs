@@ -5,8 +5,8 @@ use crate::bsdf::report_model::ReportGlass;
 use crate::bsdf::{DielectricFresnel, Glass, Scatter};
 use crate::optics::{dielectric, schlick};
 use crate::raster::Rgb;
-use crate::stats::{Atom, Directions, Draw, Pole, density, sampler};
 use crate::study::validation::Case;
+use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
 
 /// Index of the glass, and an angle inside it below the critical one of 43.6°.
@@ -24,14 +24,14 @@ pub fn suspect() -> Suspect {
             let draw = move |u: &[f64]| {
                 let uc = u[0] as f32;
                 let sample = if printed { report.sample(wo, uc, [0.5; 2]) } else { right.sample(wo, uc, [0.5; 2]) };
-                sample.map(|sample| Draw::atom(sample.wi.as_dvec3()))
+                sample.map(|sample| Sample::atom(sample.wi.as_dvec3().to_array()))
             };
             let truth = dielectric::fresnel(cos, 1.0 / ETA);
             let reflected = truth.unpolarized();
-            let atom = |point, probability| Atom { point, probability };
+            let atom = |point: [f64; 3], probability| Atom { point, probability };
             let atoms = vec![
-                atom(DVec3::new(-sin, 0.0, -cos), reflected),
-                atom(DVec3::new(-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)), 1.0 - reflected),
+                atom([-sin, 0.0, -cos], reflected),
+                atom([-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)], 1.0 - reflected),
             ];
             (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
         })

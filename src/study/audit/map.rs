@@ -8,11 +8,12 @@ use crate::envmap::sampler::{CdfSampler, DirectionSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::error::{Error, Result};
 use crate::raster::{Image, Rgb};
+use crate::sampling::direction_density;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::{Table1, Table2};
-use crate::stats::{DensityFn, Directions, Discrete, Draw, Pole, density, sampler};
 use crate::study::proposal::SIGMA;
 use crate::study::validation::Case;
+use etalon_stats::{Density, Directions, Discrete, Pole, Sample, density, sampler};
 use glam::DVec3;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::PI;
@@ -41,8 +42,8 @@ fn of_floor(y: usize) -> f64 {
 }
 
 /// `pdf` of directions, constant over texels.
-fn by_texel<F: Fn(DVec3) -> f64 + Sync>(pdf: F) -> DensityFn<DVec3, F> {
-    density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
+fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density<[f64; 3]> {
+    direction_density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 
 fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case
@@ -53,7 +54,10 @@ where
         let map = even_sky();
         let draw = pick(map.geometry());
         let right = CdfSampler::new(map);
-        (sampler(2, move |u: &[f64]| draw([u[0], u[1]]).map(Draw::new)), by_texel(move |w| right.pdf(w)))
+        (
+            sampler(2, move |u: &[f64]| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
+            by_texel(move |w| right.pdf(w)),
+        )
     })
 }
 
@@ -109,7 +113,7 @@ pub fn corners() -> Suspect {
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ReportSampler::new(even_sky());
         let claim = CdfSampler::new(even_sky());
-        let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Draw::new(sample.wi));
+        let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Sample::new(sample.wi.to_array()));
         (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
     });
     // Four by four texels.
@@ -155,7 +159,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
                 } else {
                     u[0]
                 };
-                Some(Draw::new(table.draw(u)?.cell))
+                Some(Sample::new(table.draw(u)?.cell))
             };
             (sampler(1, draw), density(move |row: usize| claim.probability(row)))
         })

@@ -9,13 +9,14 @@ use crate::optics::metals::{METALS, Metal};
 use crate::optics::microfacet::variants::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::raster::Rgb;
+use crate::sampling::direction_density;
 use crate::sampling::hash;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::warp;
-use crate::stats::cubature::integrate;
-use crate::stats::{Directions, Draw, Grid, Mass, Pole, Protocol, density, sampler};
 use crate::study::validation::Case;
+use etalon_stats::cubature::integrate;
+use etalon_stats::{Directions, Grid, Mass, Pole, Protocol, Sample, sampler};
 use glam::DVec3;
 
 const ALPHA: f64 = 0.5;
@@ -50,9 +51,9 @@ fn facet(wo: DVec3, wi: DVec3) -> DVec3 {
 
 /// ∫ f cos θᵢ over the hemisphere, for f in f64.
 fn albedo(f: impl Fn(DVec3) -> f64 + Sync) -> Result<f64> {
-    let reflected = density(move |wi: DVec3| f(wi) * wi.z);
+    let reflected = direction_density(move |wi: DVec3| f(wi) * wi.z);
     let cells = Grid::equal([8, 8], None);
-    Ok(integrate(&Directions::hemisphere(Pole::Z), &reflected, &cells, &[])?.values.iter().sum())
+    Ok(integrate(&Directions::hemisphere(Pole::Z), &reflected, &cells)?.values.iter().sum())
 }
 
 /// D G₂/(4 cos θₒ cos θᵢ).
@@ -75,13 +76,13 @@ fn printed_density() -> Result<Suspect> {
             let metal = metal(ReportConventions::ALL);
             let draw = move |u: &[f64]| {
                 let sample = metal.sample(wo.as_vec3(), 0.0, [u[0] as f32, u[1] as f32])?;
-                Some(Draw::new(sample.wi.as_dvec3()))
+                Some(Sample::new(sample.wi.as_dvec3().to_array()))
             };
             let pdf = move |wi: DVec3| {
                 let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
                 f64::from(if printed { printed_pdf(metal.distribution, wo, wi) } else { metal.pdf(wo, wi) })
             };
-            (sampler(2, draw), density(pdf).with_mass(Mass::AtMostOne))
+            (sampler(2, draw), direction_density(pdf).with_mass(Mass::AtMostOne))
         })
     };
     let facets = Beckmann::new(ALPHA);
@@ -116,10 +117,10 @@ fn fresnel_at_normal() -> Result<Suspect> {
     let case = |name: &str, at_normal: bool| {
         let metal = metal(ReportConventions { fresnel_at_normal: at_normal, ..ReportConventions::default() });
         Case::new(format!("audit/reciprocity/{name}"), move |protocol: &Protocol, round| {
-            let fault = largest_asymmetry(&metal, hash::key([protocol.seed, round, 0]));
-            let fault =
-                (fault > ROUNDING).then(|| format!("f(ωₒ, ωᵢ) and f(ωᵢ, ωₒ) differ by up to {:.0} %", 100.0 * fault));
-            Ok(exact(fault, u64::from(PAIRS)))
+            let asymmetry = largest_asymmetry(&metal, hash::key([protocol.seed, round, 0]));
+            let violation = (asymmetry > ROUNDING)
+                .then(|| format!("f(ωₒ, ωᵢ) and f(ωᵢ, ωₒ) differ by up to {:.0} %", 100.0 * asymmetry));
+            Ok(exact(violation, u64::from(PAIRS)))
         })
     };
     let reflectance = |cos: f64| fresnel(cos, COPPER.eta[BLUE], COPPER.k[BLUE]).unpolarized();
@@ -165,10 +166,12 @@ fn shadowing_with_pi() -> Result<Suspect> {
     let wo = viewer(SEEN_AT);
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/shadowing/{name}"), Directions::hemisphere(Pole::Z), move || {
-            let draw =
-                move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+            let draw = move |u: &[f64]| Some(Sample::new(facets.sample_visible(wo.to_array(), [u[0], u[1]])));
             let g1 = if printed { printed_g1(wo) } else { facets.g1(wo.to_array()) };
-            (sampler(2, draw), density(move |m: DVec3| facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1 / wo.z))
+            (
+                sampler(2, draw),
+                direction_density(move |m: DVec3| facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1 / wo.z),
+            )
         })
     };
     let printed = albedo(|wi| {

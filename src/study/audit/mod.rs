@@ -8,7 +8,7 @@ mod metal;
 
 use super::validation::{Case, run};
 use crate::error::Result;
-use crate::stats::{Outcome, Protocol, Verdict};
+use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
 /// One error of a report. Field names are the CSV columns.
@@ -104,7 +104,7 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
             verdict: outcome.verdict,
             p: outcome.p,
             samples: outcome.samples,
-            violation: outcome.fault,
+            violation: outcome.violation,
             right_verdict: sound.verdict,
             right_p: sound.p,
             error_in_picture,
@@ -115,9 +115,9 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     Ok(errata)
 }
 
-/// The outcome of a check without chance: `fault` says what it found among so many `samples`.
-fn exact(fault: Option<String>, samples: u64) -> Outcome {
-    Outcome { fault, ..Outcome::open(samples) }
+/// The outcome of a deterministic check of `samples` samples, and what it found wrong.
+fn exact(violation: Option<String>, samples: u64) -> Outcome {
+    Outcome { violation, ..Outcome::open(samples) }
 }
 
 /// A function at even steps from `from` to `to`, ends included.

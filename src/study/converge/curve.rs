@@ -5,8 +5,8 @@ use super::reference::Reference;
 use super::strategy::Strategy;
 use crate::error::Result;
 use crate::raster::{Comparison, Image};
-use crate::stats::estimate::Estimate;
-use crate::stats::fit;
+use crate::study::fit;
+use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;
 

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::raster::Image;
 use crate::render::Settings;
 use crate::scene::{Request, Scene};
-use crate::stats::estimate::Estimate;
+use etalon_stats::estimate::Estimate;
 
 /// Depths that are measured; the last one stands for all light.
 pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];

@@ -45,18 +45,18 @@ const IMAGE: usize = 12;
 impl Plan {
     fn check(&self, request: &Request, strategies: usize) -> Result<()> {
         if !(self.budget > 0.0 && self.budget <= LONGEST) {
-            return Err(Error::parameter("--budget", format!("{} is not a number of seconds", self.budget))
+            return Err(Error::parameter("budget", format!("{} is not a number of seconds", self.budget))
                 .with_hint("more than 0 and at most 86400"));
         }
         if self.max_spp == 0 || self.max_spp > 1 << 24 {
-            return Err(Error::parameter("--max-spp", format!("{} samples per pixel", self.max_spp))
+            return Err(Error::parameter("max_spp", format!("{} samples per pixel", self.max_spp))
                 .with_hint("from 1 to 16777216"));
         }
         if !(1..=1000).contains(&self.replicates) {
-            return Err(Error::parameter("--replicates", format!("{}", self.replicates)).with_hint("from 1 to 1000"));
+            return Err(Error::parameter("replicates", format!("{}", self.replicates)).with_hint("from 1 to 1000"));
         }
         if strategies == 0 {
-            return Err(Error::parameter("--strategies", "none is given"));
+            return Err(Error::parameter("strategies", "none is given"));
         }
         let levels = self.max_spp.ilog2() as usize + 1;
         let each = FILM + IMAGE * (levels + self.replicates as usize);

@@ -7,8 +7,8 @@ use crate::raster::Metadata;
 use crate::render::{Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Material, Request, Scene};
-use crate::stats::estimate::Estimate;
 use crate::study::seen::{Kind, Mean, Seen};
+use etalon_stats::estimate::Estimate;
 
 /// The ways of drawing normals, by name.
 pub const NORMALS: [(&str, Normals); 3] =

@@ -48,7 +48,7 @@ impl FromStr for Strategy {
         let mut parts = name.split('+');
         let (sampling, density) = directions(parts.next().unwrap_or_default()).ok_or_else(|| {
             let known: Vec<_> = NAMES.iter().map(|(name, _)| *name).collect();
-            Error::parameter("--strategies", format!("there is no strategy \"{name}\""))
+            Error::parameter("strategies", format!("there is no strategy \"{name}\""))
                 .with_hint(format!("strategies: {}; then +independent, +all-normals", known.join(", ")))
         })?;
         let mut strategy =
@@ -58,7 +58,7 @@ impl FromStr for Strategy {
                 "independent" => strategy.stream = StreamKind::Independent,
                 "all-normals" => strategy.normals = Normals::All,
                 _ => {
-                    return Err(Error::parameter("--strategies", format!("\"{name}\" ends in \"+{suffix}\""))
+                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{suffix}\""))
                         .with_hint("a strategy may end in +independent and in +all-normals"));
                 }
             }
@@ -146,7 +146,7 @@ impl Strategy {
             return Ok(());
         }
         let message = format!("{} needs an environment map, and the scene {} has none", self.name, scene.name);
-        Err(Error::parameter("--strategies", message).with_hint("for its lamps: light, bsdf, mis, hemisphere"))
+        Err(Error::parameter("strategies", message).with_hint("for its lamps: light, bsdf, mis, hemisphere"))
     }
 }
 

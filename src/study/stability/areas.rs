@@ -1,5 +1,6 @@
 //! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against counts of whole numbers.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE, TEXTBOOK};
 use super::row::Row;
@@ -10,6 +11,13 @@ use crate::error::Result;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "areas",
     about: "summed-area tables with one texel of 2^20 among 1 (areas), of 2^40 among 2^-40 (areas-extreme)",
+    figure: "stability-sums",
+    bounds: &[Bound {
+        name: "error of sums of few digits",
+        limit: 0.0,
+        reason: "all partial sums are whole multiples of 2^−12 below 2^41",
+        error: |row| (row.family == "areas").then_some(row.max_relative),
+    }],
     run,
 };
 

@@ -1,6 +1,7 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
-use super::family::{Answer, Family, Form, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::{Bound, rounding};
+use super::family::{Family, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use crate::bsdf::MetalFresnel;
@@ -10,6 +11,7 @@ use crate::raster::Rgb;
 pub const FAMILY: Family = Family {
     name: "conductor",
     about: "conductor reflectance of unpolarized light",
+    figure: "stability-conductor",
     inputs: &["eta", "k", "cos"],
     // Beyond, the renderer takes the metal for a perfect one.
     domains: &[(0.0, 1e6), (0.0, 1e6), (0.0, 1.0)],
@@ -42,32 +44,38 @@ pub const FAMILY: Family = Family {
         &[1e4, 1e4, 0.0],
     ],
     reference: |x| defined(x),
-    forms: &[
-        Form::new(STABLE, rendered, stable),
-        Form::new(TEXTBOOK, textbook, textbook),
-        Form::new(REPORT, report, report),
+    variants: &[
+        Variant::new(STABLE, rendered, stable),
+        Variant::new(TEXTBOOK, textbook, textbook),
+        Variant::new(REPORT, report, report),
     ],
     range: Range::UpTo(1.0),
+    bounds: &[Bound {
+        name: "roundings over the cancellation in (η + ik)² − s²",
+        limit: 93.0,
+        reason: "7 of the root, twice in each of 4 squares, and 37 of what is computed from them",
+        error: |case| case.deviations[0].map(|d| d.relative / (rounding(case.precision) * cancellation(&case.inputs))),
+    }],
     coarser: 1,
 };
 
 /// The renderer's, three channels at once without branches.
-fn rendered(x: &[f32]) -> Answer<f32> {
+fn rendered(x: &[f32]) -> Value<f32> {
     scalar(MetalFresnel::new(Rgb::splat(x[0]), Rgb::splat(x[1])).reflectance(x[2]).x)
 }
 
-fn stable(x: &[f64]) -> Answer<f64> {
+fn stable(x: &[f64]) -> Value<f64> {
     scalar(conductor::fresnel(x[2], x[0], x[1]).unpolarized())
 }
 
 /// The textbook's, where that is no quotient of zeros: grazing light meets no interface between equal indices.
-fn defined<T: Number>(x: &[T]) -> Answer<T> {
+fn defined<T: Number>(x: &[T]) -> Value<T> {
     if x[0] == T::of(1.0) && x[1] == T::of(0.0) { scalar(T::of(0.0)) } else { textbook(x) }
 }
 
 /// With s² = 1 − c², A² = (η² − k² − s²)² + 4η²k², a² = (A + η² − k² − s²)/2:
 /// R⊥ = (A + c² − 2ac)/(A + c² + 2ac), R∥ = R⊥ (A c² + s⁴ − 2ac s²)/(A c² + s⁴ + 2ac s²).
-fn textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn textbook<T: Number>(x: &[T]) -> Value<T> {
     let (eta, k, c) = (x[0], x[1], x[2]);
     let two = T::of(2.0);
     let s2 = T::of(1.0) - c.square();
@@ -82,6 +90,22 @@ fn textbook<T: Number>(x: &[T]) -> Answer<T> {
 }
 
 /// The second report's approximation.
-fn report<T: Machine>(x: &[T]) -> Answer<T> {
+fn report<T: Machine>(x: &[T]) -> Value<T> {
     scalar(conductor::fresnel_approximate(x[2], x[0], x[1]).unpolarized())
+}
+
+/// By how much the rounding of the terms of (η + ik)² − s² grows relative to their sum:
+/// κ = (|η² − 1| + c² + k²) / |(η + ik)² − s²|.
+///
+/// Let z² be that sum and u one rounding. (η−1)(η+1) − k² + c² has 5 roundings of its terms, so |Δz²| ≤ (5κ + 1) u |z²|
+/// and, with the roundings of the root itself, |Δz| ≤ 7κu |z|. As Re z ≥ 0 neither |c + z|² nor |cz + s²|² cancels: each
+/// has an error of at most 18κu, and 48κu remain of R⊥ = |n² − 1|²/|c + z|⁴, 43κu of 1 + |cz − s²|²/|cz + s²|².
+fn cancellation(inputs: &[f64]) -> f64 {
+    let [eta, k, c] = [inputs[0], inputs[1], inputs[2]];
+    let q = (eta - 1.0) * (eta + 1.0);
+    let terms = q.abs() + c * c + k * k;
+    // η² − s² by the smaller of two pairs of factors, which loses nothing.
+    let sin = ((1.0 - c) * (1.0 + c)).sqrt();
+    let modulus = ((eta - sin) * (eta + sin) - k * k).hypot(2.0 * eta * k);
+    if terms == 0.0 { 1.0 } else { terms / modulus }
 }

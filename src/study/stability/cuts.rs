@@ -1,5 +1,6 @@
 //! Median cut of maps that offer nothing to halve: constant, black, one bright texel.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE};
 use super::row::Row;
@@ -12,6 +13,16 @@ use std::f64::consts::PI;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "cuts",
     about: "light of the regions of a median cut of constant, black and one-hot maps; out of range: missing regions",
+    figure: "stability-sums",
+    bounds: &[
+        Bound::possible("regions that are missing"),
+        Bound {
+            name: "last places of the light of all regions",
+            limit: 8192.0,
+            reason: "2048 texels, each rounded 3 times and added once",
+            error: |row| Some(row.max_ulp),
+        },
+    ],
     run,
 };
 

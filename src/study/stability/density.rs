@@ -1,7 +1,8 @@
 //! The density of the normals that are seen from a direction.
 
+use super::bound::Bound;
 use super::distribution::{self, ALPHA, of_slope};
-use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Section, TEXTBOOK, scalar};
+use super::family::{Family, POSITIVE, Range, STABLE, Section, TEXTBOOK, Value, Variant, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number, dot};
 use super::refraction::direction;
@@ -12,29 +13,33 @@ use crate::sampling::normals::SampleNormals;
 pub const BECKMANN: Family = Family {
     name: "beckmann-pdf",
     about: "density of the visible normals of a Beckmann surface",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
-    forms: &[
-        Form::new(STABLE, beckmann_stable, beckmann_stable),
-        Form::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
+    variants: &[
+        Variant::new(STABLE, beckmann_stable, beckmann_stable),
+        Variant::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
     ],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(48.0, "20 of D, 20 of G₁, 6 of wo·wm, 2 of the products")],
     coarser: 1,
 };
 
 pub const GGX: Family = Family {
     name: "ggx-pdf",
     about: "density of the visible normals of a GGX surface",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_reference,
-    forms: &[Form::new(STABLE, ggx_stable, ggx_stable), Form::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
+    variants: &[Variant::new(STABLE, ggx_stable, ggx_stable), Variant::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(33.0, "13 of D, 12 of G₁, 6 of wo·wm, 2 of the products")],
     coarser: 1,
 };
 
@@ -51,18 +56,18 @@ fn split<T: Number>(x: &[T]) -> (T, [T; 3], [T; 3]) {
     (x[0], [x[1], x[2], x[3]], [x[4], x[5], x[6]])
 }
 
-fn beckmann_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, wm) = split(x);
     scalar(Beckmann::new(alpha).pdf_visible(wo, wm))
 }
 
-fn ggx_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, wm) = split(x);
     scalar(Ggx::new(alpha).pdf_visible(wo, wm))
 }
 
 /// D(m) (wo·m) G₁(wo) / cos θₒ, for functions of α, sin² and cos.
-fn visible<T: Number>(x: &[T], sin2: fn([T; 3]) -> T, d: fn(T, T, T) -> T, g1: fn(T, T, T) -> T) -> Answer<T> {
+fn visible<T: Number>(x: &[T], sin2: fn([T; 3]) -> T, d: fn(T, T, T) -> T, g1: fn(T, T, T) -> T) -> Value<T> {
     let (alpha, wo, wm) = split(x);
     scalar(d(alpha, sin2(wm), wm[2]) * dot(wo, wm) * g1(alpha, sin2(wo), wo[2]) / wo[2])
 }
@@ -75,18 +80,18 @@ fn from_z<T: Number>(w: [T; 3]) -> T {
     T::of(1.0) - w[2].square()
 }
 
-fn beckmann_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_reference<T: Number>(x: &[T]) -> Value<T> {
     visible(x, from_xy, distribution::beckmann, shadowing::beckmann)
 }
 
-fn beckmann_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_textbook<T: Number>(x: &[T]) -> Value<T> {
     visible(x, from_z, distribution::beckmann, shadowing::beckmann)
 }
 
-fn ggx_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_reference<T: Number>(x: &[T]) -> Value<T> {
     visible(x, from_xy, distribution::ggx, shadowing::ggx)
 }
 
-fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
     visible(x, from_z, distribution::ggx, shadowing::ggx)
 }

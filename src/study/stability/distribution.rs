@@ -1,6 +1,7 @@
 //! The density of microfacet normals, D.
 
-use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::Bound;
+use super::family::{Family, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::number::{Machine, Number};
 use super::refraction::direction;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
@@ -8,6 +9,7 @@ use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 pub const BECKMANN: Family = Family {
     name: "beckmann-d",
     about: "Beckmann's density of normals",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     // Beyond tan θ = 8 α there is less than 10⁻²⁷ of the normals.
@@ -17,17 +19,19 @@ pub const BECKMANN: Family = Family {
     ],
     edges: EDGES,
     reference: beckmann_reference,
-    forms: &[
-        Form::new(STABLE, beckmann_stable, beckmann_stable),
-        Form::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
+    variants: &[
+        Variant::new(STABLE, beckmann_stable, beckmann_stable),
+        Variant::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
     ],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(20.0, "9 of the root of D, twice, and 2 of what exp leaves")],
     coarser: 1,
 };
 
 pub const GGX: Family = Family {
     name: "ggx-d",
     about: "the GGX density of normals",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: &[
@@ -36,8 +40,9 @@ pub const GGX: Family = Family {
     ],
     edges: EDGES,
     reference: ggx_reference,
-    forms: &[Form::new(STABLE, ggx_stable, ggx_stable), Form::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
+    variants: &[Variant::new(STABLE, ggx_stable, ggx_stable), Variant::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(13.0, "5 of the root of D, twice, and 3 of its square over π")],
     coarser: 1,
 };
 
@@ -68,33 +73,33 @@ pub(super) fn of_slope(tan: f64) -> [f64; 3] {
     [0.6 * tan * cos, 0.8 * tan * cos, cos]
 }
 
-fn beckmann_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     scalar(Beckmann::new(x[0]).d([x[1], x[2], x[3]]))
 }
 
-fn ggx_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     scalar(Ggx::new(x[0]).d([x[1], x[2], x[3]]))
 }
 
-fn beckmann_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_reference<T: Number>(x: &[T]) -> Value<T> {
     above(x, beckmann(x[0], x[1].square() + x[2].square(), x[3]))
 }
 
-fn ggx_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_reference<T: Number>(x: &[T]) -> Value<T> {
     above(x, ggx(x[0], x[1].square() + x[2].square(), x[3]))
 }
 
 /// There are no normals below the horizon.
-fn above<T: Number>(x: &[T], d: T) -> Answer<T> {
+fn above<T: Number>(x: &[T], d: T) -> Value<T> {
     scalar(if x[3] > T::of(0.0) { d } else { T::of(0.0) })
 }
 
 /// With sin² = 1 − cos², as books and most renderers have it.
-fn beckmann_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_textbook<T: Number>(x: &[T]) -> Value<T> {
     scalar(beckmann(x[0], T::of(1.0) - x[3].square(), x[3]))
 }
 
-fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
     scalar(ggx(x[0], T::of(1.0) - x[3].square(), x[3]))
 }
 

@@ -1,12 +1,12 @@
-//! How far an answer is off, and how much of that its input's rounding alone would explain.
+//! How far a value is from the exact one, and how much of that rounding of its input alone would explain.
 
-use super::family::{Answer, Family, Form, Precision, Range};
+use super::family::{Family, Precision, Range, Value, Variant};
 use super::number::{Number, dot};
 use super::precise::Precise;
 
 /// The exact answer at an input, and how it answers to changes of that input.
 pub struct Exact {
-    pub answer: Answer<Precise>,
+    pub answer: Value<Precise>,
     /// Relative change of the answer per relative change of the inputs: Σ |xᵢ ∂f/∂xᵢ| / |f|. An input that is off by one
     /// part in 10⁷ alone moves the answer by this many parts in 10⁷.
     pub condition: f64,
@@ -68,10 +68,10 @@ pub enum Flaw {
     OutOfRange,
 }
 
-/// A form's answer, compared with the exact one.
+/// A variant's answer, compared with the exact one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Off {
-    pub value: Answer<f64>,
+pub struct Deviation {
+    pub value: Value<f64>,
     /// |answer − exact| / |exact|; 1 where one of them alone is nothing or 0. An exact answer below the smallest normal
     /// number counts as that.
     pub relative: f64,
@@ -80,17 +80,23 @@ pub struct Off {
     pub flaw: Option<Flaw>,
 }
 
-impl Off {
-    /// Runs a form; `None` where it does not exist in that precision.
+impl Deviation {
+    /// Runs a variant; `None` where it does not exist in that precision.
     #[must_use]
-    pub fn of(family: &Family, form: &Form, precision: Precision, inputs: &[f64], exact: &Exact) -> Option<Self> {
-        let value = form.evaluate(precision, inputs)?;
+    pub fn of(family: &Family, variant: &Variant, precision: Precision, inputs: &[f64], exact: &Exact) -> Option<Self> {
+        let value = variant.evaluate(precision, inputs)?;
+        Some(Self::between(family.range, precision, value, exact))
+    }
+
+    /// The error of a value.
+    #[must_use]
+    pub fn between(range: Range, precision: Precision, value: Value<f64>, exact: &Exact) -> Self {
         let (relative, ulp) = match (value, exact.answer) {
             (Some(value), Some(exact)) => distance(precision, value, exact),
             (None, None) => (0.0, 0.0),
             _ => altogether(precision),
         };
-        Some(Self { value, relative, ulp, flaw: value.and_then(|v| flaw(family.range, precision, v)) })
+        Self { value, relative, ulp, flaw: value.and_then(|v| flaw(range, precision, v)) }
     }
 }
 
@@ -133,13 +139,15 @@ mod tests {
     use super::*;
     use crate::study::stability::family::{STABLE, Scale, Section, scalar};
 
-    fn minus_one<T: Number>(x: &[T]) -> Answer<T> {
+    fn minus_one<T: Number>(x: &[T]) -> Value<T> {
         scalar(x[0] * x[0] - T::of(1.0))
     }
 
     const SQUARE: Family = Family {
         name: "square",
         about: "x² − 1",
+        figure: "",
+        bounds: &[],
         inputs: &["x"],
         domains: &[],
         sections: &[Section {
@@ -150,14 +158,14 @@ mod tests {
         }],
         edges: &[],
         reference: minus_one,
-        forms: &[Form::new(STABLE, minus_one, minus_one)],
+        variants: &[Variant::new(STABLE, minus_one, minus_one)],
         range: Range::UpTo(2.0),
         coarser: 1,
     };
 
-    fn off(x: f64) -> Off {
+    fn deviation(x: f64) -> Deviation {
         let exact = Exact::at(&SQUARE, &[x]);
-        Off::of(&SQUARE, &SQUARE.forms[0], Precision::Single, &[x], &exact).unwrap()
+        Deviation::of(&SQUARE, &SQUARE.variants[0], Precision::Single, &[x], &exact).unwrap()
     }
 
     #[test]
@@ -173,11 +181,11 @@ mod tests {
     fn cancellation_is_seen_and_flaws_are_told_apart() {
         // 1 + 2⁻²³ squared is 1 + 2⁻²² + 2⁻⁴⁶, of which f32 keeps all but the last term: 2⁻²⁴ of the difference.
         let x = f64::from(1f32.next_up());
-        assert!((off(x).relative / 2f64.powi(-24) - 1.0).abs() < 1e-6);
-        assert!((off(x).ulp - 0.5).abs() < 1e-6);
-        assert_eq!((off(1.5).relative, off(1.5).flaw), (0.0, None));
-        assert_eq!(off(0.5).flaw, Some(Flaw::Negative));
-        assert_eq!(off(2.0).flaw, Some(Flaw::OutOfRange));
-        assert_eq!((off(1e30).flaw, off(1e30).relative), (Some(Flaw::NonFinite), f64::INFINITY));
+        assert!((deviation(x).relative / 2f64.powi(-24) - 1.0).abs() < 1e-6);
+        assert!((deviation(x).ulp - 0.5).abs() < 1e-6);
+        assert_eq!((deviation(1.5).relative, deviation(1.5).flaw), (0.0, None));
+        assert_eq!(deviation(0.5).flaw, Some(Flaw::Negative));
+        assert_eq!(deviation(2.0).flaw, Some(Flaw::OutOfRange));
+        assert_eq!((deviation(1e30).flaw, deviation(1e30).relative), (Some(Flaw::NonFinite), f64::INFINITY));
     }
 }

@@ -1,13 +1,18 @@
 //! What has no formula to compare with but an exact answer: sums, tables, cuts, paths.
 
+use super::bound::Bound;
 use super::family::Precision;
 use super::row::Row;
 use crate::error::Result;
 
-/// An experiment whose right answer is known by integers, by construction, or in closed form.
+/// An experiment whose right answer is known by integers, by construction, or in closed variant.
 pub struct Experiment {
     pub name: &'static str,
     pub about: &'static str,
+    /// The figure that shows it.
+    pub figure: &'static str,
+    /// What the errors of the code that renders may be.
+    pub bounds: &'static [Bound<Row>],
     pub run: fn(&Effort, u64) -> Result<Vec<Row>>,
 }
 
@@ -36,13 +41,13 @@ impl Effort {
         Self { side: 9, film_samples: 1_000_000, map: [1024, 512], draws: 100_000, bounces: 10_000 };
 }
 
-/// Errors of one form of an experiment on their way into a [`Row`].
+/// Errors of one variant of an experiment on their way into a [`Row`].
 pub struct Tally(Row);
 
 impl Tally {
     #[must_use]
-    pub fn new(family: &'static str, form: &'static str, precision: Precision) -> Self {
-        Self(Row { family, form, precision, ..Row::default() })
+    pub fn new(family: &'static str, variant: &'static str, precision: Precision) -> Self {
+        Self(Row { family, variant, precision, ..Row::default() })
     }
 
     /// Compares one result with the exact one. `condition` is the sum of what was added over the result, by modulus: a
@@ -53,9 +58,9 @@ impl Tally {
         row.cases += 1;
         row.non_finite += u64::from(!value.is_finite());
         row.negative += u64::from(value < 0.0);
-        let off = if value == exact { 0.0 } else { (value - exact).abs() };
-        let relative = if off == 0.0 { 0.0 } else { off / exact.abs() };
-        let ulp = off / row.precision.unit(exact);
+        let error = if value == exact { 0.0 } else { (value - exact).abs() };
+        let relative = if error == 0.0 { 0.0 } else { error / exact.abs() };
+        let ulp = error / row.precision.unit(exact);
         row.max_ulp = row.max_ulp.max(ulp);
         row.max_ulp_per_condition = row.max_ulp_per_condition.max(ulp / condition.max(1.0));
         if first || relative > row.max_relative || relative.is_nan() {
@@ -73,7 +78,7 @@ impl Tally {
         self.0.cases += count;
     }
 
-    /// Takes in what another thread found of the same form.
+    /// Takes in what another thread found of the same variant.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
         let (mine, theirs) = (&mut self.0, other.0);

@@ -1,6 +1,7 @@
 //! The facet that reflects one direction into another: its normal, the half vector, and the cosine with either.
 
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::Bound;
+use super::family::{Family, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::number::{Number, dot, normalized};
 use crate::bsdf::Facet;
 use glam::Vec3;
@@ -8,26 +9,30 @@ use glam::Vec3;
 pub const NORMAL: Family = Family {
     name: "half-vector",
     about: "normal of the facet between nearly opposite directions",
+    figure: "stability-geometry",
     inputs: INPUTS,
     domains: &[],
     sections: SECTIONS,
     edges: EDGES,
     reference: normal,
-    forms: &[Form::single(STABLE, rendered_normal), Form::new(TEXTBOOK, normal, normal)],
+    variants: &[Variant::single(STABLE, rendered_normal), Variant::new(TEXTBOOK, normal, normal)],
     range: Range::Unit,
+    bounds: &[Bound::roundings(8.0, "3 of the sum, 4 of its length, 1 of the quotient")],
     coarser: 1,
 };
 
 pub const COSINE: Family = Family {
     name: "half-cosine",
     about: "cosine of nearly opposite directions with the facet between them",
+    figure: "stability-geometry",
     inputs: INPUTS,
     domains: &[],
     sections: SECTIONS,
     edges: EDGES,
     reference: |x| cosine(x),
-    forms: &[Form::single(STABLE, rendered_cosine), Form::new(TEXTBOOK, projected, projected)],
+    variants: &[Variant::single(STABLE, rendered_cosine), Variant::new(TEXTBOOK, projected, projected)],
     range: Range::UpTo(1.0),
+    bounds: &[Bound::roundings(8.0, "3 of the sum, 4 of its length, 1 of the half")],
     coarser: 1,
 };
 
@@ -58,27 +63,27 @@ fn rendered(x: &[f32]) -> Option<Facet> {
     Facet::between(wo, wi)
 }
 
-fn rendered_normal(x: &[f32]) -> Answer<f32> {
+fn rendered_normal(x: &[f32]) -> Value<f32> {
     rendered(x).map(|facet| facet.wm)
 }
 
-fn rendered_cosine(x: &[f32]) -> Answer<f32> {
+fn rendered_cosine(x: &[f32]) -> Value<f32> {
     rendered(x).and_then(|facet| scalar(facet.cos))
 }
 
 /// (wo + wi) / |wo + wi|.
-fn normal<T: Number>(x: &[T]) -> Answer<T> {
+fn normal<T: Number>(x: &[T]) -> Value<T> {
     Some(normalized(sum(x)))
 }
 
 /// |wo + wi| / 2.
-fn cosine<T: Number>(x: &[T]) -> Answer<T> {
+fn cosine<T: Number>(x: &[T]) -> Value<T> {
     let sum = sum(x);
     scalar(dot(sum, sum).sqrt() / T::of(2.0))
 }
 
 /// wo · wm.
-fn projected<T: Number>(x: &[T]) -> Answer<T> {
+fn projected<T: Number>(x: &[T]) -> Value<T> {
     let [wo, _] = split(x);
     scalar(dot(wo, normalized(sum(x))))
 }

@@ -1,16 +1,18 @@
-//! What a family of formulas is: its inputs, the grids that they are swept over, the reference and the forms.
+//! What a family of formulas is: its inputs, the grids that they are swept over, the reference and the variants.
 
+use super::bound::Bound;
 use super::number::Machine;
 use super::precise::Precise;
+use super::sweep::Case;
 
 /// What a formula gives: a number (the others are 0), a vector, or nothing, such as a ray that misses.
-pub type Answer<T> = Option<[T; 3]>;
+pub type Value<T> = Option<[T; 3]>;
 
 /// A formula of several inputs.
-pub type Formula<T> = fn(&[T]) -> Answer<T>;
+pub type Formula<T> = fn(&[T]) -> Value<T>;
 
 /// The answer of a formula for a number.
-pub fn scalar<T: super::number::Number>(value: T) -> Answer<T> {
+pub fn scalar<T: super::number::Number>(value: T) -> Value<T> {
     Some([value, T::of(0.0), T::of(0.0)])
 }
 
@@ -18,6 +20,8 @@ pub fn scalar<T: super::number::Number>(value: T) -> Answer<T> {
 pub struct Family {
     pub name: &'static str,
     pub about: &'static str,
+    /// The figure that shows it.
+    pub figure: &'static str,
     /// Names of the inputs, as replays give them.
     pub inputs: &'static [&'static str],
     /// Least and largest value of each of the first inputs; the others may be any number.
@@ -25,11 +29,13 @@ pub struct Family {
     pub sections: &'static [Section],
     /// Inputs that no grid of factors reaches: zeros, poles and the like.
     pub edges: &'static [&'static [f64]],
-    /// The defining formula, at the very input that the forms get.
-    pub reference: fn(&[Precise]) -> Answer<Precise>,
+    /// The defining formula, at the very input that the variants get.
+    pub reference: fn(&[Precise]) -> Value<Precise>,
     /// The first is the one that renders.
-    pub forms: &'static [Form],
+    pub variants: &'static [Variant],
     pub range: Range,
+    /// What the errors of the variant that renders may be.
+    pub bounds: &'static [Bound<Case>],
     /// What the sides of the grids are divided by, where the reference takes long.
     pub coarser: usize,
 }
@@ -40,27 +46,27 @@ pub const INDEX: (f64, f64) = (1e-18, 1e18);
 pub const POSITIVE: (f64, f64) = (f32::MIN_POSITIVE as f64, f32::MAX as f64);
 
 /// One way of computing a family's quantity.
-pub struct Form {
+pub struct Variant {
     pub name: &'static str,
     pub single: Formula<f32>,
     /// `None` for code that exists in f32 alone.
     pub double: Option<Formula<f64>>,
 }
 
-/// The form that renders.
+/// The variant that renders.
 pub const STABLE: &str = "stable";
 /// The formula as books print it.
 pub const TEXTBOOK: &str = "textbook";
 /// The formula of one of the two reports, where that is another one.
 pub const REPORT: &str = "report";
 
-impl Form {
-    pub const fn new(name: &'static str, single: fn(&[f32]) -> Answer<f32>, double: fn(&[f64]) -> Answer<f64>) -> Self {
+impl Variant {
+    pub const fn new(name: &'static str, single: fn(&[f32]) -> Value<f32>, double: fn(&[f64]) -> Value<f64>) -> Self {
         Self { name, single, double: Some(double) }
     }
 
-    /// A form that exists in f32 alone.
-    pub const fn single(name: &'static str, single: fn(&[f32]) -> Answer<f32>) -> Self {
+    /// A variant that exists in f32 alone.
+    pub const fn single(name: &'static str, single: fn(&[f32]) -> Value<f32>) -> Self {
         Self { name, single, double: None }
     }
 }
@@ -70,7 +76,7 @@ impl Form {
 pub enum Range {
     /// From 0 to this.
     UpTo(f64),
-    /// Unit vectors: lengths are off by at most 4 units of the last place.
+    /// Unit vectors: lengths have an error of at most 4 units of the last place.
     Unit,
 }
 
@@ -113,7 +119,7 @@ impl Scale {
     }
 }
 
-/// The precision that a form runs in.
+/// The precision that a variant runs in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub enum Precision {
     #[default]
@@ -165,19 +171,19 @@ impl Precision {
     }
 }
 
-impl Form {
-    /// What the form gives for inputs that are numbers of that precision; `None` where it does not run in it.
-    pub fn evaluate(&self, precision: Precision, inputs: &[f64]) -> Option<Answer<f64>> {
+impl Variant {
+    /// What the variant gives for inputs that are numbers of that precision; `None` where it does not run in it.
+    pub fn evaluate(&self, precision: Precision, inputs: &[f64]) -> Option<Value<f64>> {
         match precision {
             Precision::Single => Some(run(self.single, inputs)),
-            Precision::Double => self.double.map(|form| run(form, inputs)),
+            Precision::Double => self.double.map(|variant| run(variant, inputs)),
         }
     }
 }
 
-fn run<T: Machine>(form: fn(&[T]) -> Answer<T>, inputs: &[f64]) -> Answer<f64> {
+fn run<T: Machine>(variant: fn(&[T]) -> Value<T>, inputs: &[f64]) -> Value<f64> {
     let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::optics::Real>::lit(x)).collect();
-    form(&inputs).map(|answer| answer.map(crate::optics::Real::wide))
+    variant(&inputs).map(|answer| answer.map(crate::optics::Real::wide))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The film: the mean of very many samples of one pixel, against whole numbers.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE, TEXTBOOK};
 use super::number::Number;
@@ -9,8 +10,18 @@ use crate::error::Result;
 use crate::raster::Rgb;
 use crate::render::exposure::Exposure;
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "film", about: "mean of up to 1e8 samples of one pixel, all alike or far apart", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "film",
+    about: "mean of up to 1e8 samples of one pixel, all alike or far apart",
+    figure: "stability-sums",
+    bounds: &[Bound {
+        name: "last places",
+        limit: 0.5,
+        reason: "sums are exact, and the mean is rounded once",
+        error: |row| Some(row.max_ulp),
+    }],
+    run,
+};
 
 /// The samples of a channel: these two by turns.
 const CHANNELS: [[f32; 2]; 3] = [[0.1, 0.1], [1e6, 1e-6], [1.0, 3e-8]];

@@ -1,12 +1,16 @@
 //! Dielectric Fresnel reflectance of unpolarized light.
 
-use super::family::{Answer, Family, Form, INDEX, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::Bound;
+use super::family::{
+    Family, INDEX, Precision, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar,
+};
 use super::number::{Machine, Number};
 use crate::optics::{dielectric, schlick};
 
 pub const FAMILY: Family = Family {
     name: "fresnel",
     about: "dielectric reflectance of unpolarized light",
+    figure: "stability-fresnel",
     inputs: &["eta", "cos"],
     domains: &[INDEX, (0.0, 1.0)],
     sections: &[
@@ -26,12 +30,28 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[&[1.0, 0.0], &[1.0, 1e-12], &[1.0, 1.0], &[1.5, 0.0], &[1.5, 1.0], &[0.5, 0.0], &[0.5, 1.0]],
     reference: |x| defined(x),
-    forms: &[
-        Form::new(STABLE, stable, stable),
-        Form::new(TEXTBOOK, textbook, textbook),
-        Form::new(REPORT, report, report),
+    variants: &[
+        Variant::new(STABLE, stable, stable),
+        Variant::new(TEXTBOOK, textbook, textbook),
+        Variant::new(REPORT, report, report),
     ],
     range: Range::UpTo(1.0),
+    bounds: &[
+        Bound {
+            name: "relative error in f32 away from the critical angle",
+            limit: 1e-6,
+            reason: "what the module `optics::dielectric` states",
+            error: |case| {
+                let [eta, cos] = [case.inputs[0], case.inputs[1]];
+                let judged = case.precision == Precision::Single && (1e-3..=1e3).contains(&eta) && is_away(eta, cos);
+                judged.then(|| case.deviations[0].map(|d| d.relative)).flatten()
+            },
+        },
+        Bound::roundings(
+            8.0,
+            "49 roundings (30 of r⊥², 16 of (r∥/r⊥)², 3 of the mean) that add up like random ones: √49, and one more",
+        ),
+    ],
     coarser: 1,
 };
 
@@ -42,17 +62,17 @@ pub(super) fn critical_cosine(eta: f64) -> f64 {
     ((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt()
 }
 
-fn stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn stable<T: Machine>(x: &[T]) -> Value<T> {
     scalar(dielectric::fresnel(x[1], x[0]).unpolarized())
 }
 
 /// The textbook's, but that grazing light between equal indices is not reflected.
-fn defined<T: Number>(x: &[T]) -> Answer<T> {
+fn defined<T: Number>(x: &[T]) -> Value<T> {
     if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook(x) }
 }
 
 /// (cos θᵢ − η cos θₜ)/(cos θᵢ + η cos θₜ) and (η cos θᵢ − cos θₜ)/(η cos θᵢ + cos θₜ), squared and averaged.
-fn textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn textbook<T: Number>(x: &[T]) -> Value<T> {
     let (eta, cos_i) = (x[0], x[1]);
     let one = T::of(1.0);
     let sin2_t = (one - cos_i.square()) / eta.square();
@@ -66,6 +86,11 @@ fn textbook<T: Number>(x: &[T]) -> Answer<T> {
 }
 
 /// The first report's Schlick, which takes the incident cosine on both sides.
-fn report<T: Machine>(x: &[T]) -> Answer<T> {
+fn report<T: Machine>(x: &[T]) -> Value<T> {
     scalar(schlick::schlick_incident_cosine(x[1], x[0]))
+}
+
+/// Whether a direction is a degree or more from the critical angle.
+fn is_away(eta: f64, cos: f64) -> bool {
+    eta >= 1.0 || (cos.acos() - eta.asin()).abs() >= 1f64.to_radians()
 }

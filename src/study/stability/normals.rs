@@ -1,7 +1,8 @@
 //! Drawing the normals that are seen from a direction.
 
+use super::bound::Bound;
 use super::distribution::ALPHA;
-use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK};
+use super::family::{Family, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number, normalized};
 use super::precise::Precise;
@@ -12,29 +13,38 @@ use crate::sampling::normals::SampleNormals;
 pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
     about: "visible normals drawn from a Beckmann surface",
+    figure: "stability-sampling",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
-    forms: &[
-        Form::new(STABLE, beckmann_stable, beckmann_stable),
-        Form::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
+    variants: &[
+        Variant::new(STABLE, beckmann_stable, beckmann_stable),
+        Variant::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
     ],
     range: Range::Unit,
+    bounds: &[Bound {
+        name: "relative error over condition number",
+        limit: 1e-7,
+        reason: "what the inversion of the slopes states, in f64 as in f32",
+        error: |case| case.deviations[0].map(|d| d.relative / case.condition.max(1.0)),
+    }],
     coarser: 2,
 };
 
 pub const GGX: Family = Family {
     name: "ggx-normal",
     about: "visible normals drawn from a GGX surface",
+    figure: "stability-sampling",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_textbook,
-    forms: &[Form::new(STABLE, ggx_stable, ggx_stable), Form::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
+    variants: &[Variant::new(STABLE, ggx_stable, ggx_stable), Variant::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
     range: Range::Unit,
+    bounds: &[Bound::roundings(20.0, "6 of the stretched direction, 8 of the point of the cap, 6 of the unit vector")],
     coarser: 1,
 };
 
@@ -59,18 +69,18 @@ fn split<T: Number>(x: &[T]) -> (T, [T; 3], [T; 2]) {
     (x[0], [x[1], x[2], x[3]], [x[4], x[5]])
 }
 
-fn beckmann_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, u) = split(x);
     Some(Beckmann::new(alpha).sample_visible(wo, u))
 }
 
-fn ggx_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, u) = split(x);
     Some(Ggx::new(alpha).sample_visible(wo, u))
 }
 
 /// The spherical cap as printed: z = (1 − u)(1 + v_z) − v_z, sin = √(1 − z²). Source: Dupuy & Benyoub, HPG 2023.
-fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
     let (alpha, wo, u) = split(x);
     let one = T::of(1.0);
     let v = normalized([alpha * wo[0], alpha * wo[1], wo[2]]);
@@ -81,16 +91,16 @@ fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
 }
 
 /// The slopes along and across `wo` by inversion of their distributions, made a unit vector.
-fn beckmann_reference(x: &[Precise]) -> Answer<Precise> {
+fn beckmann_reference(x: &[Precise]) -> Value<Precise> {
     from_slopes(x, |cos, slope, u| polished(cos, slope, u, bisected(cos.to_f64(), slope.to_f64(), u.to_f64())))
 }
 
 /// The same by bisection alone, in the precision at hand.
-fn beckmann_textbook<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_textbook<T: Machine>(x: &[T]) -> Value<T> {
     from_slopes(x, bisected)
 }
 
-fn from_slopes<T: Number>(x: &[T], visible: impl Fn(T, T, T) -> T) -> Answer<T> {
+fn from_slopes<T: Number>(x: &[T], visible: impl Fn(T, T, T) -> T) -> Value<T> {
     let (alpha, wo, u) = split(x);
     let sin = (wo[0].square() + wo[1].square()).sqrt();
     let (zero, one) = (T::of(0.0), T::of(1.0));

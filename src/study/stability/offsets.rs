@@ -1,5 +1,6 @@
 //! Rays that leave a triangle must not hit it again, at any scale: the offset of their origins.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE, TEXTBOOK};
 use super::row::Row;
@@ -12,6 +13,16 @@ use rayon::prelude::*;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "offsets",
     about: "offsets of leaving rays, relative to the scene; out of range: rays that hit what they leave",
+    figure: "stability-geometry",
+    bounds: &[
+        Bound::possible("rays that hit what they leave"),
+        Bound {
+            name: "offset over the size of the triangle",
+            limit: 1.95e-4,
+            reason: "16 ε times the largest coordinate, which is at most 102 sizes",
+            error: |row| Some(row.max_relative),
+        },
+    ],
     run,
 };
 
@@ -20,10 +31,10 @@ const FIXED: f32 = 1e-4;
 
 fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
     let count = (effort.side * effort.side) as u64 * 16;
-    let rows = [STABLE, TEXTBOOK].into_iter().map(|form| {
+    let rows = [STABLE, TEXTBOOK].into_iter().map(|variant| {
         // The renderer's is 16 ε times the largest coordinate.
-        let offset = |mesh: &Mesh| if form == STABLE { 4.0 * mesh.error() } else { FIXED };
-        let tally = || Tally::new("offsets", form, Precision::Single);
+        let offset = |mesh: &Mesh| if variant == STABLE { 4.0 * mesh.error() } else { FIXED };
+        let tally = || Tally::new("offsets", variant, Precision::Single);
         let found = (0..count).into_par_iter().filter_map(|i| {
             let (mesh, [u, v], around, scale) = random(seed, i)?;
             let Surface { point, normal, .. } = mesh.surface(0, u, v)?;

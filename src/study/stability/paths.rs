@@ -1,5 +1,6 @@
 //! Long paths where no light is lost: a closed white room that glows, and a walk over materials that absorb nothing.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE};
 use super::row::Row;
@@ -16,6 +17,21 @@ use glam::{DVec3, Vec3};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "paths",
     about: "energy after 10 000 bounces in a furnace (paths) and over materials (walks)",
+    figure: "stability-sums",
+    bounds: &[
+        Bound {
+            name: "energy drift in a furnace",
+            limit: 0.0,
+            reason: "a factor of 1 and a sum of fewer than 2^24 ones are exact",
+            error: |row| (row.family == "paths").then_some(row.max_relative),
+        },
+        Bound {
+            name: "energy drift of walks over materials, last places for each bounce",
+            limit: 1.0,
+            reason: "every third bounce is on glass, whose weight and product are rounded three times",
+            error: |row| (row.family == "walks").then_some(row.max_ulp_per_condition),
+        },
+    ],
     run,
 };
 
@@ -100,7 +116,10 @@ fn walks(effort: &Effort, seed: u64) -> Row {
             wo = -sample.wi;
         }
         let scale = if inside { f64::from(ETA).powi(2) } else { 1.0 };
-        tally.compare(f64::from(throughput) * scale, 1.0, 1.0, || format!("walk {walk} of {} bounces", effort.bounces));
+        // The condition number of a product is the number of its factors.
+        tally.compare(f64::from(throughput) * scale, 1.0, f64::from(effort.bounces), || {
+            format!("walk {walk} of {} bounces", effort.bounces)
+        });
     }
     tally.row()
 }

@@ -1,16 +1,18 @@
-//! One input again: every form in every precision.
+//! One input again: every variant in every precision.
 
 use super::error::{Exact, Flaw};
 use super::family::{Family, Precision};
 use super::sweep::case;
-use super::{FAMILIES, names};
+use super::{families, names};
 use crate::error::{Error, Result};
+use crate::import::number::number;
 use serde::Serialize;
 
-/// One form at the input.
+/// One variant at the input.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Line {
-    pub form: &'static str,
+    #[serde(rename = "form")]
+    pub variant: &'static str,
     pub precision: Precision,
     /// Nothing for an answer such as "the ray misses"; one number, or three of a vector.
     pub value: Vec<f64>,
@@ -37,10 +39,10 @@ pub struct Replay {
 /// [`Error::Parameter`] for anything else.
 pub fn replay(text: &str) -> Result<Replay> {
     let (name, inputs) = text.split_once(':').unwrap_or((text, ""));
-    let Some(family) = FAMILIES.iter().find(|family| family.name == name) else {
-        let known: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
+    let Some(family) = families().find(|family| family.name == name) else {
+        let known: Vec<_> = families().map(|family| family.name).collect();
         let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
-        return Err(Error::parameter("--replay", format!("\"{name}\" is {what}"))
+        return Err(Error::parameter("case", format!("\"{name}\" is {what}"))
             .with_hint(format!("formulas: {}", known.join(", "))));
     };
     let inputs = parse(family, inputs)?;
@@ -49,17 +51,17 @@ pub fn replay(text: &str) -> Result<Replay> {
         let case = case(family, precision, &inputs);
         let numbers = |answer: [f64; 3]| answer[..family.range.components()].to_vec();
         let reference = Exact::at(family, &case.inputs).answer.map(|answer| answer.map(|x| x.to_f64()));
-        for (form, off) in family.forms.iter().zip(&case.off) {
-            let Some(off) = off else { continue };
+        for (variant, deviation) in family.variants.iter().zip(&case.deviations) {
+            let Some(deviation) = deviation else { continue };
             lines.push(Line {
-                form: form.name,
+                variant: variant.name,
                 precision,
-                value: off.value.map_or(Vec::new(), numbers),
+                value: deviation.value.map_or(Vec::new(), numbers),
                 reference: reference.map_or(Vec::new(), numbers),
-                ulp: off.ulp,
-                relative: off.relative,
+                ulp: deviation.ulp,
+                relative: deviation.relative,
                 condition: case.condition,
-                flaw: match off.flaw {
+                flaw: match deviation.flaw {
                     Some(Flaw::NonFinite) => "not finite",
                     Some(Flaw::Negative) => "negative",
                     Some(Flaw::OutOfRange) => "out of range",
@@ -74,7 +76,7 @@ pub fn replay(text: &str) -> Result<Replay> {
 fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     let refuse = |message: String| {
         let form: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
-        Error::parameter("--replay", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
+        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
     };
     let mut inputs = vec![None; family.inputs.len()];
     for part in text.split(',').filter(|part| !part.is_empty()) {
@@ -100,54 +102,14 @@ fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     }
 }
 
-/// A decimal, or a hexadecimal float such as `-0x1.8p-3`.
-fn number(text: &str) -> Option<f64> {
-    let (sign, digits) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
-    let Some(hexadecimal) = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) else {
-        return text.parse().ok();
-    };
-    let (mantissa, exponent) = hexadecimal.split_once(['p', 'P']).unwrap_or((hexadecimal, "0"));
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-    let digits: String = [whole, fraction].concat();
-    // 13 digits fill a double's fraction; one more stands before the point.
-    if digits.is_empty() || digits.len() > 14 || digits.starts_with(['+', '-']) {
-        return None;
-    }
-    let exponent: i32 = exponent.parse().ok()?;
-    let scale = exponent.checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
-    // In two steps, so that neither factor leaves the range before the product does.
-    let half = scale.clamp(-2200, 2200) / 2;
-    let product =
-        u64::from_str_radix(&digits, 16).ok()? as f64 * 2f64.powi(half) * 2f64.powi(scale.clamp(-2200, 2200) - half);
-    Some(sign * product)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::study::stability::family::{STABLE, Section};
 
     #[test]
-    fn numbers_are_read_exactly() {
-        for (text, expected) in [
-            ("0.1", 0.1),
-            ("-1e-12", -1e-12),
-            ("0x1p-3", 0.125),
-            ("-0x1.8p1", -3.0),
-            ("0x1.999999999999ap-4", 0.1),
-            ("0x0.0000000000001p-1022", 5e-324),
-            ("0X10", 16.0),
-        ] {
-            assert_eq!(number(text), Some(expected), "{text}");
-        }
-        for text in ["", "0x", "x", "0x1p", "0x1pp2", "1e", "0x-1", "0x123456789abcdef0", "--1"] {
-            assert_eq!(number(text), None, "{text}");
-        }
-    }
-
-    #[test]
     fn the_grids_and_edges_lie_in_the_domains() {
-        for family in &FAMILIES {
+        for family in families() {
             let corners = |s: &Section| [s.x.from, s.x.to].map(|x| [s.y.from, s.y.to].map(|y| (s.at)(x, y)));
             let grid = family.sections.iter().flat_map(|s| corners(s).into_iter().flatten());
             for inputs in grid.chain(family.edges.iter().map(|edge| edge.to_vec())) {
@@ -162,7 +124,7 @@ mod tests {
     fn forms_are_finite_to_the_ends_of_the_domain_of_indices() {
         for (eta, cos) in [("1e18", "0.5"), ("1e18", "0"), ("1e-18", "1"), ("1e-18", "0.5"), ("1e18", "1e-18")] {
             for line in super::replay(&format!("fresnel:eta={eta},cos={cos}")).unwrap().lines {
-                assert!(line.form != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
+                assert!(line.variant != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
             }
         }
     }

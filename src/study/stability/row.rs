@@ -1,15 +1,17 @@
-//! One line of the study's table: a family's form in one precision, its worst case, and what it got wrong.
+//! One line of the study's table: a family's variant in one precision, its worst case, and what it got wrong.
 
 use super::error::Flaw;
 use super::family::{Family, Precision};
 use super::sweep::{Case, Sweep};
 use serde::{Serialize, Serializer};
 
-/// A form over all its cases. Field names are the CSV columns.
+/// A variant over all its cases. Field names are the CSV columns, but for one.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
     pub family: &'static str,
-    pub form: &'static str,
+    /// Which way of computing it; the column is called `form`.
+    #[serde(rename = "form")]
+    pub variant: &'static str,
     pub precision: Precision,
     pub cases: u64,
     /// Largest |answer − exact| / |exact|.
@@ -37,38 +39,40 @@ fn finite_or_word<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Err
 }
 
 impl Row {
-    /// One line for each form and precision.
+    /// One line for each variant and precision.
     #[must_use]
     pub fn of_sweep(sweep: &Sweep) -> Vec<Self> {
-        let forms = 0..sweep.family.forms.len();
-        let rows = forms.flat_map(|form| Precision::ALL.map(|precision| Self::of_form(sweep, form, precision)));
+        let variants = 0..sweep.family.variants.len();
+        let rows =
+            variants.flat_map(|variant| Precision::ALL.map(|precision| Self::of_variant(sweep, variant, precision)));
         rows.flatten().collect()
     }
 
-    fn of_form(sweep: &Sweep, form: usize, precision: Precision) -> Option<Self> {
+    fn of_variant(sweep: &Sweep, variant: usize, precision: Precision) -> Option<Self> {
         let cases = sweep.cases.iter().filter(|case| case.precision == precision);
-        let mut cases = cases.filter_map(|case| case.off[form].map(|off| (case, off))).peekable();
+        let mut cases = cases.filter_map(|case| case.deviations[variant].map(|deviation| (case, deviation))).peekable();
         cases.peek()?;
         let family = sweep.family;
-        let mut row = Self { family: family.name, form: family.forms[form].name, precision, ..Self::default() };
+        let mut row =
+            Self { family: family.name, variant: family.variants[variant].name, precision, ..Self::default() };
         let mut worst = None;
-        for (case, off) in cases {
+        for (case, deviation) in cases {
             row.cases += 1;
-            match off.flaw {
+            match deviation.flaw {
                 Some(Flaw::NonFinite) => row.non_finite += 1,
                 Some(Flaw::Negative) => row.negative += 1,
                 Some(Flaw::OutOfRange) => row.out_of_range += 1,
                 None => {}
             }
-            // An answer that only rounding decides for or against is nobody's fault.
+            // Rounding alone decides whether there is a value: not judged.
             if case.condition.is_infinite() {
                 continue;
             }
-            if worst.is_none() || off.relative > row.max_relative {
-                (row.max_relative, worst) = (off.relative, Some(case));
+            if worst.is_none() || deviation.relative > row.max_relative {
+                (row.max_relative, worst) = (deviation.relative, Some(case));
             }
-            row.max_ulp = row.max_ulp.max(off.ulp);
-            row.max_ulp_per_condition = row.max_ulp_per_condition.max(off.ulp / case.condition.max(1.0));
+            row.max_ulp = row.max_ulp.max(deviation.ulp);
+            row.max_ulp_per_condition = row.max_ulp_per_condition.max(deviation.ulp / case.condition.max(1.0));
         }
         if let Some(case) = worst {
             row.condition_at_worst = case.condition;

@@ -1,7 +1,8 @@
 //! Smith's shadowing: Λ, by way of G₁ = 1/(1 + Λ), which is all that rendering takes from it.
 
+use super::bound::Bound;
 use super::distribution::ALPHA;
-use super::family::{Answer, Family, Form, POSITIVE, REPORT, Range, STABLE, Section, TEXTBOOK, scalar};
+use super::family::{Family, POSITIVE, REPORT, Range, STABLE, Section, TEXTBOOK, Value, Variant, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use super::refraction::direction;
@@ -10,30 +11,37 @@ use crate::optics::microfacet::{Beckmann, Ggx, Microfacet, variants};
 pub const BECKMANN: Family = Family {
     name: "beckmann-g",
     about: "shadowing of a Beckmann surface",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: beckmann_reference,
-    forms: &[
-        Form::new(STABLE, beckmann_stable, beckmann_stable),
-        Form::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
-        Form::new(REPORT, beckmann_report, beckmann_report),
+    variants: &[
+        Variant::new(STABLE, beckmann_stable, beckmann_stable),
+        Variant::new(TEXTBOOK, beckmann_textbook, beckmann_textbook),
+        Variant::new(REPORT, beckmann_report, beckmann_report),
     ],
     range: Range::UpTo(1.0),
+    bounds: &[Bound::roundings(
+        20.0,
+        "4 of the slope, 1 of its inverse, 5 of exp and erfcx each, 5 of the sum and the quotient",
+    )],
     coarser: 1,
 };
 
 pub const GGX: Family = Family {
     name: "ggx-g",
     about: "shadowing of a GGX surface",
+    figure: "stability-microfacet",
     inputs: INPUTS,
     domains: &[POSITIVE],
     sections: SECTIONS,
     edges: EDGES,
     reference: ggx_reference,
-    forms: &[Form::new(STABLE, ggx_stable, ggx_stable), Form::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
+    variants: &[Variant::new(STABLE, ggx_stable, ggx_stable), Variant::new(TEXTBOOK, ggx_textbook, ggx_textbook)],
     range: Range::UpTo(1.0),
+    bounds: &[Bound::roundings(12.0, "5 of the squared slope, 4 of the root and its sum, 3 of the quotients")],
     coarser: 1,
 };
 
@@ -49,32 +57,32 @@ const SECTIONS: &[Section] = &[Section {
     },
 }];
 
-fn beckmann_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     scalar(Beckmann::new(x[0]).g1([x[1], x[2], x[3]]))
 }
 
-fn ggx_stable<T: Machine>(x: &[T]) -> Answer<T> {
+fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     scalar(Ggx::new(x[0]).g1([x[1], x[2], x[3]]))
 }
 
-fn beckmann_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_reference<T: Number>(x: &[T]) -> Value<T> {
     scalar(beckmann(x[0], x[1].square() + x[2].square(), x[3]))
 }
 
-fn ggx_reference<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_reference<T: Number>(x: &[T]) -> Value<T> {
     scalar(ggx(x[0], x[1].square() + x[2].square(), x[3]))
 }
 
-fn beckmann_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn beckmann_textbook<T: Number>(x: &[T]) -> Value<T> {
     scalar(beckmann(x[0], T::of(1.0) - x[3].square(), x[3]))
 }
 
-fn ggx_textbook<T: Number>(x: &[T]) -> Answer<T> {
+fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
     scalar(ggx(x[0], T::of(1.0) - x[3].square(), x[3]))
 }
 
 /// The second report's Λ, with π in place of its root.
-fn beckmann_report<T: Machine>(x: &[T]) -> Answer<T> {
+fn beckmann_report<T: Machine>(x: &[T]) -> Value<T> {
     let tan = Number::sqrt(T::of(1.0) - x[3].square()) / x[3];
     scalar(T::of(1.0) / (T::of(1.0) + variants::lambda_with_pi(T::of(1.0) / (x[0] * tan))))
 }

@@ -1,6 +1,7 @@
 //! Where a ray meets a sphere.
 
-use super::family::{Answer, Family, Form, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::Bound;
+use super::family::{Family, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::number::{Number, dot};
 use crate::scene::Sphere;
 use glam::Vec3;
@@ -8,6 +9,7 @@ use glam::Vec3;
 pub const FAMILY: Family = Family {
     name: "sphere",
     about: "distance to a sphere from the origin",
+    figure: "stability-geometry",
     inputs: &["radius", "x", "y", "z", "dx", "dy", "dz"],
     domains: &[POSITIVE],
     sections: &[
@@ -26,8 +28,9 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0]],
     reference: quadratic,
-    forms: &[Form::single(STABLE, rendered), Form::new(TEXTBOOK, quadratic, quadratic)],
+    variants: &[Variant::single(STABLE, rendered), Variant::new(TEXTBOOK, quadratic, quadratic)],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(20.0, "5 of b, 8 of the discriminant, 5 of c, 2 of the root and the quotient")],
     coarser: 1,
 };
 
@@ -41,14 +44,14 @@ fn aimed(radius: f64, distance: f64, aside: f64) -> Vec<f64> {
     [&[radius][..], &centre, &direction].concat()
 }
 
-fn rendered(x: &[f32]) -> Answer<f32> {
+fn rendered(x: &[f32]) -> Value<f32> {
     let sphere = Sphere { centre: Vec3::new(x[1], x[2], x[3]), radius: x[0] };
     let t = sphere.distance(Vec3::ZERO, Vec3::new(x[4], x[5], x[6]));
     if t.is_infinite() { None } else { scalar(t) }
 }
 
 /// The smaller root of a t² + b t + c = 0, or the larger where that lies behind: (−b ± √(b² − 4ac)) / 2a.
-fn quadratic<T: Number>(x: &[T]) -> Answer<T> {
+fn quadratic<T: Number>(x: &[T]) -> Value<T> {
     let (centre, direction) = ([x[1], x[2], x[3]], [x[4], x[5], x[6]]);
     let (zero, two) = (T::of(0.0), T::of(2.0));
     let (a, b) = (dot(direction, direction), -two * dot(direction, centre));

@@ -1,6 +1,6 @@
-//! A family swept over its grids: every form in every precision against the exact answer at the rounded input.
+//! A family swept over its grids: every variant in every precision against the exact answer at the rounded input.
 
-use super::error::{Exact, Off, on_the_edge};
+use super::error::{Deviation, Exact, on_the_edge};
 use super::family::{Family, Precision};
 use rayon::prelude::*;
 
@@ -15,8 +15,8 @@ pub struct Case {
     /// Relative change of the exact answer per relative change of the inputs; infinite where rounding decides whether
     /// there is an answer.
     pub condition: f64,
-    /// In the order of the family's forms; `None` for one that does not run in that precision.
-    pub off: Vec<Option<Off>>,
+    /// In the order of the family's variants; `None` for one that does not run in that precision.
+    pub deviations: Vec<Option<Deviation>>,
 }
 
 /// A place in a family's grids.
@@ -57,22 +57,22 @@ impl Sweep {
 }
 
 impl Family {
-    /// Whether any form runs in that precision.
+    /// Whether any variant runs in that precision.
     #[must_use]
     pub fn runs_in(&self, precision: Precision) -> bool {
-        precision == Precision::Single || self.forms.iter().any(|form| form.double.is_some())
+        precision == Precision::Single || self.variants.iter().any(|variant| variant.double.is_some())
     }
 }
 
-/// All forms at one input, which is rounded to the precision first.
+/// All variants at one input, which is rounded to the precision first.
 #[must_use]
 pub fn case(family: &Family, precision: Precision, inputs: &[f64]) -> Case {
     let inputs: Vec<f64> = inputs.iter().map(|&x| precision.round(x)).collect();
     let exact = Exact::at(family, &inputs);
-    let off: Vec<Option<Off>> =
-        family.forms.iter().map(|form| Off::of(family, form, precision, &inputs, &exact)).collect();
-    let disputed = off.iter().flatten().any(|off| off.value.is_some() != exact.answer.is_some());
+    let deviations: Vec<Option<Deviation>> =
+        family.variants.iter().map(|variant| Deviation::of(family, variant, precision, &inputs, &exact)).collect();
+    let disputed = deviations.iter().flatten().any(|d| d.value.is_some() != exact.answer.is_some());
     let decided_by_rounding = disputed && on_the_edge(family, precision, &inputs);
     let condition = if decided_by_rounding { f64::INFINITY } else { exact.condition };
-    Case { place: None, precision, inputs, condition, off }
+    Case { place: None, precision, inputs, condition, deviations }
 }

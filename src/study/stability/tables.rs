@@ -1,5 +1,6 @@
 //! Sampling tables of a map with one texel of 10¹² among 10⁻¹²: which bins can be drawn, and how often.
 
+use super::bound::Bound;
 use super::experiment::{Effort, Experiment, Tally};
 use super::family::{Precision, STABLE, TEXTBOOK};
 use super::row::Row;
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "tables",
     about: "probabilities of the bins of a map with one texel of 1e12 among 1e-12; out of range: bins out of reach",
+    figure: "stability-sums",
+    bounds: &[Bound::possible("bins of positive weight out of reach")],
     run,
 };
 

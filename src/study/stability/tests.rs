@@ -1,47 +1,90 @@
 //! The study finds what is planted, and what it prints can be replayed.
 
+use super::error::{Deviation, Exact};
+use super::family::Range;
 use super::*;
 
-fn family(name: &str) -> &'static Family {
-    FAMILIES.iter().find(|family| family.name == name).unwrap()
+/// The bounds of a family that do not hold when the values of the code that renders are changed.
+fn violated(family: &'static Family, change: &dyn Fn([f64; 3]) -> [f64; 3]) -> Vec<String> {
+    let mut sweep = Sweep::new(family, Effort::QUICK.side);
+    for case in &mut sweep.cases {
+        let exact = Exact::at(family, &case.inputs);
+        if let Some(deviation) = &mut case.deviations[0] {
+            *deviation = Deviation::between(family.range, case.precision, deviation.value.map(change), &exact);
+        }
+    }
+    let bounds = BoundCheck::of_sweep(&sweep).into_iter().filter(|bound| !bound.holds);
+    bounds.map(|bound| format!("{}: {} at {}", bound.name, bound.got, bound.worst)).collect()
 }
 
-/// The textbook's form in the place of the one that renders.
-fn planted(name: &str) -> Sweep {
-    let Family { about, inputs, domains, sections, edges, reference, range, coarser, .. } = *family(name);
-    let textbook = &family(name).forms[1];
-    assert_eq!(textbook.name, TEXTBOOK);
-    let forms = Box::leak(Box::new([Form { name: STABLE, ..*textbook }]));
-    let name = family(name).name;
-    let planted = Family { name, about, inputs, domains, sections, edges, reference, forms, range, coarser };
-    Sweep::new(Box::leak(Box::new(planted)), Effort::QUICK.side)
+/// Ten per cent more of a number; a unit vector turned a little.
+fn fault(range: Range, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if range == Range::Unit {
+        let length = ((x + 0.1).powi(2) + y * y + z * z).sqrt();
+        [(x + 0.1) / length, y / length, z / length]
+    } else {
+        [1.1 * x, y, z]
+    }
 }
 
 #[test]
-fn promises_are_kept_and_textbook_forms_break_them() {
-    let quick = run::<&str>(&[], &Effort::QUICK, 1, &mut |_| {}).unwrap();
-    for promise in &quick.promises {
-        assert!(promise.kept, "{promise:?}");
+fn every_entry_is_complete() {
+    for (i, entry) in REGISTRY.iter().enumerate() {
+        let name = entry.name();
+        assert!(entry.about().len() > 10 && entry.figure().starts_with("stability-"), "{name}");
+        assert!(REGISTRY[..i].iter().all(|other| other.name() != name), "{name} is there twice");
+        let reasons: Vec<&str> = match entry {
+            Entry::Formula(family) => family.bounds.iter().map(|bound| bound.reason).collect(),
+            Entry::Experiment(experiment) => experiment.bounds.iter().map(|bound| bound.reason).collect(),
+        };
+        assert!(!reasons.is_empty() && reasons.iter().all(|reason| !reason.is_empty()), "{name} has no bound");
     }
-    assert_eq!(quick.promises.len(), 7);
-    for (name, broken) in
-        [("fresnel", "relative"), ("fresnel", "anywhere"), ("beckmann-d", "D and"), ("ggx-d", "D and")]
-    {
-        let sweep = planted(name);
-        let rows = Row::of_sweep(&sweep);
-        let promises = promises(&[sweep], &rows);
-        assert!(promises.iter().any(|p| p.name.contains(broken) && !p.kept), "{name}: {promises:?}");
+}
+
+#[test]
+fn bounds_hold_and_faults_violate_them() {
+    for entry in &REGISTRY {
+        let (violated, with_fault) = match entry {
+            Entry::Formula(family) => {
+                (violated(family, &|value| value), violated(family, &|value| fault(family.range, value)))
+            }
+            Entry::Experiment(experiment) => {
+                let rows = (experiment.run)(&Effort::QUICK, 1).unwrap();
+                let wrong = |row: &Row| Row {
+                    max_relative: row.max_relative + 0.1,
+                    max_ulp: row.max_ulp + 1e6,
+                    max_ulp_per_condition: row.max_ulp_per_condition + 1e6,
+                    out_of_range: row.out_of_range + 1,
+                    ..row.clone()
+                };
+                let violated = |rows: &[Row]| {
+                    let bounds = BoundCheck::of_rows(experiment, rows).into_iter().filter(|bound| !bound.holds);
+                    bounds.map(|bound| format!("{}: {}", bound.name, bound.got)).collect::<Vec<_>>()
+                };
+                (violated(&rows), violated(&rows.iter().map(wrong).collect::<Vec<_>>()))
+            }
+        };
+        assert!(violated.is_empty(), "{violated:?}");
+        assert!(!with_fault.is_empty(), "{}: no bound sees a fault", entry.name());
     }
-    let sweep = planted("beckmann-d");
-    let rows = Row::of_sweep(&sweep);
-    assert!(!promises(&[sweep], &rows)[0].kept, "its D is 0/0 near the horizon");
+}
+
+#[test]
+fn textbook_variants_violate_the_bounds() {
+    for name in ["fresnel", "refraction", "beckmann-d", "ggx-d", "ggx-pdf", "half-cosine"] {
+        let family = families().find(|family| family.name == name).unwrap();
+        let textbook = family.variants.iter().position(|variant| variant.name == TEXTBOOK).unwrap();
+        let mut sweep = Sweep::new(family, Effort::QUICK.side);
+        sweep.cases.iter_mut().for_each(|case| case.deviations.swap(0, textbook));
+        assert!(BoundCheck::of_sweep(&sweep).iter().any(|bound| !bound.holds), "{name}");
+    }
 }
 
 #[test]
 fn plain_sums_and_tables_fail_where_the_renderers_do_not() {
     let quick = run(&["tables", "areas", "film", "offsets"], &Effort::QUICK, 1, &mut |_| {}).unwrap();
-    let row = |family: &str, form: &str, precision| {
-        quick.rows.iter().find(|r| r.family == family && r.form == form && r.precision == precision).unwrap()
+    let row = |family: &str, variant: &str, precision| {
+        quick.rows.iter().find(|r| r.family == family && r.variant == variant && r.precision == precision).unwrap()
     };
     assert_eq!(row("tables", STABLE, Precision::Double).out_of_range, 0);
     assert!(row("tables", TEXTBOOK, Precision::Single).out_of_range > 1000);
@@ -59,7 +102,7 @@ fn worst_cases_can_be_replayed() {
     assert_eq!(result.rows.len(), 6 + 6 + 3);
     for row in &result.rows {
         let replay = replay(&row.worst).unwrap();
-        let line = replay.lines.iter().find(|l| l.form == row.form && l.precision == row.precision).unwrap();
+        let line = replay.lines.iter().find(|l| l.variant == row.variant && l.precision == row.precision).unwrap();
         assert_eq!((line.relative, line.condition), (row.max_relative, row.condition_at_worst), "{row:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! Where a ray meets a triangle, slivers included.
 
-use super::family::{Answer, Family, Form, Range, STABLE, Scale, Section, TEXTBOOK, scalar};
+use super::bound::Bound;
+use super::family::{Family, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::number::{Number, cross, dot, minus};
 use crate::scene::{Mesh, MeshBvh, Ray};
 use glam::Vec3;
@@ -8,6 +9,7 @@ use glam::Vec3;
 pub const FAMILY: Family = Family {
     name: "triangle",
     about: "distance to a triangle from the origin",
+    figure: "stability-geometry",
     inputs: &["ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz", "dx", "dy", "dz"],
     domains: &[],
     sections: &[
@@ -26,8 +28,12 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[],
     reference: crossing,
-    forms: &[Form::single(STABLE, rendered), Form::new(TEXTBOOK, crossing, crossing)],
+    variants: &[Variant::single(STABLE, rendered), Variant::new(TEXTBOOK, crossing, crossing)],
     range: Range::UpTo(f64::MAX),
+    bounds: &[Bound::roundings(
+        24.0,
+        "3 of a sheared corner, 3 of each edge function, 9 of the sums, 9 of the distance",
+    )],
     coarser: 1,
 };
 
@@ -49,7 +55,7 @@ fn corners<T: Number>(x: &[T]) -> [[T; 3]; 4] {
     std::array::from_fn(|i| std::array::from_fn(|c| x[3 * i + c]))
 }
 
-fn rendered(x: &[f32]) -> Answer<f32> {
+fn rendered(x: &[f32]) -> Value<f32> {
     let [a, b, c, direction] = corners(x).map(Vec3::from_array);
     let mesh = Mesh::new(vec![a, b, c], Vec::new(), vec![[0, 1, 2]]).ok()?;
     let ray = Ray { origin: Vec3::ZERO, direction };
@@ -57,7 +63,7 @@ fn rendered(x: &[f32]) -> Answer<f32> {
 }
 
 /// By Cramer's rule. Source: Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
-fn crossing<T: Number>(x: &[T]) -> Answer<T> {
+fn crossing<T: Number>(x: &[T]) -> Value<T> {
     let [a, b, c, direction] = corners(x);
     let (zero, one) = (T::of(0.0), T::of(1.0));
     let (e1, e2) = (minus(b, a), minus(c, a));

@@ -1,12 +1,12 @@
-//! The harness tests itself: over many seeds, are the p-values of samplers that are right spread evenly?
+//! The harness tests itself: over many seeds, are the p-values of right samplers uniform?
 
 use super::case::Case;
 use super::run::of_each;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::stats::kolmogorov::{Evenness, evenness};
-use crate::stats::multiple::sidak;
-use crate::stats::{Outcome, Protocol, Samples};
+use etalon_stats::kolmogorov::{Uniformity, uniformity};
+use etalon_stats::multiple::sidak;
+use etalon_stats::{Outcome, Protocol, SampleCount};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -14,11 +14,14 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibrated {
     pub name: String,
-    pub evenness: Evenness,
-    /// Whether they are spread so unevenly that chance does not explain it.
-    pub uneven: bool,
-    /// The fault of the first seed at which an exact check failed.
-    pub fault: Option<String>,
+    #[serde(rename = "evenness")]
+    pub uniformity: Uniformity,
+    /// Whether they are so far from uniform that chance does not explain it.
+    #[serde(rename = "uneven")]
+    pub skewed: bool,
+    /// What the first exact check that failed found wrong.
+    #[serde(rename = "fault")]
+    pub violation: Option<String>,
 }
 
 /// What many seeds found.
@@ -27,16 +30,18 @@ pub struct Calibration {
     pub seeds: u64,
     /// Samples of each test at each seed.
     pub samples: u64,
-    /// Probability that a right harness on right samplers is called uneven anywhere.
+    /// Probability that any p-values of a right harness on right samplers are called skewed.
     pub level: f64,
     /// Of the p-values of all tests together.
-    pub evenness: Evenness,
+    #[serde(rename = "evenness")]
+    pub uniformity: Uniformity,
     /// Share of p-values below 5 % and below 1 %.
     pub below_5_percent: f64,
     pub below_1_percent: f64,
     pub tests: Vec<Calibrated>,
-    /// Tests that are uneven or at fault.
-    pub uneven: usize,
+    /// Tests with skewed p-values or a violation.
+    #[serde(rename = "uneven")]
+    pub skewed: usize,
     /// Whether the process was asked to stop before all tests were finished; those that were not are left out.
     pub interrupted: bool,
     pub accepted: bool,
@@ -50,13 +55,13 @@ const SAMPLES: u64 = 20_000;
 const CELLS: usize = 50;
 
 /// Runs every case under `seeds` seeds that follow one another from the protocol's, and tests by Kolmogorov and Smirnov
-/// whether p-values are even, all together and test by test, at the protocol's level in all.
+/// whether p-values are uniform, all together and test by test, at the protocol's level in all.
 pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn(&str) + Sync)) -> Result<Calibration> {
     if !(5..=100_000).contains(&seeds) {
-        return Err(Error::parameter("--calibrate", format!("{seeds} seeds")).with_hint("use 5 to 100000 seeds"));
+        return Err(Error::parameter("seeds", format!("{seeds} seeds")).with_hint("use 5 to 100000 seeds"));
     }
-    let samples = if let Samples::Count(n) = protocol.samples { n } else { SAMPLES };
-    let protocol = Protocol { samples: Samples::Count(samples), cells: CELLS, tests: cases.len(), ..*protocol };
+    let samples = if let SampleCount::Fixed(n) = protocol.samples { n } else { SAMPLES };
+    let protocol = Protocol { samples: SampleCount::Fixed(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
     cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
     let of_case = |case: &Case| {
@@ -81,26 +86,26 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         .iter()
         .map(|(case, outcomes)| {
             let p: Vec<f64> = outcomes.iter().filter_map(Outcome::continuous_p).collect();
-            let evenness = evenness(&p);
-            let fault = outcomes.iter().find_map(|outcome| outcome.fault.clone());
-            Calibrated { name: case.name.clone(), evenness, uneven: evenness.p < own, fault }
+            let found = uniformity(&p);
+            let violation = outcomes.iter().find_map(|outcome| outcome.violation.clone());
+            Calibrated { name: case.name.clone(), uniformity: found, skewed: found.p < own, violation }
         })
         .collect();
     let p: Vec<f64> = finished.iter().flat_map(|(_, outcomes)| outcomes).filter_map(Outcome::continuous_p).collect();
     let below = |level: f64| p.iter().filter(|p| **p < level).count() as f64 / p.len().max(1) as f64;
-    let all = evenness(&p);
-    let uneven = tests.iter().filter(|test| test.uneven || test.fault.is_some()).count();
+    let all = uniformity(&p);
+    let skewed = tests.iter().filter(|test| test.skewed || test.violation.is_some()).count();
     Ok(Calibration {
         seeds,
         samples,
         level: protocol.level,
-        evenness: all,
+        uniformity: all,
         below_5_percent: below(0.05),
         below_1_percent: below(0.01),
         interrupted,
-        accepted: !interrupted && uneven == 0 && all.p >= 0.5 * protocol.level,
+        accepted: !interrupted && skewed == 0 && all.p >= 0.5 * protocol.level,
         tests,
-        uneven,
+        skewed,
         p,
     })
 }
@@ -109,23 +114,23 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
 mod tests {
     use super::super::{select, suite};
     use super::*;
-    use crate::stats::{Draw, Line, density, sampler};
+    use etalon_stats::{Line, Sample, density, sampler};
 
     fn skewed(power: f64) -> Case {
         Case::of("skewed", Line::UNIT, move || {
-            let draw = move |u: &[f64]| Some(Draw::new(u[0].powf(power)));
+            let draw = move |u: &[f64]| Some(Sample::new(u[0].powf(power)));
             (sampler(1, draw), density(|_: f64| 1.0))
         })
     }
 
     #[test]
-    fn right_samplers_are_even_and_wrong_ones_are_not() {
+    fn p_values_of_right_samplers_are_uniform_and_those_of_wrong_ones_are_not() {
         let right = select(suite::cases(), &["warp".to_owned()]).unwrap();
         let found = calibrate(&right, &Protocol::default(), 20, &|_| ()).unwrap();
-        assert!(found.accepted && found.evenness.count == 20 * right.len(), "{found:?}");
+        assert!(found.accepted && found.uniformity.count == 20 * right.len(), "{found:?}");
         // 2 % off: each single run would accept most of the time.
         let found = calibrate(&[skewed(1.02)], &Protocol::default(), 40, &|_| ()).unwrap();
-        assert!(!found.accepted && found.uneven == 1, "{:?}", found.tests);
+        assert!(!found.accepted && found.skewed == 1, "{:?}", found.tests);
         assert!(calibrate(&[skewed(1.0)], &Protocol::default(), 2, &|_| ()).is_err());
     }
 }

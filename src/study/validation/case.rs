@@ -1,9 +1,10 @@
 //! A named test, ready to run: what a suite is a list of.
 
 use crate::error::Result;
+use crate::interrupt;
 use crate::memory;
 use crate::sampling::hash;
-use crate::stats::{Density, Domain, Outcome, Protocol, Sampler, examine};
+use etalon_stats::{Density, Domain, Outcome, Protocol, Sampler, examine};
 
 /// One round of a test; see [`examine`].
 type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
@@ -47,7 +48,7 @@ impl Case {
         self.memory > LARGE
     }
 
-    /// The test of a sampler against its density. `make` builds both, when the test runs and not before: tables of large maps
+    /// The test of a sampler against its pdf. `make` builds both, when the test runs and not before: tables of large maps
     /// need not all exist at once.
     pub fn of<D, S, P>(name: impl Into<String>, domain: D, make: impl Fn() -> (S, P) + Send + Sync + 'static) -> Self
     where
@@ -57,7 +58,7 @@ impl Case {
     {
         Self::new(name, move |protocol, round| {
             let (sampler, density) = make();
-            examine(&domain, &sampler, &density, protocol, round)
+            Ok(examine(&domain, &sampler, &density, protocol, round)?)
         })
     }
 
@@ -68,10 +69,11 @@ impl Case {
         }
     }
 
-    /// Runs one round. The random numbers depend on the name and the seed alone, not on what else is in the run.
+    /// Runs one round, until the process is asked to stop. The random numbers depend on the name and the seed alone, not on
+    /// what else is in the run.
     pub fn examine(&self, protocol: &Protocol, round: u64) -> Result<Outcome> {
         memory::request(self.memory, || format!("the tables of the test {}", self.name))?;
         let seed = self.name.bytes().fold(protocol.seed, |key, byte| hash::mix64(key ^ u64::from(byte)));
-        (self.test)(&Protocol { seed, ..*protocol }, round)
+        (self.test)(&Protocol { seed, cancelled: interrupt::requested, ..*protocol }, round)
     }
 }

@@ -3,8 +3,8 @@
 use super::case::Case;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::stats::kolmogorov::{Evenness, evenness};
-use crate::stats::{Outcome, Protocol, Verdict, decide};
+use etalon_stats::kolmogorov::{Uniformity, uniformity};
+use etalon_stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
@@ -20,7 +20,7 @@ pub struct Tested {
 /// What a run found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
-    /// Probability that a run of true claims rejects any.
+    /// Probability that a run of right samplers rejects any.
     pub level: f64,
     pub seed: u64,
     pub tests: Vec<Tested>,
@@ -29,8 +29,9 @@ pub struct Validation {
     pub inconclusive: usize,
     /// Whether the process was asked to stop before all tests were finished; those that were not are inconclusive.
     pub interrupted: bool,
-    /// Whether the p-values are spread as those of true claims are.
-    pub evenness: Evenness,
+    /// Whether the p-values are uniform, as those of right samplers are.
+    #[serde(rename = "evenness")]
+    pub uniformity: Uniformity,
     /// Wall-clock time of the run.
     pub seconds: f64,
 }
@@ -46,7 +47,7 @@ impl Validation {
             rejected: count(Verdict::Reject),
             inconclusive: count(Verdict::Inconclusive),
             interrupted: tests.iter().any(|test| test.outcome.interrupted),
-            evenness: evenness(&p),
+            uniformity: uniformity(&p),
             seconds: start.elapsed().as_secs_f64(),
             tests,
         }

@@ -7,7 +7,7 @@ use crate::import::place::quote;
 use crate::import::sampler::number::number;
 use crate::memory;
 use crate::raster::{self, ReadOptions};
-use crate::stats::{Density, Directions, Discrete, Domain, Line, Pole, Square};
+use etalon_stats::{Density, Directions, Discrete, Domain, Line, Pole, Square};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -98,7 +98,7 @@ impl<D: Gridded> GridDensity<D> {
     /// Whether `claimed` is the density at `point` but for rounding of both, in text or to f32.
     pub(super) fn agrees(&self, point: D::Point, claimed: f64) -> bool {
         const ROUNDING: f64 = 1e-5;
-        let Some([x, y]) = self.domain.place(point) else { return false };
+        let Some([x, y]) = self.domain.to_chart(point) else { return false };
         let near = |at: f64| [(at - ROUNDING).max(0.0), at, (at + ROUNDING).min(1f64.next_down())];
         near(x).iter().any(|&x| {
             near(y).iter().any(|&y| {
@@ -108,14 +108,14 @@ impl<D: Gridded> GridDensity<D> {
         })
     }
 
-    fn at(&self, place: [f64; 2]) -> f64 {
-        let [i, j] = [0, 1].map(|axis| self.steps[axis].partition_point(|&step| step <= place[axis]));
+    fn at(&self, chart: [f64; 2]) -> f64 {
+        let [i, j] = [0, 1].map(|axis| self.steps[axis].partition_point(|&step| step <= chart[axis]));
         self.values[i * (self.steps[1].len() + 1) + j]
     }
 
     /// The density at a point, 0 outside of the domain.
     pub(super) fn value(&self, point: D::Point) -> f64 {
-        self.domain.place(point).map_or(0.0, |place| self.at(place))
+        self.domain.to_chart(point).map_or(0.0, |place| self.at(place))
     }
 
     pub fn domain(&self) -> D {
@@ -146,7 +146,7 @@ impl GridDensity<Directions> {
 }
 
 impl<D: Gridded> Density<D::Point> for GridDensity<D> {
-    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> Result<()> {
+    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         out.extend(points.iter().map(|&point| self.value(point)));
         Ok(())
     }

@@ -1,12 +1,11 @@
-//! Samples from a file: a sampler that is used up.
+//! Samples from a file: a sampler of finitely many.
 
 use super::grid::{GridDensity, Gridded};
 use super::lines::Lines;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
-use crate::stats::{Directions, Discrete, Draw, Drawn, Line, Sampler, Square};
-use glam::DVec3;
+use etalon_stats::{Directions, Discrete, Line, Pole, Sample, Sampler, Square};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -23,16 +22,16 @@ pub trait Row: Gridded {
 impl Row for Directions {
     const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y", "z"], &["theta", "phi"]];
 
-    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<DVec3> {
+    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<[f64; 3]> {
         if header == 0 {
-            return Some(DVec3::from_slice(numbers));
+            return Some([numbers[0], numbers[1], numbers[2]]);
         }
         let (sin, cos) = numbers[0].sin_cos();
         let (sin_phi, cos_phi) = numbers[1].sin_cos();
         // φ of a lat-long image goes from +x towards +z.
         Some(match self.pole {
-            crate::stats::Pole::Z => DVec3::new(sin * cos_phi, sin * sin_phi, cos),
-            crate::stats::Pole::Y => DVec3::new(sin * cos_phi, cos, sin * sin_phi),
+            Pole::Z => [sin * cos_phi, sin * sin_phi, cos],
+            Pole::Y => [sin * cos_phi, cos, sin * sin_phi],
         })
     }
 }
@@ -141,28 +140,28 @@ impl Reader {
 }
 
 impl<D: Row + Send> Sampler<D::Point> for SampleFile<D> {
-    /// The numbers only count the samples.
+    /// The random numbers only count the samples.
     fn dimension(&self) -> usize {
         1
     }
 
-    fn draw(&self, u: &[f64], out: &mut Drawn<D::Point>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
         let mut reader = self.reader();
         for _ in u {
             let claimed = reader.next()?;
             let Some(point) = self.density.domain().point_of(reader.header, &reader.row) else {
-                return Err(reader.lines.error("no point of the domain has such numbers"));
+                return Err(reader.lines.error("no point of the domain has such numbers").into());
             };
             let agreed = |claimed: f64| match self.density.agrees(point, claimed) {
                 true => self.density.value(point),
                 false => claimed,
             };
-            out.push(Some(Draw { point, pdf: claimed.map(agreed), atom: false }));
+            out.push(Some(Sample { point, pdf: claimed.map(agreed), atom: false }));
         }
         Ok(())
     }
 
-    fn supply(&self) -> Option<u64> {
+    fn finite_len(&self) -> Option<u64> {
         Some(self.reader().left)
     }
 }

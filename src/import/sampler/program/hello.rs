@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
 use crate::import::sampler::space::Space;
-use crate::stats::Mass;
+use etalon_stats::Mass;
 use std::collections::HashSet;
 
 /// The version of the protocol.

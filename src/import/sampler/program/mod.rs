@@ -29,7 +29,7 @@ use super::number::Words;
 use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
-use crate::stats::{Atom, Density, Draw, Drawn, Mass, Sampler};
+use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
 use hello::Hello;
 use peer::fault;
 use process::Process;
@@ -61,12 +61,14 @@ impl Client {
         let hello = Hello::of(&mut peer)?;
         let space = match (space, hello.domain) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(fault(peer.name(), format!("its domain is {own}")).with_hint(format!("--domain {own}")));
+                return Err(
+                    fault(peer.name(), format!("its domain is {own}")).with_hint(format!("use the domain {own}"))
+                );
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
-                return Err(Error::parameter("--domain", "the program does not say what its domain is")
-                    .with_hint("--domain sphere, hemisphere, square, line or discrete:N"));
+                return Err(Error::parameter("domain", "the program does not say what its domain is")
+                    .with_hint("domains: sphere, hemisphere, square, line, discrete:N"));
             }
         };
         Ok(Self { peer: Box::new(peer), hello, space })
@@ -135,9 +137,9 @@ impl<P: Coordinates> Program<P> {
         if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
     }
 
-    fn ask_samples(&self, count: usize, request: String) -> Result<Drawn<P>> {
+    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<P>>>> {
         let expected = format!("\"{0}\", \"{0} DENSITY\", \"atom {0}\" or \"none\"", P::WORDS);
-        self.ask("sample", count, request, &expected, read_draw)
+        self.ask("sample", count, request, &expected, read_sample)
     }
 
     /// The request for something at each of `points`.
@@ -152,16 +154,16 @@ impl<P: Coordinates> Program<P> {
 }
 
 /// A line of an answer to `sample`; the outer `None` is an error.
-fn read_draw<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Draw<P>>> {
+fn read_sample<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Sample<P>>> {
     if words.accept("none") {
         return Some(None);
     }
     if words.accept("atom") {
-        return P::read(words).map(|point| Some(Draw::atom(point)));
+        return P::read(words).map(|point| Some(Sample::atom(point)));
     }
     let point = P::read(words)?;
     let pdf = if words.is_empty() { None } else { Some(words.number()?) };
-    Some(Some(Draw { point, pdf, atom: false }))
+    Some(Some(Sample { point, pdf, atom: false }))
 }
 
 impl<P: Coordinates> Sampler<P> for Program<P> {
@@ -169,7 +171,7 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
         self.hello.dimension
     }
 
-    fn draw(&self, u: &[f64], out: &mut Drawn<P>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
         let samples = u.chunks_exact(self.hello.dimension.max(1));
         let count = samples.len();
         let mut request = format!("sample {count}\n");
@@ -181,12 +183,12 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
         Ok(())
     }
 
-    fn draw_seeded(&self, count: usize, seed: u32, out: &mut Drawn<P>) -> Result<()> {
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
         out.extend(self.ask_samples(count, format!("sample {count} {seed}\n"))?);
         Ok(())
     }
 
-    fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
+    fn invert(&self, point: P) -> etalon_stats::Result<Option<Vec<f64>>> {
         if !self.hello.invert {
             return Ok(None);
         }
@@ -204,7 +206,7 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
 }
 
 impl<P: Coordinates> Density<P> for Program<P> {
-    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()> {
+    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         if points.is_empty() {
             return Ok(());
         }

@@ -3,9 +3,9 @@
 use super::super::run as run_cases;
 use super::{Case, Planted};
 use crate::error::Result;
-use crate::stats::multiple::sidak;
-use crate::stats::power::noncentrality;
-use crate::stats::{Outcome, Protocol, Verdict};
+use etalon_stats::multiple::sidak;
+use etalon_stats::power::noncentrality;
+use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
 /// What told a fault.
@@ -23,7 +23,7 @@ pub enum By {
 
 impl By {
     fn of(outcome: &Outcome, level: f64) -> Option<Self> {
-        match (outcome.fault.is_some(), outcome.p.is_some_and(|p| p < level)) {
+        match (outcome.violation.is_some(), outcome.p.is_some_and(|p| p < level)) {
             (true, true) => Some(Self::Both),
             (true, false) => Some(Self::Exact),
             (false, true) => Some(Self::ChiSquare),

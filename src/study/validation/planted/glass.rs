@@ -2,7 +2,7 @@
 
 use super::Planted;
 use crate::optics::{dielectric, schlick};
-use crate::stats::{Atom, Density, Directions, Draw, Pole, Sampler, density, sampler};
+use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
 
 /// Index of the glass.
@@ -31,9 +31,11 @@ impl Boundary {
     }
 
     /// Draws by `self`, tested against `truth`.
-    fn against(self, truth: Self) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
-        let draw = move |u: &[f64]| Some(Draw::atom(if u[0] < self.share { self.reflected } else { self.refracted }));
-        let atom = |point, probability| Atom { point, probability };
+    fn against(self, truth: Self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+        let draw = move |u: &[f64]| {
+            Some(Sample::atom((if u[0] < self.share { self.reflected } else { self.refracted }).to_array()))
+        };
+        let atom = |point: DVec3, probability| Atom { point: point.to_array(), probability };
         let atoms = vec![atom(truth.reflected, truth.share), atom(truth.refracted, 1.0 - truth.share)];
         (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
     }

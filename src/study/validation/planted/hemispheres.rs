@@ -1,8 +1,9 @@
 //! Mistakes in drawing directions over a hemisphere.
 
 use super::Planted;
+use crate::sampling::direction_density;
 use crate::sampling::warp::{self, sin_cos_turns};
-use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
+use etalon_stats::{Directions, Mass, Pole, Sample, density, sampler};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -23,11 +24,11 @@ fn in_lobe(axis: DVec3, [tangent, bitangent]: [DVec3; 2], cos: f64, turns: f64) 
 }
 
 /// Draws from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
-fn lobe(power: f64) -> impl Fn(&[f64]) -> Option<Draw<DVec3>> {
+fn lobe(power: f64) -> impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> {
     let (axis, frame) = mirrored();
     move |u| {
         let w = in_lobe(axis, frame, (1.0 - u[0]).powf(power), u[1]);
-        (w.z > 0.0).then(|| Draw::new(w))
+        (w.z > 0.0).then(|| Sample::new(w.to_array()))
     }
 }
 
@@ -50,7 +51,10 @@ pub fn faults() -> Vec<Planted> {
             half,
             |faulty| {
                 let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
-                (sampler(2, move |u| Some(Draw::new(polar(cos(u[0]), u[1])))), density(|_| 1.0 / TAU))
+                (
+                    sampler(2, move |u| Some(Sample::new(polar(cos(u[0]), u[1]).to_array()))),
+                    density(|_: [f64; 3]| 1.0 / TAU),
+                )
             },
         ),
         Planted::of(
@@ -60,9 +64,9 @@ pub fn faults() -> Vec<Planted> {
             |faulty| {
                 let draw = move |u: &[f64]| {
                     let r2 = if faulty { u[0] * u[0] } else { u[0] };
-                    Some(Draw::new(polar((1.0 - r2).sqrt(), u[1])))
+                    Some(Sample::new(polar((1.0 - r2).sqrt(), u[1]).to_array()))
                 };
-                (sampler(2, draw), density(|w: DVec3| w.z / PI))
+                (sampler(2, draw), direction_density(|w: DVec3| w.z / PI))
             },
         ),
         Planted::of(
@@ -70,9 +74,9 @@ pub fn faults() -> Vec<Planted> {
             "the density's cosine clamped to 0.05 to keep clear of divisions by zero",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Draw::new(warp::cosine_hemisphere([u[0], u[1]])));
+                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
                 let least = if faulty { 0.05 } else { 0.0 };
-                (sampler(2, draw), density(move |w: DVec3| w.z.max(least) / PI))
+                (sampler(2, draw), direction_density(move |w: DVec3| w.z.max(least) / PI))
             },
         ),
         Planted::of(
@@ -80,9 +84,9 @@ pub fn faults() -> Vec<Planted> {
             "the density per θ and φ taken for the one per solid angle: a factor sin θ too many",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Draw::new(warp::cosine_hemisphere([u[0], u[1]])));
+                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
                 let sine = move |w: DVec3| if faulty { w.truncate().length() } else { 1.0 };
-                (sampler(2, draw), density(move |w: DVec3| w.z / PI * sine(w)))
+                (sampler(2, draw), direction_density(move |w: DVec3| w.z / PI * sine(w)))
             },
         ),
         Planted::of(
@@ -90,12 +94,12 @@ pub fn faults() -> Vec<Planted> {
             "the two numbers exchanged in the inverse: directions come out right, stratification and replay do not",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Draw::new(warp::cosine_hemisphere([u[0], u[1]])));
-                let inverse = move |w: DVec3| {
-                    let [a, b] = warp::invert_cosine_hemisphere(w);
+                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
+                let inverse = move |w: [f64; 3]| {
+                    let [a, b] = warp::invert_cosine_hemisphere(w.into());
                     if faulty { vec![b, a] } else { vec![a, b] }
                 };
-                (sampler(2, draw).with_inverse(inverse), density(|w: DVec3| w.z / PI))
+                (sampler(2, draw).with_inverse(inverse), direction_density(|w: DVec3| w.z / PI))
             },
         ),
         Planted::of(
@@ -106,9 +110,11 @@ pub fn faults() -> Vec<Planted> {
                 let axis = DVec3::Z;
                 let tangent = if faulty { axis.cross(DVec3::Z).normalize() } else { DVec3::X };
                 let frame = [tangent, axis.cross(tangent)];
-                let draw =
-                    move |u: &[f64]| Some(Draw::new(in_lobe(axis, frame, (1.0 - u[0]).powf(1.0 / (N + 1.0)), u[1])));
-                (sampler(2, draw), density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
+                let draw = move |u: &[f64]| {
+                    let w = in_lobe(axis, frame, (1.0 - u[0]).powf(1.0 / (N + 1.0)), u[1]);
+                    Some(Sample::new(w.to_array()))
+                };
+                (sampler(2, draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
             },
         ),
         Planted::of(
@@ -117,7 +123,7 @@ pub fn faults() -> Vec<Planted> {
             half,
             |faulty| {
                 let mass = if faulty { Mass::Exactly(1.0) } else { Mass::AtMostOne };
-                (sampler(2, lobe(1.0 / (N + 1.0))), density(|w| lobe_pdf(w, N + 1.0)).with_mass(mass))
+                (sampler(2, lobe(1.0 / (N + 1.0))), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(mass))
             },
         ),
         Planted::of(
@@ -126,7 +132,7 @@ pub fn faults() -> Vec<Planted> {
             half,
             |faulty| {
                 let power = 1.0 / if faulty { N } else { N + 1.0 };
-                (sampler(2, lobe(power)), density(|w| lobe_pdf(w, N + 1.0)).with_mass(Mass::AtMostOne))
+                (sampler(2, lobe(power)), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(Mass::AtMostOne))
             },
         ),
         Planted::of(
@@ -135,7 +141,10 @@ pub fn faults() -> Vec<Planted> {
             half,
             |faulty| {
                 let factor = N + if faulty { 2.0 } else { 1.0 };
-                (sampler(2, lobe(1.0 / (N + 1.0))), density(move |w| lobe_pdf(w, factor)).with_mass(Mass::AtMostOne))
+                (
+                    sampler(2, lobe(1.0 / (N + 1.0))),
+                    direction_density(move |w| lobe_pdf(w, factor)).with_mass(Mass::AtMostOne),
+                )
             },
         ),
     ]

@@ -1,7 +1,8 @@
 //! Mistakes in drawing directions towards lamps, and in choosing among lamps.
 
 use super::Planted;
-use crate::stats::{Density, Directions, Draw, Line, Pole, Sampler, density, sampler};
+use crate::sampling::direction_density;
+use etalon_stats::{Density, Directions, Line, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -17,10 +18,10 @@ fn upright(cos: f64, turns: f64) -> DVec3 {
 
 /// Both balls, drawn in turn by u₂: the upper one with probability `drawn`, which the density takes for `said` (of the
 /// upper, of the lower).
-fn two_balls(drawn: f64, said: [f64; 2]) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+fn two_balls(drawn: f64, said: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
     let draw = move |u: &[f64]| {
         let (side, cos) = if u[2] < drawn { (1.0, ABOVE) } else { (-1.0, BELOW) };
-        Some(Draw::new(upright(side * (1.0 - u[0] * (1.0 - cos)), u[1])))
+        Some(Sample::new(upright(side * (1.0 - u[0] * (1.0 - cos)), u[1]).to_array()))
     };
     let pdf = move |w: DVec3| {
         if w.y > ABOVE {
@@ -32,7 +33,7 @@ fn two_balls(drawn: f64, said: [f64; 2]) -> (impl Sampler<DVec3>, impl Density<D
         }
     };
     let rows = vec![0.5 * (1.0 - ABOVE), 0.5 * (1.0 + BELOW)];
-    (sampler(3, draw), density(pdf).with_steps([rows, Vec::new()]))
+    (sampler(3, draw), direction_density(pdf).with_steps([rows, Vec::new()]))
 }
 
 pub fn faults() -> Vec<Planted> {
@@ -43,13 +44,14 @@ pub fn faults() -> Vec<Planted> {
             "a panel's density per area taken for the one per solid angle: d²/cos θ forgotten, or mixed up within MIS",
             sphere,
             |faulty| {
-                let draw = |u: &[f64]| Some(Draw::new(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize()));
+                let draw =
+                    |u: &[f64]| Some(Sample::new(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize().to_array()));
                 // The panel is 1×1 at height 1: cos θ = y, d = 1/y.
                 let pdf = move |w: DVec3| {
                     let hit = w.y > 0.0 && w.x.abs() <= 0.5 * w.y && w.z.abs() <= 0.5 * w.y;
                     if hit { if faulty { 1.0 } else { w.y.powi(-3) } } else { 0.0 }
                 };
-                (sampler(2, draw), density(pdf))
+                (sampler(2, draw), direction_density(pdf))
             },
         ),
         Planted::of(
@@ -57,7 +59,7 @@ pub fn faults() -> Vec<Planted> {
             "the first barycentric coordinate of a triangle drawn as u instead of 1 − √(1 − u): one corner is crowded",
             Line::UNIT,
             |faulty| {
-                let draw = move |u: &[f64]| Some(Draw::new(if faulty { u[0] } else { 1.0 - (1.0 - u[0]).sqrt() }));
+                let draw = move |u: &[f64]| Some(Sample::new(if faulty { u[0] } else { 1.0 - (1.0 - u[0]).sqrt() }));
                 (sampler(1, draw), density(|x: f64| 2.0 * (1.0 - x)))
             },
         ),
@@ -66,10 +68,10 @@ pub fn faults() -> Vec<Planted> {
             "a ball's cone with r/d, which is its sine, in place of its cosine",
             sphere,
             |faulty| {
-                let draw = |u: &[f64]| Some(Draw::new(upright(1.0 - u[0] * (1.0 - ABOVE), u[1])));
+                let draw = |u: &[f64]| Some(Sample::new(upright(1.0 - u[0] * (1.0 - ABOVE), u[1]).to_array()));
                 let cos = if faulty { (1.0 - ABOVE * ABOVE).sqrt() } else { ABOVE };
                 let pdf = move |w: DVec3| if w.y > cos { 1.0 / (TAU * (1.0 - cos)) } else { 0.0 };
-                (sampler(2, draw), density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
+                (sampler(2, draw), direction_density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
             },
         ),
         Planted::of(

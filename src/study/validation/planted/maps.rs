@@ -3,8 +3,9 @@
 use super::Planted;
 use crate::envmap::{EnvMap, LatLong};
 use crate::raster::{Image, Rgb};
+use crate::sampling::direction_density;
 use crate::sampling::table::Table2;
-use crate::stats::{Density, Directions, Draw, Pole, Sampler, density, sampler};
+use etalon_stats::{Density, Directions, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -34,7 +35,7 @@ impl Scheme {
     }
 
     /// The sampler, and the density by the map's energies.
-    fn build(self) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
+    fn build(self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
         let (width, height) = (g.width(), g.height());
@@ -44,14 +45,14 @@ impl Scheme {
         let geometry = g.clone();
         let draw = move |u: &[f64]| {
             let draw = drawn.draw([u[0], u[1]])?;
-            Some(Draw::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset)))
+            Some(Sample::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset).to_array()))
         };
         let pdf = move |w: DVec3| {
             let (x, y) = g.texel(look_up(w));
             let solid_angle = solid_angle(&g, y);
             if solid_angle > 0.0 { claimed.probability(x, y) / solid_angle } else { 0.0 }
         };
-        (sampler(2, draw), density(pdf).with_steps(steps))
+        (sampler(2, draw), direction_density(pdf).with_steps(steps))
     }
 }
 

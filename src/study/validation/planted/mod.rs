@@ -15,7 +15,7 @@ mod tables;
 pub use findings::{By, Finding, Findings, run};
 
 use super::Case;
-use crate::stats::{Density, Domain, Sampler};
+use etalon_stats::{Density, Domain, Sampler};
 
 /// A mistake in its setting.
 pub struct Planted {

@@ -4,9 +4,10 @@ use super::Planted;
 use crate::bsdf::report_model::normal_pdf_by_angles;
 use crate::optics::microfacet::variants::g1_rational;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
+use crate::sampling::direction_density;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp::sin_cos_turns;
-use crate::stats::{Directions, Draw, Pole, density, sampler};
+use etalon_stats::{Directions, Pole, Sample, sampler};
 use glam::DVec3;
 
 const ALPHA: f64 = 0.3;
@@ -21,8 +22,11 @@ fn view() -> DVec3 {
 fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
-        let draw = move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_all([u[0], u[1]]))));
-        (sampler(2, draw), density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_all(m.to_array()) }))
+        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_all([u[0], u[1]])));
+        (
+            sampler(2, draw),
+            direction_density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_all(m.to_array()) }),
+        )
     })
 }
 
@@ -38,12 +42,11 @@ where
     M: SampleNormals<f64> + Send + Sync + 'static,
 {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
-        let draw =
-            move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_visible(wo.to_array(), [u[0], u[1]])));
         let pdf = move |m: DVec3| {
             if faulty { wrong(&facets, wo, m) } else { facets.pdf_visible(wo.to_array(), m.to_array()) }
         };
-        (sampler(2, draw), density(pdf))
+        (sampler(2, draw), direction_density(pdf))
     })
 }
 
@@ -54,9 +57,9 @@ fn drawn(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f
             let (tan2, turns) = if faulty { wrong(u) } else { (-ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]) };
             let cos = 1.0 / (1.0 + tan2).sqrt();
             let (sin, (sin_phi, cos_phi)) = (tan2.sqrt() * cos, sin_cos_turns(turns));
-            Some(Draw::new(DVec3::new(sin * cos_phi, sin * sin_phi, cos)))
+            Some(Sample::new([sin * cos_phi, sin * sin_phi, cos]))
         };
-        (sampler(2, draw), density(|m: DVec3| Beckmann::new(ALPHA).pdf_all(m.to_array())))
+        (sampler(2, draw), direction_density(|m: DVec3| Beckmann::new(ALPHA).pdf_all(m.to_array())))
     })
 }
 

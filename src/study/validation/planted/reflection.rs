@@ -2,9 +2,10 @@
 
 use super::Planted;
 use crate::optics::microfacet::{Ggx, Microfacet};
+use crate::sampling::direction_density;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp::sin_cos_turns;
-use crate::stats::{Density, Directions, Draw, Mass, Pole, Sampler, density, sampler};
+use etalon_stats::{Density, Directions, Mass, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 
 /// A rough surface, of which many reflections end below the horizon.
@@ -61,8 +62,14 @@ fn pdf_bounded(wi: DVec3) -> f64 {
 }
 
 /// Two numbers for a direction, in a hemisphere where some are lost.
-fn pair(draw: fn([f64; 2]) -> Option<DVec3>, pdf: fn(DVec3) -> f64) -> (impl Sampler<DVec3>, impl Density<DVec3>) {
-    (sampler(2, move |u| draw([u[0], u[1]]).map(Draw::new)), density(pdf).with_mass(Mass::AtMostOne))
+fn pair(
+    draw: fn([f64; 2]) -> Option<DVec3>,
+    pdf: fn(DVec3) -> f64,
+) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+    (
+        sampler(2, move |u| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
+        direction_density(pdf).with_mass(Mass::AtMostOne),
+    )
 }
 
 pub fn faults() -> Vec<Planted> {
@@ -109,9 +116,9 @@ pub fn faults() -> Vec<Planted> {
             |faulty| {
                 let draw = move |u: &[f64]| {
                     let again = || if faulty { visible([u[2], u[3]]) } else { None };
-                    visible([u[0], u[1]]).or_else(again).map(Draw::new)
+                    visible([u[0], u[1]]).or_else(again).map(|w| Sample::new(w.to_array()))
                 };
-                (sampler(4, draw), density(pdf_visible).with_mass(Mass::AtMostOne))
+                (sampler(4, draw), direction_density(pdf_visible).with_mass(Mass::AtMostOne))
             },
         ),
     ]

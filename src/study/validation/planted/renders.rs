@@ -3,8 +3,8 @@
 use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
 use super::{Case, Planted};
 use crate::render::{LightDensity, Sampling, Settings};
-use crate::stats::welch::Mean;
-use crate::stats::{Protocol, Samples};
+use etalon_stats::welch::Mean;
+use etalon_stats::{Protocol, SampleCount};
 
 /// A picture, and what is done to its tiles.
 type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
@@ -14,8 +14,8 @@ fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Pi
     let case = |kind: &str, (picture, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let samples = match protocol.samples {
-                Samples::Detect(w) => Samples::Detect(w.min(0.005)),
-                count @ Samples::Count(_) => count,
+                SampleCount::Detect(w) => SampleCount::Detect(w.min(0.005)),
+                count @ SampleCount::Fixed(_) => count,
             };
             picture.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })

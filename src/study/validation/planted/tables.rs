@@ -1,7 +1,7 @@
 //! Mistakes in drawing from tables.
 
 use super::Planted;
-use crate::stats::{Density, Discrete, Draw, Sampler, density, sampler};
+use etalon_stats::{Density, Discrete, Sample, Sampler, density, sampler};
 
 /// Weights of a small table.
 const WEIGHTS: [f64; 8] = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
@@ -14,7 +14,7 @@ fn find(cdf: &[f64], u: f64) -> usize {
 /// Cells drawn by `cell` against probabilities in proportion to `weights`.
 fn by_weight(weights: Vec<f64>, cell: impl Fn(f64) -> usize + Sync) -> (impl Sampler<usize>, impl Density<usize>) {
     let total: f64 = weights.iter().sum();
-    (sampler(1, move |u| Some(Draw::new(cell(u[0])))), density(move |cell: usize| weights[cell] / total))
+    (sampler(1, move |u| Some(Sample::new(cell(u[0])))), density(move |cell: usize| weights[cell] / total))
 }
 
 /// The ends of the cells, with sums that `round` rounds.

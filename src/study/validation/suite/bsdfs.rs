@@ -8,8 +8,9 @@ use crate::bsdf::{Bsdf, Normals, Scatter};
 use crate::optics::metals::METALS;
 use crate::optics::microfacet::Distribution;
 use crate::raster::Rgb;
+use crate::sampling::direction_density;
 use crate::scene::{Conductor, Material, ScatterModel};
-use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
+use etalon_stats::{Directions, Mass, Pole, Sample, sampler};
 use glam::{DVec3, Vec3};
 
 /// A rough metal; which one does not matter to its directions.
@@ -63,9 +64,9 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
     Case::of(name, domain, move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, 0.0, [short(u[0]), short(u[1])])?;
-            Some(Draw::with_pdf(sample.wi.as_dvec3(), f64::from(sample.pdf)))
+            Some(Sample::with_pdf(sample.wi.as_dvec3().to_array(), f64::from(sample.pdf)))
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
-        (sampler(2, draw), density(pdf).with_mass(mass))
+        (sampler(2, draw), direction_density(pdf).with_mass(mass))
     })
 }

@@ -5,7 +5,7 @@ use crate::raster::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
 use crate::scene::{Emission, Light, Material, Object, Rectangle, Role, Scene, Shape, Sphere, builtin};
-use crate::stats::{Directions, Domain, Draw, Pole, Square, density, sampler};
+use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -64,14 +64,15 @@ fn ball(name: &str, distance: f32, radius: f32) -> Case {
             let sample = draw(light.as_ref(), u)?;
             let wi = sample.wi.as_dvec3();
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
-            let place = sphere.place(local).filter(|place| (edge..rim).contains(&place[0]));
-            let point = place.map_or(local, |place| sphere.point([edge.next_down(), place[1]]));
-            Some(Draw::with_pdf(point, f64::from(sample.pdf)))
+            let local = local.to_array();
+            let beyond = sphere.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
+            let point = beyond.map_or(local, |chart| sphere.point_at([edge.next_down(), chart[1]]));
+            Some(Sample::with_pdf(point, f64::from(sample.pdf)))
         };
-        let inside = move |w: DVec3| sphere.place(w).is_some_and(|place| place[0] <= edge);
-        let even = density(move |w: DVec3| if inside(w) { pdf } else { 0.0 });
+        let inside = move |w: [f64; 3]| sphere.to_chart(w).is_some_and(|chart| chart[0] <= edge);
+        let uniform = density(move |w| if inside(w) { pdf } else { 0.0 });
         let steps = if edge < 1.0 { vec![edge] } else { Vec::new() };
-        (sampler(2, draw), even.with_steps([steps, Vec::new()]))
+        (sampler(2, draw), uniform.with_steps([steps, Vec::new()]))
     })
 }
 
@@ -89,7 +90,7 @@ fn panel(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
             let off = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
             let place = [x, y].map(|side| 0.5 + 0.5 * off.dot(side) / side.length_squared());
             // In f32 the sides themselves are rounded.
-            Some(Draw::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
+            Some(Sample::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
         let front = 4.0 * x.cross(y);
         let at = move |[u, v]: [f64; 2]| {
@@ -103,7 +104,7 @@ fn panel(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
 fn sky() -> Case {
     Case::of("light/sky", Directions::hemisphere(Pole::Y), || {
         let light = light_of(None, Some(Light::Hemisphere { radiance: Rgb::ONE }));
-        let draw = move |u: &[f64]| Some(Draw::new(draw(light.as_ref(), u)?.wi.as_dvec3()));
-        (sampler(2, draw), density(|_: DVec3| 1.0 / TAU))
+        let draw = move |u: &[f64]| Some(Sample::new(draw(light.as_ref(), u)?.wi.as_dvec3().to_array()));
+        (sampler(2, draw), density(|_: [f64; 3]| 1.0 / TAU))
     })
 }

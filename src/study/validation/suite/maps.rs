@@ -8,7 +8,8 @@ use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, Direc
 use crate::envmap::synthetic::Synthetic;
 use crate::raster::{Image, Rgb};
 use crate::sampling::alias::AliasTable;
-use crate::stats::{Directions, Draw, Mass, Pole, density, sampler};
+use crate::sampling::direction_density;
+use etalon_stats::{Directions, Mass, Pole, Sample, sampler};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -79,11 +80,13 @@ fn of(source: &Source) -> Vec<Case> {
         Case::of(format!("map/{name}/cdf"), sphere, move || {
             let cdf = Arc::new(CdfSampler::new(lazy.get()));
             let (of, back) = (cdf.clone(), cdf.clone());
-            let draw = move |u: &[f64]| cdf.sample([u[0], u[1]]).map(|s| Draw::with_pdf(s.wi, s.pdf));
-            let sampler = sampler(2, draw).with_inverse(move |wi| back.invert(wi).to_vec());
+            let draw = move |u: &[f64]| cdf.sample([u[0], u[1]]).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
+            let sampler = sampler(2, draw).with_inverse(move |wi: [f64; 3]| back.invert(wi.into()).to_vec());
             (
                 sampler,
-                density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get())).with_steps(lazy.get().geometry().edges()),
+                direction_density(move |wi| of.pdf(wi))
+                    .with_mass(mass(&lazy.get()))
+                    .with_steps(lazy.get().geometry().edges()),
             )
         })
     };
@@ -115,8 +118,8 @@ fn by_light<S: DirectionSampler + 'static>(source: &Source, how: &str, new: fn(A
     let case = Case::of(format!("map/{name}/{how}"), Directions::sphere(Pole::Y), move || {
         let by = Arc::new(new(lazy.get()));
         let of = by.clone();
-        let draw = move |u: &[f64]| by.sample([u[0], u[1]]).map(|s| Draw::with_pdf(s.wi, s.pdf));
-        let density = density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get()));
+        let draw = move |u: &[f64]| by.sample([u[0], u[1]]).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
+        let density = direction_density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get()));
         (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
     });
     case.with_preparation(preparation)
@@ -131,8 +134,9 @@ fn cosine(source: &Source, towards: &str, normal: DVec3) -> Case {
     let case = Case::of(format!("map/{name}/cosine-{towards}"), Directions::sphere(Pole::Y), move || {
         let by = Arc::new(CosineSampler::new(lazy.get()));
         let of = by.clone();
-        let draw = move |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Draw::with_pdf(s.wi, s.pdf));
-        let density = density(move |wi| of.pdf_for(wi, normal)).with_mass(Mass::AtMostOne);
+        let draw =
+            move |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
+        let density = direction_density(move |wi| of.pdf_for(wi, normal)).with_mass(Mass::AtMostOne);
         (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
     });
     case.with_preparation(preparation)

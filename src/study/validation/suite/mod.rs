@@ -51,7 +51,7 @@ fn short(u: f64) -> f32 {
 mod tests {
     use super::super::run;
     use super::*;
-    use crate::stats::{Protocol, Samples};
+    use etalon_stats::{Protocol, SampleCount};
     use std::collections::HashSet;
 
     #[test]
@@ -64,10 +64,10 @@ mod tests {
     #[test]
     fn all_are_accepted() {
         let cases = cases();
-        let protocol = Protocol { samples: Samples::Detect(0.05), ..Protocol::default() };
+        let protocol = Protocol { samples: SampleCount::Detect(0.05), ..Protocol::default() };
         let found = run(&cases, &protocol, &|_| ()).unwrap();
         let others: Vec<_> = found.tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
         assert!(others.is_empty(), "{others:?}");
-        assert!(found.evenness.p > 5e-4, "{:?}", found.evenness);
+        assert!(found.uniformity.p > 5e-4, "{:?}", found.uniformity);
     }
 }

@@ -3,8 +3,8 @@
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 use crate::sampling::normals::SampleNormals;
-use crate::stats::{Directions, Draw, Pole, density, sampler};
-use glam::{DVec3, Vec3};
+use etalon_stats::{Directions, Pole, Sample, density, sampler};
+use glam::DVec3;
 
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
@@ -35,12 +35,9 @@ fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: 
         let draw = move |u: &[f64]| {
             let u = [u[0], u[1]];
             let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo.to_array(), u));
-            Some(Draw::new(DVec3::from_array(wm)))
+            Some(Sample::new(wm))
         };
-        let pdf = move |wm: DVec3| {
-            let wm = wm.to_array();
-            wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo.to_array(), wm))
-        };
+        let pdf = move |wm: [f64; 3]| wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo.to_array(), wm));
         (sampler(2, draw), density(pdf))
     })
 }
@@ -52,10 +49,10 @@ fn single(name: String, d: impl SampleNormals<f32> + Send + Sync + 'static, wo: 
         let draw = move |u: &[f64]| {
             let u = [short(u[0]), short(u[1])];
             let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo, u));
-            Some(Draw::new(Vec3::from_array(wm).as_dvec3()))
+            Some(Sample::new(wm.map(f64::from)))
         };
-        let pdf = move |wm: DVec3| {
-            let wm = wm.as_vec3().to_array();
+        let pdf = move |wm: [f64; 3]| {
+            let wm = wm.map(|x| x as f32);
             f64::from(wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo, wm)))
         };
         (sampler(2, draw), density(pdf))

@@ -3,7 +3,7 @@
 use super::{Case, short};
 use crate::sampling::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::stats::{Draw, Square, density, sampler};
+use etalon_stats::{Sample, Square, density, sampler};
 
 /// Rectangles seen from the origin: sides in x and y, and distance of their plane.
 const RECTANGLES: [(&str, [f64; 2], [f64; 2], f64); 7] = [
@@ -41,7 +41,7 @@ fn rectangle<T: Circular + Send + Sync + 'static>(
             let [x, y] = seen.sample([T::lit(number(u[0])), T::lit(number(u[1]))]).map(T::wide);
             let place = [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
             // In f32 the sides themselves are rounded.
-            Some(Draw::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
+            Some(Sample::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
         let scale = (x1 - x0) * (y1 - y0) * depth / solid_angle(xs, ys, depth);
         let pdf = move |[x, y]: [f64; 2]| {

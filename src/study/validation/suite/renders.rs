@@ -1,4 +1,4 @@
-//! Pictures of the path tracer against what they must show: furnaces, the sphere under a map, and each strategy of
+//! ImageComparison of the path tracer against what they must show: furnaces, the sphere under a map, and each strategy of
 //! sampling against the others.
 //!
 //! Scenes are grey, so that one channel says all. Numbers are independent, not stratified, for that makes the film's
@@ -14,15 +14,16 @@ use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::raster::{Image, Rgb};
 use crate::render::exposure::Exposure;
 use crate::render::{LightDensity, Sampling, Settings, Silent, render};
+use crate::sampling::direction_density;
 use crate::sampling::hash;
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
     Camera, Conductor, Distribution, Emission, Environment, Material, Object, Projection, Rectangle, Request, Role,
     Scene, Shape, builtin,
 };
-use crate::stats::cubature::integrate;
-use crate::stats::welch::{self, Mean, Pictures};
-use crate::stats::{Directions, Grid, Outcome, Pole, Protocol, Samples, density};
+use etalon_stats::cubature::integrate;
+use etalon_stats::welch::{self, ImageComparison, Mean};
+use etalon_stats::{Directions, Grid, Outcome, Pole, Protocol, SampleCount};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -76,7 +77,7 @@ impl Picture {
         }
     }
 
-    /// One round of the test, as [`crate::stats::examine`].
+    /// One round of the test, as [`etalon_stats::examine`].
     pub fn examine(&self, protocol: &Protocol, round: u64, spoil: fn(&mut [[Mean; 2]])) -> Result<Outcome> {
         protocol.check()?;
         let start = Instant::now();
@@ -88,7 +89,7 @@ impl Picture {
             Truth::Metal => even(albedo()?),
             Truth::By(_) => Vec::new(),
         };
-        let compare = |spp: u32, pass: u64| -> Result<Pictures> {
+        let compare = |spp: u32, pass: u64| -> Result<ImageComparison> {
             let seed = hash::key([protocol.seed, round, pass]);
             let mut tiles = self.tiles(spp, seed, &truth)?;
             spoil(&mut tiles);
@@ -97,8 +98,8 @@ impl Picture {
         };
         let pixels = self.request.width * self.request.height;
         let spp = match protocol.samples {
-            Samples::Count(n) => (n / pixels as u64).min(u64::from(RANGE[1])) as u32,
-            Samples::Detect(w) => compare(PILOT, 0)?
+            SampleCount::Fixed(n) => (n / pixels as u64).min(u64::from(RANGE[1])) as u32,
+            SampleCount::Detect(w) => compare(PILOT, 0)?
                 .detectable(level)
                 .map_or(PILOT, |found| (f64::from(PILOT) * (found / w).powi(2)).ceil().min(f64::from(RANGE[1])) as u32),
         };
@@ -107,14 +108,14 @@ impl Picture {
         Ok(self.outcome(&found, spp, level, start))
     }
 
-    fn outcome(&self, found: &Pictures, spp: u32, level: f64, start: Instant) -> Outcome {
+    fn outcome(&self, found: &ImageComparison, spp: u32, level: f64, start: Instant) -> Outcome {
         let pictures = if matches!(self.truth, Truth::By(_)) { 2 } else { 1 };
         let pixels = (self.request.width * self.request.height) as u64;
         let detectable = found.detectable(level).unwrap_or(PRECISION);
-        let fault = (found.exact_difference > PRECISION)
+        let violation = (found.exact_difference > PRECISION)
             .then(|| format!("tiles without noise are off by {:.1e}", found.exact_difference));
         let percent = 100.0 * detectable;
-        let doubt = if detectable > COARSEST {
+        let inconclusive_reason = if detectable > COARSEST {
             Some(format!("too few samples: a bias of the picture below {percent:.0} % would go unnoticed"))
         } else if found.kurtosis > HEAVY {
             Some(format!("tails too heavy for this test: the tiles' kurtosis is {:.1} instead of 3", found.kurtosis))
@@ -129,8 +130,8 @@ impl Picture {
             seconds: start.elapsed().as_secs_f64(),
             cells: self.request.width.div_ceil(TILE) * self.request.height.div_ceil(TILE),
             pooled: found.dof,
-            fault,
-            doubt,
+            violation,
+            inconclusive_reason,
             ..Outcome::open(u64::from(spp) * pixels * pictures)
         }
     }
@@ -243,12 +244,12 @@ pub fn metal(settings: Settings) -> Picture {
 fn albedo() -> Result<f64> {
     let (sin, cos) = SEEN_AT.to_radians().sin_cos();
     let (facets, wo) = (Beckmann::new(ALPHA), DVec3::new(sin, 0.0, cos));
-    let reflected = density(move |wi: DVec3| {
+    let reflected = direction_density(move |wi: DVec3| {
         let wm = (wo + wi).normalize();
         0.25 * facets.d(wm.to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array()) * wi.z
     });
     let half = Directions::hemisphere(Pole::Z);
-    Ok(integrate(&half, &reflected, &Grid::equal([8, 8], None), &[])?.values.iter().sum())
+    Ok(integrate(&half, &reflected, &Grid::equal([8, 8], None))?.values.iter().sum())
 }
 
 /// The white sphere under a grey map with a sun.
@@ -317,7 +318,7 @@ pub fn cases() -> Vec<Case> {
 mod tests {
     use super::super::super::run;
     use super::*;
-    use crate::stats::kolmogorov::evenness;
+    use etalon_stats::kolmogorov::uniformity;
 
     #[test]
     fn all_are_accepted() {
@@ -327,18 +328,18 @@ mod tests {
     }
 
     #[test]
-    fn p_values_of_right_pictures_are_even() {
+    fn p_values_of_right_images_are_uniform() {
         let mis = Settings { density: LightDensity::Map, ..Settings::default() };
         let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
         let white = Material::Diffuse { albedo: Rgb::ONE };
         for (name, picture) in
             [("ball", ball(white, blind, 1)), ("inside", inside(3, blind)), ("sphere", lit_sphere(mis))]
         {
-            let samples = Samples::Count(64 * picture.request.width.pow(2) as u64);
+            let samples = SampleCount::Fixed(64 * picture.request.width.pow(2) as u64);
             let case = picture.case(name, |_| ());
             let p = |seed| case.examine(&Protocol { seed, samples, ..Protocol::default() }, 0).unwrap().p.unwrap();
             let p: Vec<f64> = (0..60).map(p).collect();
-            assert!(evenness(&p).p > 1e-3, "{name}: {:?} {p:?}", evenness(&p));
+            assert!(uniformity(&p).p > 1e-3, "{name}: {:?} {p:?}", uniformity(&p));
         }
     }
 }

@@ -7,8 +7,9 @@ use super::{Case, short, towards};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::optics::microfacet::Distribution;
 use crate::raster::Rgb;
+use crate::sampling::direction_density;
 use crate::scene::{Conductor, Material, ScatterModel};
-use crate::stats::{Atom, Directions, Draw, Mass, Pole, density, sampler};
+use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
 use glam::{DVec3, Vec3};
 
 /// The glass of the tests, and angles through its critical one of 41.81 degrees inside.
@@ -35,19 +36,19 @@ pub fn cases() -> Vec<Case> {
     for (side, degrees, wo) in outside.into_iter().chain(inside) {
         cases.push(case(format!("bsdf/glass/{side}/{degrees}"), glass, wo, |wo| {
             let r = fresnel(wo);
-            let passing = refracted(wo).map(|point| Atom { point, probability: 1.0 - r });
+            let passing = refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 - r });
             [reflected(wo, r)].into_iter().chain(passing).collect()
         }));
         // Beyond the critical angle no sample is what must come.
         cases.push(case(format!("bsdf/refraction/{side}/{degrees}"), refraction, wo, |wo| {
-            refracted(wo).map(|point| Atom { point, probability: 1.0 }).into_iter().collect()
+            refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 }).into_iter().collect()
         }));
     }
     cases
 }
 
-fn reflected(wo: DVec3, probability: f64) -> Atom<DVec3> {
-    Atom { point: DVec3::new(-wo.x, -wo.y, wo.z), probability }
+fn reflected(wo: DVec3, probability: f64) -> Atom<[f64; 3]> {
+    Atom { point: [-wo.x, -wo.y, wo.z], probability }
 }
 
 /// Index of refraction of the far side over that of `wo`'s.
@@ -72,16 +73,16 @@ fn fresnel(wo: DVec3) -> f64 {
 }
 
 /// The directions that `bsdf` draws for `wo`, which are `atoms` of the direction that it is given after rounding.
-fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<DVec3>>) -> Case {
+fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> Case {
     let wo: Vec3 = wo.as_vec3();
     Case::of(name, Directions::sphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
-            Some(Draw { atom: sample.delta, ..Draw::new(sample.wi.as_dvec3()) })
+            Some(Sample { atom: sample.delta, ..Sample::new(sample.wi.as_dvec3().to_array()) })
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
         let atoms = atoms(wo.as_dvec3());
         let mass = atoms.iter().map(|atom| atom.probability).sum();
-        (sampler(3, draw), density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
+        (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
     })
 }

@@ -7,8 +7,9 @@ use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
 use crate::raster::{Image, Rgb};
+use crate::sampling::direction_density;
 use crate::sampling::table::{Table1, Table2};
-use crate::stats::{Directions, Draw, Pole, Protocol, density, examine, sampler};
+use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 
 pub fn cases() -> Vec<Case> {
@@ -29,7 +30,7 @@ fn map() -> EnvMap {
     EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::new(level(x, y), 0.3, 0.1 * y as f32)))
 }
 
-fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<crate::stats::Outcome> {
+fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<etalon_stats::Outcome> {
     let map = map();
     let g = map.geometry();
     let regions = MedianCut::new(&map, split, SideRule::default()).regions(regions)?;
@@ -43,7 +44,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         let i = shares.draw(u[0])?.cell;
         let (draw, block) = (tables[i].draw([u[1], u[2]])?, regions[i].block);
         let (x, y) = (block.x0 + draw.x.cell, block.y0 + draw.y.cell);
-        Some(Draw::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset)))
+        Some(Sample::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset).to_array()))
     };
     let total: f64 =
         (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
@@ -52,5 +53,5 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         map.intensity(x, y) / total
     };
     let sphere = Directions::sphere(Pole::Y);
-    examine(&sphere, &sampler(3, draw), &density(pdf).with_steps(g.edges()), protocol, round)
+    Ok(examine(&sphere, &sampler(3, draw), &direction_density(pdf).with_steps(g.edges()), protocol, round)?)
 }

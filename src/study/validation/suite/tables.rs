@@ -3,7 +3,7 @@
 use super::Case;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
-use crate::stats::{Discrete, Draw, Line, Square, density, sampler};
+use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
 
 /// A kind of weights for tables of any length.
 type Weights = fn(usize, usize) -> f64;
@@ -55,7 +55,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
         let back = table.clone();
         let draw = move |u: &[f64]| {
             let draw = table.draw(u[0])?;
-            Some(Draw::with_pdf((draw.cell as f64 + draw.offset) / cells, draw.probability * cells))
+            Some(Sample::with_pdf((draw.cell as f64 + draw.offset) / cells, draw.probability * cells))
         };
         let invert = move |x: f64| {
             let cell = ((x * cells) as usize).min(n - 1);
@@ -70,7 +70,7 @@ fn alias(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Discrete { outcomes: n }, move || {
         let table = AliasTable::new(&weights(shape, n));
         let of = table.clone();
-        let draw = move |u: &[f64]| table.draw(u[0]).map(|draw| Draw::with_pdf(draw.cell, draw.probability));
+        let draw = move |u: &[f64]| table.draw(u[0]).map(|draw| Sample::with_pdf(draw.cell, draw.probability));
         (sampler(1, draw), density(move |cell: usize| of.probability(cell)))
     })
 }
@@ -90,7 +90,7 @@ fn grid(name: String, shape: Weights, width: usize, height: usize) -> Case {
         let draw = move |u: &[f64]| {
             let draw = table.draw([u[0], u[1]])?;
             let place = [(draw.y.cell as f64 + draw.y.offset) / h, (draw.x.cell as f64 + draw.x.offset) / w];
-            Some(Draw::with_pdf(place, draw.probability() * (w * h)))
+            Some(Sample::with_pdf(place, draw.probability() * (w * h)))
         };
         let invert = move |place: [f64; 2]| {
             let [x, y] = cell(place);

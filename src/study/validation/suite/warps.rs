@@ -2,37 +2,40 @@
 
 use super::{Case, short};
 use crate::sampling::circular::Circular;
+use crate::sampling::direction_density;
 use crate::sampling::warp;
-use crate::stats::{Directions, Draw, Line, Pole, density, sampler};
+use etalon_stats::{Directions, Line, Pole, Sample, density, sampler};
 use glam::DVec3;
 
 pub fn cases() -> Vec<Case> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
         Case::of("warp/uniform-hemisphere", half, || {
-            let draw = |u: &[f64]| Some(Draw::new(warp::uniform_hemisphere([u[0], u[1]])));
-            let sampler = sampler(2, draw).with_inverse(|w| warp::invert_uniform_hemisphere(w).to_vec());
-            (sampler, density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
+            let draw = |u: &[f64]| Some(Sample::new(warp::uniform_hemisphere([u[0], u[1]]).to_array()));
+            let sampler =
+                sampler(2, draw).with_inverse(|w: [f64; 3]| warp::invert_uniform_hemisphere(w.into()).to_vec());
+            (sampler, direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
         }),
         Case::of("warp/cosine-hemisphere", half, || {
-            let draw = |u: &[f64]| Some(Draw::new(warp::cosine_hemisphere([u[0], u[1]])));
-            let sampler = sampler(2, draw).with_inverse(|w| warp::invert_cosine_hemisphere(w).to_vec());
-            (sampler, density(|w: DVec3| warp::cosine_hemisphere_pdf(w.z)))
+            let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
+            let sampler =
+                sampler(2, draw).with_inverse(|w: [f64; 3]| warp::invert_cosine_hemisphere(w.into()).to_vec());
+            (sampler, direction_density(|w: DVec3| warp::cosine_hemisphere_pdf(w.z)))
         }),
         // Both f32 functions at once: turns to a point of the circle, and half of the circle back to an angle.
         Case::of("warp/circle-f32/sine-and-cosine", half, || {
             let draw = |u: &[f64]| {
                 let (sin, cos) = f32::sin_cos_turns(short(u[1]));
                 let r = (u[0] * (2.0 - u[0])).sqrt();
-                Some(Draw::new(DVec3::new(r * f64::from(cos), r * f64::from(sin), 1.0 - u[0])))
+                Some(Sample::new([r * f64::from(cos), r * f64::from(sin), 1.0 - u[0]]))
             };
-            (sampler(2, draw), density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
+            (sampler(2, draw), direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
         }),
         Case::of("warp/circle-f32/angle", Line { from: 0.0, to: std::f64::consts::PI }, || {
             let draw = |u: &[f64]| {
                 let (sin, cos) = (0.5 * u[0] * std::f64::consts::TAU).sin_cos();
                 let angle = f32::angle(sin as f32, cos as f32);
-                Some(Draw::new(f64::from(angle).min(std::f64::consts::PI)))
+                Some(Sample::new(f64::from(angle).min(std::f64::consts::PI)))
             };
             (sampler(1, draw), density(|_: f64| std::f64::consts::FRAC_1_PI))
         }),

@@ -1,0 +1,174 @@
+//! Assertions for `cargo test`, and the text that says where samples and pdf disagree.
+
+use crate::density::{Density, Mass};
+use crate::domain::Domain;
+use crate::examine::{Protocol, validate};
+use crate::outcome::{Counts, Outcome};
+use crate::power::POWER;
+use crate::sampler::Sampler;
+use std::fmt::Write;
+
+/// Regions that [`explain`] lists.
+const REGIONS: usize = 6;
+
+/// Panics unless the samples of `sampler` follow `density` over `domain`, by the default [`Protocol`].
+///
+/// The message says what an exact check found wrong, or in which regions of the domain the counts differ most from what the
+/// pdf predicts; the size of error that the test detects; and the seed. See [`explain`].
+///
+/// # Panics
+/// If the verdict is not [`Verdict::Accept`](crate::Verdict::Accept), or the test could not be done.
+///
+/// ```
+/// use etalon_stats::prelude::*;
+///
+/// let triangular = sampler(1, |u| Some(Sample::new(u[0].sqrt())));
+/// assert_samples_follow_pdf(&Line::UNIT, &triangular, &density(|x| 2.0 * x));
+/// ```
+#[track_caller]
+pub fn assert_samples_follow_pdf<D: Domain>(
+    domain: &D,
+    sampler: &dyn Sampler<D::Point>,
+    density: &dyn Density<D::Point>,
+) {
+    assert_samples_follow_pdf_by(&Protocol::default(), domain, sampler, density);
+}
+
+/// [`assert_samples_follow_pdf`] by a protocol of one's own: another seed, power, level, or number of tests that share the
+/// level.
+///
+/// # Panics
+/// As [`assert_samples_follow_pdf`].
+#[track_caller]
+pub fn assert_samples_follow_pdf_by<D: Domain>(
+    protocol: &Protocol,
+    domain: &D,
+    sampler: &dyn Sampler<D::Point>,
+    density: &dyn Density<D::Point>,
+) {
+    match validate(domain, sampler, density, protocol) {
+        Ok(outcome) if outcome.is_accepted() => {}
+        Ok(outcome) => {
+            let declared = match density.mass() {
+                Mass::Exactly(mass) => format!("declared: {mass}"),
+                Mass::AtMostOne => "declared: at most 1".to_owned(),
+            };
+            let mass =
+                outcome.mass.map_or_else(String::new, |mass| format!("integral of the pdf: {mass}; {declared}\n"));
+            panic!("samples do not follow the pdf\n{}{mass}", explain(domain, &outcome, protocol));
+        }
+        Err(error) => panic!("the samples could not be tested: {error}"),
+    }
+}
+
+/// What a test found, over several lines: verdict and statistic; the violation of an exact check or the reason for an
+/// inconclusive verdict; unless it accepted, the regions in which observed and expected counts differ most; the detectable
+/// error; the seed.
+#[must_use]
+pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) -> String {
+    // Writing to a string cannot fail.
+    let mut text = format!("verdict: {}", outcome.verdict);
+    if let Some(p) = outcome.continuous_p() {
+        let _ = write!(
+            text,
+            ", chi-square = {:.1} with {} degrees of freedom, p = {p:.2e}",
+            outcome.statistic, outcome.dof
+        );
+    }
+    let _ = writeln!(text, ", {} samples", outcome.samples);
+    if let Some(remark) = outcome.remark() {
+        let _ = writeln!(text, "reason: {remark}");
+    }
+    if let Some(counts) = outcome.counts.as_ref().filter(|_| !outcome.is_accepted()) {
+        text += &regions(domain, counts);
+    }
+    if let Some(error) = outcome.detectable {
+        let (error, power) = (100.0 * error, 100.0 * POWER);
+        let _ = writeln!(
+            text,
+            "power: relative errors of the pdf of {error:.2} % (RMS over the cells) are detected with {power:.0} % probability"
+        );
+    }
+    let _ = writeln!(text, "seed: {} (the same seed gives the same samples)", protocol.seed);
+    text
+}
+
+/// A table of the regions whose counts are least likely, the worst first.
+fn regions<D: Domain>(domain: &D, counts: &Counts) -> String {
+    let cells: Vec<String> = counts.grid.cells().map(|cell| domain.region(&cell)).collect();
+    let name = |i: usize| match i.checked_sub(cells.len()) {
+        None => cells[i].clone(),
+        Some(atom) if atom < counts.atoms => format!("atom {atom}"),
+        Some(_) => "no sample".to_owned(),
+    };
+    // Deviations in standard deviations of a Poisson count; small expectations are not trusted that far.
+    let deviation = |i: usize| (counts.observed[i] as f64 - counts.expected[i]) / counts.expected[i].max(1.0).sqrt();
+    let mut order: Vec<usize> = (0..counts.observed.len()).filter(|&i| deviation(i).abs() > 2.0).collect();
+    order.sort_by(|&a, &b| deviation(b).abs().total_cmp(&deviation(a).abs()));
+    if order.is_empty() {
+        return String::new();
+    }
+    let (all, shown) = (order.len(), order.len().min(REGIONS));
+    order.truncate(REGIONS);
+    let width = order.iter().map(|&i| name(i).chars().count()).max().unwrap_or(0).max(6);
+    let mut text = format!("worst {shown} of {all} regions beyond 2 standard deviations:\n");
+    let _ =
+        writeln!(text, "  {:<width$} {:>10} {:>12} {:>9} {:>8}", "region", "observed", "expected", "error", "sigma");
+    for i in order {
+        let (observed, expected) = (counts.observed[i], counts.expected[i]);
+        let error = if expected >= 0.05 {
+            format!("{:+.1} %", 100.0 * (observed as f64 / expected - 1.0))
+        } else {
+            "-".to_owned()
+        };
+        let (region, sigma) = (name(i), deviation(i));
+        let _ = writeln!(text, "  {region:<width$} {observed:>10} {expected:>12.1} {error:>9} {sigma:>+8.1}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::density::density;
+    use crate::domain::{Directions, Discrete, Pole};
+    use crate::sampler::{Sample, sampler};
+    use crate::testing::uniform_hemisphere;
+    use std::f64::consts::{PI, TAU};
+
+    fn message<D: Domain>(domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> String {
+        let protocol = Protocol { seed: 7, ..Protocol::default() };
+        explain(domain, &validate(domain, sampler, density, &protocol).unwrap(), &protocol)
+    }
+
+    #[test]
+    fn the_message_says_where_samples_and_pdf_disagree() {
+        // Uniform samples said to be cosine-weighted: too many at the horizon, too few at the pole.
+        let half = Directions::hemisphere(Pole::Z);
+        let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
+        let text = message(&half, &uniform, &density(|w: [f64; 3]| w[2] / PI));
+        let worst = text.lines().find(|line| line.trim_start().starts_with("theta")).unwrap();
+        assert!(worst.contains("..90.00°") && worst.contains("+9"), "{text}");
+        assert!(text.starts_with("verdict: reject, chi-square = ") && text.contains("seed: 7"), "{text}");
+        assert!(text.contains("errors of the pdf of 2.0"), "{text}");
+        let accepted = message(&half, &uniform, &density(|_: [f64; 3]| 1.0 / TAU));
+        assert!(accepted.starts_with("verdict: accept") && !accepted.contains("region"), "{accepted}");
+    }
+
+    #[test]
+    fn outcomes_atoms_and_missing_samples_are_named() {
+        let die = sampler(1, |u| Some(Sample::new((u[0] * 6.0) as usize)));
+        let loaded = density(|face: usize| if face == 5 { 0.25 } else { 0.15 });
+        assert!(message(&Discrete { outcomes: 6 }, &die, &loaded).contains("  outcome 5 "));
+        let lazy = sampler(2, |u| (u[0] > 0.01).then(|| Sample::new(uniform_hemisphere(u))));
+        let text = message(&Directions::hemisphere(Pole::Z), &lazy, &density(|_: [f64; 3]| 1.0 / TAU));
+        assert!(text.contains("  no sample "), "{text}");
+    }
+
+    #[test]
+    #[should_panic(expected = "reason: the pdf integrates to 1.01")]
+    fn a_wrong_mass_fails_the_assertion() {
+        let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
+        assert_samples_follow_pdf(&Directions::hemisphere(Pole::Z), &uniform, &density(|_: [f64; 3]| 1.01 / TAU));
+    }
+}

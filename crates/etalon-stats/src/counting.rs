@@ -1,0 +1,135 @@
+//! Samples counted in cells against the integrals of the pdf, which are refined until their errors do not show.
+
+use crate::chi_square::FEWEST;
+use crate::cubature::{Integration, InvalidPdf, Probe};
+use crate::density::Atom;
+use crate::domain::Domain;
+use crate::error::Result;
+use crate::grid::Grid;
+use crate::mass::Integral;
+use crate::tally::{Source, Tally};
+
+/// Random points at which integrals are checked: one for so many samples, between a least and a largest number.
+const SAMPLES_PER_CHECK: u64 = 4;
+const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
+/// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
+/// moves by 0.025 standard deviations.
+const SLACK: f64 = 0.0025;
+/// Share of the pdf that samples may find above what the nodes lead to expect before it is integrated again.
+const UNSEEN: f64 = 1e-4;
+/// Standard errors that chance explains of a measured difference.
+const CHANCE: f64 = 2.0;
+/// Attempts at counting, each with fresh samples.
+const ATTEMPTS: u64 = 3;
+
+/// The numbers of the random streams of an attempt: of its samples and of its checks. Attempt 0 is the pilot.
+pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
+    let first = 2 * (round * (ATTEMPTS + 1) + attempt);
+    [first, first + 1]
+}
+
+/// What is to be counted.
+pub struct Counting<'a, D: Domain> {
+    pub source: &'a Source<'a, D>,
+    pub grid: &'a Grid,
+    pub atoms: &'a [Atom<D::Point>],
+    pub samples: u64,
+    /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
+    pub whole: Option<f64>,
+    /// The probability with which the bound of the integral may fail.
+    pub risk: f64,
+}
+
+/// Counts and integrals.
+pub struct Counted<P> {
+    /// The integral over each cell.
+    pub values: Vec<f64>,
+    /// The integral over all cells.
+    pub integral: Integral,
+    /// Whether errors of the cells' integrals would show in the chi-square test.
+    pub uncertain: bool,
+    /// The first value that no pdf can have.
+    pub invalid: Option<InvalidPdf<P>>,
+    pub tally: Tally,
+}
+
+/// What is added to each cell's integral, and the standard error of that.
+type Correction = [f64; 2];
+
+impl<D: Domain> Counting<'_, D> {
+    /// Integrates and counts.
+    ///
+    /// Where the first samples show that the integrals are too uncertain, the density is integrated again with the probes
+    /// that they found. Where the second samples still do, what the integrals lack is estimated from them and added. Counts
+    /// are always of fresh samples that had no part in the integrals that they are compared with.
+    pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted<D::Point>> {
+        let Source { domain, sampler, density, seed, cancelled } = *self.source;
+        let mut integration = Integration::new(domain, density, self.grid, pilot, cancelled)?;
+        if let Integration::Refined(refinement) = &mut integration {
+            let [_, checks] = streams(round, 0);
+            let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
+            refinement.learn(&found)?;
+        }
+        let probes = (self.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
+        let attempts = if sampler.finite_len().is_some() { 1 } else { ATTEMPTS };
+        let mut corrections: Option<Vec<Correction>> = None;
+        let mut attempt = 1;
+        loop {
+            let [stream, checks] = streams(round, attempt);
+            let tally = self.source.tally(stream, self.samples, self.grid, self.atoms, &integration)?;
+            let mut integrals = integration.integrals();
+            let Integration::Refined(refinement) = &mut integration else {
+                let (integral, values) = (Integral::exact(&integrals), integrals.values);
+                return Ok(Counted { values, integral, uncertain: false, invalid: integrals.invalid, tally });
+            };
+            let check = refinement.check(probes, seed, checks)?;
+            let integral = Integral::measured(&integrals, &check, &tally, self.risk);
+            let invalid = integrals.invalid.or(check.invalid);
+
+            let unseen = |cell: usize| tally.unseen_in[cell].sum() / self.samples as f64;
+            // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
+            let found = |cell: usize| {
+                let [difference, error] = check.difference(cell);
+                (difference.abs() - CHANCE * error).max(0.0) + unseen(cell)
+            };
+            let error = |cell: usize| match &corrections {
+                Some(corrections) => corrections[cell][1],
+                None => integrals.errors[cell] + found(cell),
+            };
+            let uncertain = self.is_uncertain(&integrals.values, error);
+            // Good enough, out of attempts, or hopeless: add what was estimated and be done.
+            let is_good = !uncertain && (corrections.is_some() || tally.unseen.sum() <= UNSEEN * self.samples as f64);
+            if is_good || attempt == attempts || invalid.is_some() {
+                for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
+                    *value = (*value + more).max(0.0);
+                }
+                return Ok(Counted { values: integrals.values, integral, uncertain, invalid, tally });
+            }
+            // Learn where the density is not what the nodes predict; before the last attempt estimate what is missing.
+            attempt += 1;
+            if attempt < attempts {
+                refinement.learn(&[check.found, tally.found].concat())?;
+            } else {
+                let correction = |cell: usize| {
+                    let ([within_reach, error], unseen) = (check.difference(cell), unseen(cell));
+                    [within_reach + unseen, error.hypot((unseen / self.samples as f64).sqrt())]
+                };
+                corrections = Some((0..self.grid.len()).map(correction).collect());
+            }
+        }
+    }
+
+    /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it
+    /// is not declared, has the errors of all.
+    fn is_uncertain(&self, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
+        let n = self.samples as f64;
+        // Cells that expect less than this are pooled.
+        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).max(FEWEST);
+        let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
+        let of_none = self.whole.map_or(0.0, |whole| {
+            let squares: f64 = (0..values.len()).map(|cell| error(cell).powi(2)).sum();
+            term(whole - values.iter().sum::<f64>(), squares.sqrt())
+        });
+        of_cells + of_none > SLACK * values.len() as f64
+    }
+}

@@ -1,0 +1,122 @@
+//! What the rules do not see of a density, measured at random points.
+
+use super::pieces::LARGE;
+use super::{InvalidPdf, Probe, Refinement, first_invalid};
+use crate::domain::Domain;
+use crate::error::Result;
+use crate::fixed::{Share, add};
+use crate::stream::CounterRng;
+use crate::tally::{BATCH, FOUND};
+use rand::RngExt;
+use rayon::prelude::*;
+
+/// The density at random points against the polynomials that the rules integrate.
+///
+/// The points are spread in proportion to the density that each piece is expected to reach. There the density, cut off at
+/// this height, and the rule's polynomial are compared: their mean difference, times `reach`, is the error of the integral
+/// of the density as far as it is within reach. (What is above is found by samples: see
+/// [`Refinement::seen`].)
+#[derive(Debug, Clone)]
+pub(crate) struct Check<P> {
+    /// The integral of the largest density that the pieces are expected to reach.
+    pub reach: f64,
+    /// The number of points, and the sums of the positive and of the negative differences over `reach`, each from 0 to 1.
+    pub count: u64,
+    pub above: Share,
+    pub below: Share,
+    /// The same sums over the points of each cell, and those of the squares.
+    pub above_in: Vec<Share>,
+    pub below_in: Vec<Share>,
+    pub squares_in: Vec<Share>,
+    /// Some of the points where the difference is large.
+    pub found: Vec<Probe>,
+    pub invalid: Option<InvalidPdf<P>>,
+}
+
+impl<P> Check<P> {
+    fn plus(mut self, other: Self) -> Self {
+        self.above += other.above;
+        self.below += other.below;
+        add(&mut self.above_in, &other.above_in);
+        add(&mut self.below_in, &other.below_in);
+        add(&mut self.squares_in, &other.squares_in);
+        self.found.extend(other.found);
+        self.found.truncate(FOUND);
+        self.invalid = self.invalid.or(other.invalid);
+        self
+    }
+}
+
+impl<P> Check<P> {
+    /// The integral over a cell of what is within reach, minus that of the polynomials, and the standard error of this.
+    #[must_use]
+    pub fn difference(&self, cell: usize) -> [f64; 2] {
+        let scale = self.reach / self.count.max(1) as f64;
+        [scale * (self.above_in[cell].sum() - self.below_in[cell].sum()), scale * self.squares_in[cell].sum().sqrt()]
+    }
+}
+
+impl<D: Domain> Refinement<'_, D> {
+    /// Compares the density with the polynomials at `count` random points.
+    pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check<D::Point>> {
+        let (plane, measure) = (self.domain.is_plane(), self.domain.measure());
+        let mut sum = 0.0;
+        let ends: Vec<f64> = self
+            .pieces
+            .iter()
+            .map(|piece| {
+                sum += piece.reach(measure);
+                sum
+            })
+            .collect();
+        let count = if sum > 0.0 { count } else { 0 };
+        let none = |count| Check {
+            reach: sum,
+            count,
+            above: Share::default(),
+            below: Share::default(),
+            above_in: vec![Share::default(); self.grid.len()],
+            below_in: vec![Share::default(); self.grid.len()],
+            squares_in: vec![Share::default(); self.grid.len()],
+            found: Vec::new(),
+            invalid: None,
+        };
+        let of_batch = |batch: u64| {
+            let mut rng = CounterRng::new(seed, batch << 8 | stream);
+            let (mut chosen, mut points) = (Vec::new(), Vec::new());
+            for i in batch * BATCH..count.min((batch + 1) * BATCH) {
+                // One point in each of `count` equal parts of the sum.
+                let at = (i as f64 + rng.random::<f64>()) / count as f64 * sum;
+                let piece = &self.pieces[ends.partition_point(|&end| end <= at).min(ends.len() - 1)];
+                let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
+                let [u, v] = rng.random::<[f64; 2]>();
+                let chart = [along(piece.at.x, u), if plane { along(piece.at.y, v) } else { 0.5 }];
+                chosen.push((piece, chart));
+                points.push(self.domain.point_at(chart));
+            }
+            let mut values = Vec::with_capacity(points.len());
+            self.density.pdf(&points, &mut values)?;
+            let mut check = none(0);
+            check.invalid = first_invalid(&points, &values);
+            for ((piece, at), pdf) in chosen.into_iter().zip(values) {
+                let probe = Probe { at, pdf };
+                let difference = piece.difference(&probe);
+                let share = Share::new(difference.abs());
+                let (sum, of_cell) = if difference > 0.0 {
+                    (&mut check.above, &mut check.above_in)
+                } else {
+                    (&mut check.below, &mut check.below_in)
+                };
+                *sum += share;
+                of_cell[piece.cell] += share;
+                check.squares_in[piece.cell] += Share::new(difference * difference);
+                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.seen(pdf) < 1.0) {
+                    check.found.push(probe);
+                }
+            }
+            Ok(check)
+        };
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        batches.try_reduce(|| none(0), |a, b| Ok(a.plus(b))).map(|check| Check { count, ..check })
+    }
+}

@@ -1,0 +1,237 @@
+//! Cutting cells into pieces until the rules agree with each other and with what is known of the density.
+
+use super::pieces::{Piece, Tree, share_within};
+use super::rule::{KRONROD, nodes};
+use super::{Integrals, InvalidPdf, Probe, first_invalid};
+use crate::density::Density;
+use crate::domain::Domain;
+use crate::error::{Cancelled, Result, poll};
+use crate::grid::{Cell, Grid};
+use rayon::prelude::*;
+
+/// Evaluations of the density after which refinement stops, each time that probes are learned.
+const BUDGET: usize = 1 << 22;
+/// The share of a cell's integral, or of an average cell's, that its error should stay below. 200 cells then leave the whole
+/// uncertain by 5·10⁻⁵ at most.
+const PRECISION: f64 = 2.5e-5;
+
+/// A density's integrals over the cells of a grid, which become better with every probe that is learned.
+pub(crate) struct Refinement<'a, D: Domain> {
+    pub(super) domain: &'a D,
+    pub(super) density: &'a dyn Density<D::Point>,
+    pub(super) grid: &'a Grid,
+    pub(super) pieces: Vec<Piece>,
+    tree: Tree,
+    probes: Vec<Probe>,
+    evaluations: usize,
+    invalid: Option<InvalidPdf<D::Point>>,
+    cancelled: Cancelled,
+}
+
+/// A rectangle still to be integrated: its leaf of the tree, its cell, and the known probes in it.
+struct Part {
+    leaf: usize,
+    cell: usize,
+    at: Cell,
+    probes: Vec<u32>,
+}
+
+impl<'a, D: Domain> Refinement<'a, D> {
+    /// Integrates over the cells of `grid`, knowing the density at `probes`.
+    pub fn new(
+        domain: &'a D,
+        density: &'a dyn Density<D::Point>,
+        grid: &'a Grid,
+        probes: &[Probe],
+        cancelled: Cancelled,
+    ) -> Result<Self> {
+        let (pieces, tree) = (Vec::new(), Tree::new());
+        let mut work = Self {
+            domain,
+            density,
+            grid,
+            pieces,
+            tree,
+            probes: probes.to_vec(),
+            evaluations: 0,
+            invalid: None,
+            cancelled,
+        };
+        let all = (0..probes.len() as u32).collect();
+        let whole = Part { leaf: 0, cell: 0, at: Cell::WHOLE, probes: all };
+        let mut parts = work.cut(whole, grid.graded());
+        for part in &mut parts {
+            let [x, y] = [part.at.x, part.at.y].map(|[from, to]| 0.5 * (from + to));
+            part.cell = grid.find([x, y]);
+        }
+        let parts: Vec<Part> = parts.into_iter().flat_map(|part| work.first_cut(part)).collect();
+        work.add(parts)?;
+        work.refine()?;
+        Ok(work)
+    }
+
+    /// Takes the density at more probes into account.
+    pub fn learn(&mut self, probes: &[Probe]) -> Result<()> {
+        let measure = self.domain.measure();
+        for probe in probes {
+            let (piece, _) = self.tree.find(probe.at);
+            let piece = &mut self.pieces[piece];
+            piece.probes.push(self.probes.len() as u32);
+            piece.learn(probe, measure);
+            self.probes.push(*probe);
+        }
+        self.refine()
+    }
+
+    /// The integrals as they are known so far.
+    pub fn integrals(&self) -> Integrals<D::Point> {
+        let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
+        for piece in &self.pieces {
+            values[piece.cell] += piece.integral;
+            errors[piece.cell] += piece.error();
+        }
+        Integrals { values, errors, invalid: self.invalid }
+    }
+
+    /// The share of the density at a probe that the nodes around it lead to expect: less than 1 for a spike.
+    pub fn seen(&self, probe: &Probe) -> f64 {
+        let (_, top) = self.tree.find(probe.at);
+        share_within(top, probe.pdf)
+    }
+
+    /// Where a rectangle is cut before any rule is applied: where its known probes are halved, and graded from there, so
+    /// that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
+    fn first_cut(&mut self, part: Part) -> Vec<Part> {
+        const FEWEST: usize = 4;
+        let plane = self.domain.is_plane();
+        if part.probes.len() < FEWEST {
+            return self.halve(part, [true, plane]).unwrap_or_else(|whole| vec![whole]);
+        }
+        let probes: Vec<[f64; 2]> = part.probes.iter().map(|&probe| self.probes[probe as usize].at).collect();
+        let shape = if plane { [2, 2] } else { [2, 1] };
+        let grid = Grid::adapted(&probes, shape, part.at, None).graded();
+        self.cut(part, grid)
+    }
+
+    /// The parts of a rectangle between the lines of `grid`, with the probes in each.
+    fn cut(&mut self, whole: Part, grid: Grid) -> Vec<Part> {
+        let mut inside = vec![Vec::new(); grid.len()];
+        for probe in whole.probes {
+            inside[grid.find(self.probes[probe as usize].at)].push(probe);
+        }
+        let cells: Vec<Cell> = grid.cells().collect();
+        let leaves = self.tree.cut(whole.leaf, grid);
+        let parts = leaves.zip(cells).zip(inside);
+        parts.map(|((leaf, at), probes)| Part { leaf, cell: whole.cell, at, probes }).collect()
+    }
+
+    /// The halves of a rectangle along `axes`, or their halves; the rectangle itself where coordinates are too coarse for that.
+    fn halve(&mut self, whole: Part, axes: [bool; 2]) -> std::result::Result<Vec<Part>, Part> {
+        let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
+        let middles = [middle(whole.at.x), middle(whole.at.y)];
+        let divides = |axis: usize, [from, to]: [f64; 2]| !axes[axis] || from < middles[axis] && middles[axis] < to;
+        if !(divides(0, whole.at.x) && divides(1, whole.at.y)) {
+            return Err(whole);
+        }
+        let mut parts = vec![whole];
+        for axis in (0..2).filter(|&axis| axes[axis]) {
+            let middle = middles[axis];
+            let halves = |Part { leaf, cell, at, probes }| {
+                let leaves = self.tree.halve(leaf, axis, middle);
+                let [mut below, mut above]: [Cell; 2] = [at; 2];
+                match axis {
+                    0 => (below.x[1], above.x[0]) = (middle, middle),
+                    _ => (below.y[1], above.y[0]) = (middle, middle),
+                }
+                let is_below = |probe: &u32| self.probes[*probe as usize].at[axis] < middle;
+                let (low, high): (Vec<u32>, Vec<u32>) = probes.into_iter().partition(is_below);
+                [
+                    Part { leaf: leaves[0], cell, at: below, probes: low },
+                    Part { leaf: leaves[1], cell, at: above, probes: high },
+                ]
+            };
+            parts = parts.into_iter().flat_map(halves).collect();
+        }
+        Ok(parts)
+    }
+
+    /// Applies the rules to `parts`.
+    fn add(&mut self, parts: Vec<Part>) -> Result<()> {
+        // Enough points for a batch, few enough to share out.
+        const PARTS: usize = 16;
+        let (plane, measure, known) = (self.domain.is_plane(), self.domain.measure(), &self.probes);
+        let cancelled = self.cancelled;
+        let apply = |batch: &[Part]| {
+            poll(cancelled)?;
+            let points: Vec<D::Point> =
+                batch.iter().flat_map(|part| nodes(&part.at, plane)).map(|probe| self.domain.point_at(probe)).collect();
+            let mut values = Vec::with_capacity(points.len());
+            self.density.pdf(&points, &mut values)?;
+            let per_part = points.len() / batch.len();
+            let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
+                let mut piece = Piece::new(part.leaf, part.cell, part.at, values, measure);
+                part.probes.iter().for_each(|&probe| piece.learn(&known[probe as usize], measure));
+                piece
+            });
+            Ok((made.collect::<Vec<_>>(), first_invalid(&points, &values)))
+        };
+        let made = parts.par_chunks(PARTS).map(apply).collect::<Result<Vec<_>>>()?;
+        self.evaluations += parts.len() * if plane { KRONROD * KRONROD } else { KRONROD };
+        let (pieces, invalid): (Vec<Vec<Piece>>, Vec<_>) = made.into_iter().unzip();
+        self.invalid = invalid.into_iter().flatten().next().or(self.invalid);
+        for (mut piece, part) in pieces.into_iter().flatten().zip(parts) {
+            piece.probes = part.probes;
+            self.tree.set(&piece, self.pieces.len());
+            self.pieces.push(piece);
+        }
+        Ok(())
+    }
+
+    /// Cuts pieces until every cell is precise enough, or the budget is spent, or the density is at fault.
+    fn refine(&mut self) -> Result<()> {
+        let cells = self.grid.len();
+        self.evaluations = 0;
+        while self.evaluations < BUDGET && self.invalid.is_none() {
+            let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0; cells], vec![0usize; cells]);
+            for piece in &self.pieces {
+                values[piece.cell] += piece.integral;
+                counts[piece.cell] += 1;
+                errors[piece.cell] += piece.error();
+            }
+            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
+            // Spikes are cut out first: until they are seen, errors mean nothing.
+            let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
+            let is_coarse = |piece: &Piece| {
+                let (cell, error) = (piece.cell, piece.error());
+                let large = errors[cell] > allowed[cell] && error > 0.5 * allowed[cell] / counts[cell] as f64;
+                if spikes { error.is_infinite() } else { large }
+            };
+            let plane = self.domain.is_plane();
+            let (coarse, mut fine): (Vec<Piece>, Vec<Piece>) =
+                std::mem::take(&mut self.pieces).into_iter().partition(is_coarse);
+            if coarse.is_empty() {
+                self.pieces = fine;
+                break;
+            }
+            let mut parts = Vec::new();
+            for mut piece in coarse {
+                let axes = piece.axes(plane);
+                let (leaf, cell, at) = (piece.leaf, piece.cell, piece.at);
+                match self.halve(Part { leaf, cell, at, probes: std::mem::take(&mut piece.probes) }, axes) {
+                    Ok(halves) => parts.extend(halves),
+                    // Nothing more is to be known here.
+                    Err(Part { probes, .. }) => {
+                        (piece.errors, piece.mismatch, piece.probes) = ([0.0; 2], 0.0, probes);
+                        fine.push(piece);
+                    }
+                }
+            }
+            self.pieces = fine;
+            for (number, piece) in self.pieces.iter().enumerate() {
+                self.tree.set(piece, number);
+            }
+            self.add(parts)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! What the samples are said to follow: the pdf under test.
+
+use crate::error::Result;
+
+/// What a density, its atoms included, is declared to integrate to. What it lacks of 1 is the probability of "no sample".
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mass {
+    /// This value; a density that integrates to another one is rejected.
+    Exactly(f64),
+    /// An unknown value of at most 1: the integral then gives the probability of "no sample".
+    AtMostOne,
+}
+
+/// A point that is sampled with a probability of its own: a Dirac delta of the distribution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atom<P> {
+    /// Where it lies.
+    pub point: P,
+    /// The probability of this very point.
+    pub probability: f64,
+}
+
+/// A pdf over a domain, with respect to the domain's measure, plus atoms.
+pub trait Density<P>: Sync {
+    /// Appends the pdf at each of `points`.
+    ///
+    /// # Errors
+    /// [`Error::External`](crate::Error::External) where the pdf is computed in another process.
+    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()>;
+
+    /// What it integrates to, atoms included.
+    fn mass(&self) -> Mass {
+        Mass::Exactly(1.0)
+    }
+
+    /// Its atoms.
+    fn atoms(&self) -> Vec<Atom<P>> {
+        Vec::new()
+    }
+
+    /// For a pdf that is piecewise constant in the domain's chart: the lines between the pieces, ascending and strictly
+    /// between 0 and 1, for each axis. Its integrals are then exact sums.
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        None
+    }
+}
+
+/// A [`Density`] made of a function; see [`density`].
+pub struct DensityFn<P, F> {
+    pdf: F,
+    mass: Mass,
+    atoms: Vec<Atom<P>>,
+    steps: Option<[Vec<f64>; 2]>,
+}
+
+/// The density that `pdf` returns: of mass 1, without atoms, not piecewise constant.
+pub fn density<P, F: Fn(P) -> f64 + Sync>(pdf: F) -> DensityFn<P, F> {
+    DensityFn { pdf, mass: Mass::Exactly(1.0), atoms: Vec::new(), steps: None }
+}
+
+impl<P, F> DensityFn<P, F> {
+    /// Declares another mass than 1.
+    #[must_use]
+    pub fn with_mass(self, mass: Mass) -> Self {
+        Self { mass, ..self }
+    }
+
+    /// Adds atoms.
+    #[must_use]
+    pub fn with_atoms(self, atoms: Vec<Atom<P>>) -> Self {
+        Self { atoms, ..self }
+    }
+
+    /// Declares the lines of the chart between which the pdf is constant; see [`Density::steps`].
+    #[must_use]
+    pub fn with_steps(self, steps: [Vec<f64>; 2]) -> Self {
+        Self { steps: Some(steps), ..self }
+    }
+}
+
+impl<P: Copy + Sync, F: Fn(P) -> f64 + Sync> Density<P> for DensityFn<P, F> {
+    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()> {
+        out.extend(points.iter().map(|&point| (self.pdf)(point)));
+        Ok(())
+    }
+
+    fn mass(&self) -> Mass {
+        self.mass
+    }
+
+    fn atoms(&self) -> Vec<Atom<P>> {
+        self.atoms.clone()
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        self.steps.clone()
+    }
+}

@@ -1,0 +1,348 @@
+//! Where samples lie: sets with a measure, each with an area-preserving chart to the unit square.
+
+use crate::grid::Cell;
+use crate::warp::turns;
+use std::f64::consts::{PI, TAU};
+use std::fmt::Debug;
+
+/// A set of points with a measure μ, to which pdfs refer, and its chart.
+///
+/// The chart maps the set one to one to \[0, 1)² such that equal areas of the square are equal measures of the set. Cells
+/// are rectangles of the chart, so that the expected share of a cell is μ(whole set) times the integral of the pdf over the
+/// cell in chart coordinates.
+pub trait Domain: Sync {
+    /// A point of the set.
+    type Point: Copy + Send + Sync + Debug;
+
+    /// μ of the whole set: 4π for the sphere.
+    fn measure(&self) -> f64;
+
+    /// The chart coordinates of a point; `None` if it is not in the set or not a number.
+    fn to_chart(&self, point: Self::Point) -> Option<[f64; 2]>;
+
+    /// The point at chart coordinates in \[0, 1\]²: the inverse of [`to_chart`](Self::to_chart).
+    fn point_at(&self, chart: [f64; 2]) -> Self::Point;
+
+    /// Whether two points are equal up to rounding: how a sample is matched with an atom.
+    fn same(&self, a: Self::Point, b: Self::Point) -> bool;
+
+    /// Whether the chart's second axis is in use.
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    /// The number of points of a finite set.
+    fn outcomes(&self) -> Option<usize> {
+        None
+    }
+
+    /// The quantities along the chart's axes, for figures.
+    fn axes(&self) -> [&'static str; 2];
+
+    /// A cell of the chart in the domain's own coordinates, for messages: `theta 10.0°..20.0°, phi 0.0°..36.0°`.
+    fn region(&self, cell: &Cell) -> String {
+        let [x, y] = self.axes();
+        let along = |name: &str, [from, to]: [f64; 2]| format!("{name} {from:.4}..{to:.4}");
+        if self.is_plane() { format!("{}, {}", along(x, cell.x), along(y, cell.y)) } else { along(x, cell.x) }
+    }
+}
+
+/// The points 0 to `outcomes` − 1; μ counts points, so that a pdf is a probability.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Discrete {
+    /// The number of points.
+    pub outcomes: usize,
+}
+
+impl Domain for Discrete {
+    type Point = usize;
+
+    fn measure(&self) -> f64 {
+        self.outcomes as f64
+    }
+
+    fn to_chart(&self, point: usize) -> Option<[f64; 2]> {
+        (point < self.outcomes).then(|| [(point as f64 + 0.5) / self.outcomes as f64, 0.5])
+    }
+
+    fn point_at(&self, [x, _]: [f64; 2]) -> usize {
+        ((x * self.outcomes as f64) as usize).min(self.outcomes.saturating_sub(1))
+    }
+
+    fn same(&self, a: usize, b: usize) -> bool {
+        a == b
+    }
+
+    fn is_plane(&self) -> bool {
+        false
+    }
+
+    fn outcomes(&self) -> Option<usize> {
+        Some(self.outcomes)
+    }
+
+    fn axes(&self) -> [&'static str; 2] {
+        ["outcome", ""]
+    }
+
+    fn region(&self, cell: &Cell) -> String {
+        let [from, end] = cell.x.map(|x| (x * self.outcomes as f64).round() as usize);
+        if end == from + 1 { format!("outcome {from}") } else { format!("outcomes {from} to {}", end - 1) }
+    }
+}
+
+/// How far apart two points of one atom may be, in units of the domain's extent: a few roundings of f32.
+const ATOM: f64 = 2e-6;
+
+/// The numbers from `from` to `to`; μ is length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// The lower end.
+    pub from: f64,
+    /// The upper end.
+    pub to: f64,
+}
+
+impl Line {
+    /// The numbers from 0 to 1.
+    pub const UNIT: Self = Self { from: 0.0, to: 1.0 };
+}
+
+/// `x` itself if it is in \[0, 1\], with 1 moved just inside.
+fn within(x: f64) -> Option<f64> {
+    (0.0..=1.0).contains(&x).then(|| x.min(1f64.next_down()))
+}
+
+impl Domain for Line {
+    type Point = f64;
+
+    fn measure(&self) -> f64 {
+        self.to - self.from
+    }
+
+    fn to_chart(&self, point: f64) -> Option<[f64; 2]> {
+        Some([within((point - self.from) / (self.to - self.from))?, 0.5])
+    }
+
+    fn point_at(&self, [x, _]: [f64; 2]) -> f64 {
+        self.from + x * (self.to - self.from)
+    }
+
+    fn same(&self, a: f64, b: f64) -> bool {
+        (a - b).abs() <= ATOM * (self.to - self.from)
+    }
+
+    fn is_plane(&self) -> bool {
+        false
+    }
+
+    fn axes(&self) -> [&'static str; 2] {
+        ["x", ""]
+    }
+
+    fn region(&self, cell: &Cell) -> String {
+        let [from, to] = cell.x.map(|x| self.from + x * (self.to - self.from));
+        format!("x {from:.5}..{to:.5}")
+    }
+}
+
+/// Pairs of numbers from 0 to 1; μ is area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Square;
+
+impl Domain for Square {
+    type Point = [f64; 2];
+
+    fn measure(&self) -> f64 {
+        1.0
+    }
+
+    fn to_chart(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        Some([within(x)?, within(y)?])
+    }
+
+    fn point_at(&self, chart: [f64; 2]) -> [f64; 2] {
+        chart
+    }
+
+    fn same(&self, a: [f64; 2], b: [f64; 2]) -> bool {
+        (a[0] - b[0]).abs() <= ATOM && (a[1] - b[1]).abs() <= ATOM
+    }
+
+    fn axes(&self) -> [&'static str; 2] {
+        ["x", "y"]
+    }
+}
+
+/// The axis of a chart of directions, from which θ is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pole {
+    /// The normal of the local frame; φ goes from +x towards +y.
+    Z,
+    /// The zenith of the world; φ goes from +z towards +x.
+    Y,
+}
+
+/// Unit vectors, all or those of the pole's hemisphere; μ is solid angle in sr.
+///
+/// The chart is ((1 − cos θ)/2 or 1 − cos θ, φ/2π) with θ from the pole. Both coordinates keep their relative precision at
+/// the pole, and rectangles follow the plane of incidence, so that lobes that are 10⁴ times as high as wide at grazing angles
+/// still fit their cells. This is why cells adapt in this chart instead of turning it towards the lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Directions {
+    /// The axis of the chart.
+    pub pole: Pole,
+    /// Whether only cos θ ≥ 0 belongs to the set.
+    pub half: bool,
+}
+
+impl Directions {
+    /// All directions.
+    #[must_use]
+    pub fn sphere(pole: Pole) -> Self {
+        Self { pole, half: false }
+    }
+
+    /// Directions with cos θ ≥ 0.
+    #[must_use]
+    pub fn hemisphere(pole: Pole) -> Self {
+        Self { pole, half: true }
+    }
+}
+
+/// How far from 1 the length of a unit vector may be: rounding of f32, and little more.
+const UNIT: f64 = 1e-5;
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+impl Domain for Directions {
+    type Point = [f64; 3];
+
+    fn measure(&self) -> f64 {
+        if self.half { TAU } else { 2.0 * TAU }
+    }
+
+    fn to_chart(&self, point: [f64; 3]) -> Option<[f64; 2]> {
+        let norm = length(point);
+        if norm.is_nan() || (norm - 1.0).abs() > UNIT {
+            return None;
+        }
+        // The frame with the pole at +z.
+        let [x, y, z] = point.map(|v| v / norm);
+        let (x, y, z) = match self.pole {
+            Pole::Z => (x, y, z),
+            Pole::Y => (z, x, y),
+        };
+        if self.half && z < 0.0 {
+            return None;
+        }
+        // 1 − cos θ = sin² θ / (1 + cos θ), without the subtraction where that would cancel.
+        let below = if z > 0.0 { (x * x + y * y) / (1.0 + z) } else { 1.0 - z };
+        let below = if self.half { below } else { 0.5 * below };
+        // On the horizon of the hemisphere, and opposite to the pole, rounding must not leave the chart.
+        Some([below.min(1f64.next_down()), turns(y, x)])
+    }
+
+    fn point_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
+        let below = if self.half { below } else { 2.0 * below };
+        let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
+        let (sin, z) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
+        let (x, y) = (sin * cos_phi, sin * sin_phi);
+        match self.pole {
+            Pole::Z => [x, y, z],
+            Pole::Y => [y, z, x],
+        }
+    }
+
+    fn same(&self, a: [f64; 3], b: [f64; 3]) -> bool {
+        length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) <= ATOM * PI
+    }
+
+    fn axes(&self) -> [&'static str; 2] {
+        match self.half {
+            true => ["1 - cos θ", "φ / 2π"],
+            false => ["(1 - cos θ) / 2", "φ / 2π"],
+        }
+    }
+
+    fn region(&self, cell: &Cell) -> String {
+        // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
+        let theta = |x: f64| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees();
+        let ([t0, t1], [p0, p1]) = (cell.x.map(theta), cell.y.map(|y| 360.0 * y));
+        format!("theta {}°..{}°, phi {}°..{}°", degrees(t0), degrees(t1), degrees(p0), degrees(p1))
+    }
+}
+
+/// Degrees with two decimals, or three significant digits where those would show nothing.
+fn degrees(x: f64) -> String {
+    if x == 0.0 || x >= 0.1 { format!("{x:.2}") } else { format!("{x:.2e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `floor` is the absolute error that a chart without a pole at 0 may add.
+    fn returns<D: Domain>(domain: &D, floor: f64) {
+        for i in 0..400 {
+            let y = if domain.is_plane() { (f64::from(i % 20) + 0.5) / 20.0 } else { 0.5 };
+            for x in [(f64::from(i / 20) + 0.5) / 20.0, 10f64.powi(-1 - i / 20)] {
+                let back = domain.to_chart(domain.point_at([x, y])).unwrap();
+                assert!((back[0] - x).abs() <= 1e-13 * x + floor && (back[1] - y).abs() < 1e-13, "{x} {y}: {back:?}");
+                assert!(domain.same(domain.point_at([x, y]), domain.point_at(back)));
+            }
+        }
+        assert!(!domain.same(domain.point_at([0.1, 0.5]), domain.point_at([0.9, 0.5])));
+    }
+
+    #[test]
+    fn charts_and_their_inverses() {
+        returns(&Line { from: -2.0, to: 5.0 }, 1e-15);
+        returns(&Square, 0.0);
+        for pole in [Pole::Y, Pole::Z] {
+            returns(&Directions::sphere(pole), 0.0);
+            returns(&Directions::hemisphere(pole), 0.0);
+        }
+        let die = Discrete { outcomes: 6 };
+        assert!((0..6).all(|face| die.point_at(die.to_chart(face).unwrap()) == face));
+    }
+
+    #[test]
+    fn regions_are_named_in_the_domains_own_coordinates() {
+        let cell = Cell { x: [0.0, 0.5], y: [0.25, 0.5] };
+        let hemisphere = Directions::hemisphere(Pole::Z);
+        assert_eq!(hemisphere.region(&cell), "theta 0.00°..60.00°, phi 90.00°..180.00°");
+        assert_eq!(Directions::sphere(Pole::Y).region(&cell), "theta 0.00°..90.00°, phi 90.00°..180.00°");
+        let narrow = Cell { x: [5e-9, 1e-8], y: [0.0, 1.0] };
+        assert_eq!(hemisphere.region(&narrow), "theta 5.73e-3°..8.10e-3°, phi 0.00°..360.00°");
+        assert_eq!(Line { from: -1.0, to: 3.0 }.region(&cell), "x -1.00000..1.00000");
+        assert_eq!(Square.region(&cell), "x 0.0000..0.5000, y 0.2500..0.5000");
+        assert_eq!(Discrete { outcomes: 6 }.region(&cell), "outcomes 0 to 2");
+        assert_eq!(Discrete { outcomes: 2 }.region(&cell), "outcome 0");
+    }
+
+    #[test]
+    fn equal_areas_are_equal_measures() {
+        // The mean of z² is 1/3 over the sphere and over the hemisphere.
+        let n = 1000;
+        for domain in [Directions::sphere(Pole::Z), Directions::hemisphere(Pole::Z)] {
+            let mean =
+                (0..n).map(|i| domain.point_at([(f64::from(i) + 0.5) / f64::from(n), 0.3])[2].powi(2)).sum::<f64>();
+            assert!((mean / f64::from(n) - 1.0 / 3.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_is_outside_has_no_chart_coordinates() {
+        let half = Directions::hemisphere(Pole::Z);
+        assert_eq!(half.to_chart([0.0, 0.6, -0.8]), None);
+        assert_eq!(half.to_chart([0.0, 0.6, 0.9]), None);
+        assert_eq!(half.to_chart([f64::NAN; 3]), None);
+        assert!(half.to_chart([1.0 + 1e-7, 1e-7, 1e-16]).is_some(), "just above the horizon, but for rounding");
+        assert_eq!(Square.to_chart([0.5, 1.5]), None);
+        assert_eq!(Line::UNIT.to_chart(f64::NAN), None);
+        assert_eq!(Discrete { outcomes: 6 }.to_chart(6), None);
+    }
+}

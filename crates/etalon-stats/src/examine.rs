@@ -1,0 +1,280 @@
+//! One test of a sampler against a density: exact checks first, then counts in cells.
+
+use crate::chi_square::{FEWEST, chi_square};
+use crate::counting::{Counted, Counting, streams};
+use crate::cubature::{InvalidPdf, Probe};
+use crate::density::{Density, Mass};
+use crate::domain::Domain;
+use crate::error::{Error, Result};
+use crate::exact;
+use crate::grid::{Cell, Grid};
+use crate::multiple::sidak;
+use crate::outcome::{Counts, Outcome, decide};
+use crate::power::{POWER, chi_square_below, detectable, samples_for};
+use crate::sampler::Sampler;
+use crate::tally::{Source, Tally};
+use std::time::Instant;
+
+/// How many samples a test takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SampleCount {
+    /// This many.
+    Fixed(u64),
+    /// As many as detect a relative error of the pdf of this size (root mean square over the cells) with 90 % probability.
+    Detect(f64),
+}
+
+/// How tests are done.
+#[derive(Debug, Clone, Copy)]
+pub struct Protocol {
+    /// The seed of all random numbers: equal seeds give equal outcomes.
+    pub seed: u64,
+    /// How many samples to take.
+    pub samples: SampleCount,
+    /// Probability that a run in which every sampler is right rejects any of them.
+    pub level: f64,
+    /// Tests of the run, which share the level.
+    pub tests: usize,
+    /// Cells of a domain's chart, about.
+    pub cells: usize,
+    /// Asked between batches of samples whether to stop; the test then returns [`Error::Cancelled`].
+    pub cancelled: fn() -> bool,
+}
+
+impl Default for Protocol {
+    /// A single test at level 1 % that detects relative errors of 2 %, with 200 cells, seed 1; never cancelled.
+    fn default() -> Self {
+        let samples = SampleCount::Detect(0.02);
+        Self { seed: 1, samples, level: 0.01, tests: 1, cells: 200, cancelled: || false }
+    }
+}
+
+/// A test that cannot detect relative errors of this size is inconclusive.
+const COARSEST: f64 = 0.1;
+/// Most samples of one test.
+const MOST: u64 = 1 << 34;
+/// How far the integral of a density may be from its declared mass, beyond the integral's own error bound.
+const MASS: f64 = 1e-4;
+/// Share of samples that rounding may carry over an edge of the support.
+const ROUNDING: f64 = 1e-7;
+/// Samples that decide on the cells, apart from those that are counted.
+const PILOT: u64 = 1 << 14;
+/// The share of a test's level that the bound of the mass may fail with.
+const RISK: f64 = 0.1;
+
+impl Protocol {
+    /// Refuses values that no test can be done with.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] with the name of the field: `level`, `cells`, `samples` or `detect`.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |name, message: String, hint| Err(Error::parameter(name, message, hint));
+        if !(self.level > 0.0 && self.level < 1.0) {
+            return refuse("level", format!("level {}", self.level), "use a probability such as 0.01");
+        }
+        if !(2..=1 << 20).contains(&self.cells) {
+            return refuse("cells", format!("{} cells", self.cells), "use 2 to 2^20 cells");
+        }
+        match self.samples {
+            SampleCount::Fixed(n) if !(1..=MOST).contains(&n) => {
+                refuse("samples", format!("{n} samples"), "use 1 to 2^34 samples")
+            }
+            SampleCount::Detect(w) if !(w > 0.0 && w <= 1.0) => {
+                refuse("detect", format!("error {w}"), "use a relative error such as 0.01")
+            }
+            SampleCount::Detect(w) if samples_for(self.cells - 1, self.own_level(), w) > MOST => {
+                refuse("detect", format!("error {w} takes more than 2^34 samples"), "use a larger error")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The level of one test among all of the run.
+    #[must_use]
+    pub fn own_level(&self) -> f64 {
+        sidak(self.level, self.tests)
+    }
+
+    /// The number of samples for that many degrees of freedom.
+    fn count(&self, dof: usize) -> u64 {
+        match self.samples {
+            SampleCount::Fixed(n) => n,
+            SampleCount::Detect(w) => samples_for(dof, self.own_level(), w).min(MOST),
+        }
+    }
+
+    /// The relative error that a test must be able to detect.
+    fn coarsest(&self) -> f64 {
+        match self.samples {
+            SampleCount::Fixed(_) => COARSEST,
+            SampleCount::Detect(w) => w.max(COARSEST),
+        }
+    }
+}
+
+/// Tests whether the samples of `sampler` follow `density` over `domain`, with one repetition if they seem not to.
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible `protocol`; [`Error::External`] from a sampler or density that is computed
+/// elsewhere; [`Error::Cancelled`].
+pub fn validate<D: Domain>(
+    domain: &D,
+    sampler: &dyn Sampler<D::Point>,
+    density: &dyn Density<D::Point>,
+    protocol: &Protocol,
+) -> Result<Outcome> {
+    let mut outcome = [examine(domain, sampler, density, protocol, 0)?];
+    decide(&mut outcome, protocol.own_level(), |_| examine(domain, sampler, density, protocol, 1))?;
+    let [outcome] = outcome;
+    Ok(outcome)
+}
+
+/// One round of a test, its verdict still open: see [`decide`]. Each `round` has random numbers of its own.
+///
+/// # Errors
+/// As [`validate`].
+pub fn examine<D: Domain>(
+    domain: &D,
+    sampler: &dyn Sampler<D::Point>,
+    density: &dyn Density<D::Point>,
+    protocol: &Protocol,
+    round: u64,
+) -> Result<Outcome> {
+    protocol.check()?;
+    let start = Instant::now();
+    let source = Source { domain, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
+
+    // Exact checks. Finitely many samples leave none for the corners, and few for a pilot.
+    let finite = sampler.finite_len();
+    let corner_violation = if finite.is_none() { exact::corners(domain, sampler, density)? } else { None };
+    let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
+    let pilot = source.probes(streams(round, 0)[0], pilots)?;
+    // Nothing can be said of integrals and counts of a density that changes.
+    if let Some(violation) = exact::repeatable(domain, density, &pilot)? {
+        let seconds = start.elapsed().as_secs_f64();
+        return Ok(Outcome { violation: Some(violation), seconds, ..Outcome::open(pilots) });
+    }
+
+    // Choose cells and the number of samples, integrate the density over the cells, count samples in them.
+    let count = |dof| finite.map_or_else(|| protocol.count(dof), |len| len - pilots);
+    let atoms = density.atoms();
+    let shape = shape(domain, protocol.cells);
+    let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
+    let samples = count(grid.len() + atoms.len());
+    let n = samples as f64;
+    let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
+    let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
+    let risk = RISK * protocol.own_level();
+    let counting = Counting { source: &source, grid: &grid, atoms: &atoms, samples, whole, risk };
+    let Counted { values, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
+
+    // Compare the integral with the declared mass; derive the probability of "no sample".
+    let mass = integral.plus(at_atoms);
+    let tolerated = MASS + mass.error;
+    let (none_expected, mass_is_wrong) = match density.mass() {
+        Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs() > tolerated),
+        Mass::AtMostOne => {
+            // Where the integral is not exact, "no sample" is never known to be impossible.
+            let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
+            ((1.0 - at_atoms - values.iter().sum::<f64>()).max(least), mass.value > 1.0 + tolerated)
+        }
+    };
+    let mass_violation = mass_is_wrong.then(|| match density.mass() {
+        Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
+        Mass::AtMostOne => format!("the pdf integrates to {mass}, more than 1"),
+    });
+    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {point:?} is {value}"));
+
+    // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
+    let none_expected = n * none_expected.max(0.0);
+    let expected: Vec<f64> = values
+        .iter()
+        .copied()
+        .chain(atoms.iter().map(|atom| atom.probability))
+        .map(|share| (n * share).max(f64::MIN_POSITIVE))
+        .chain([none_expected.max(f64::MIN_POSITIVE)])
+        .collect();
+    let Tally { mut observed, none, outside_support, violation: sample_violation, .. } = tally;
+    observed.push(none);
+    // No sample where there must always be one is as impossible as a sample of pdf 0.
+    let impossible = outside_support + if none_expected == 0.0 { none } else { 0 };
+
+    // A distribution without chance (a mirror, a black map): only impossible samples can show that it is wrong.
+    let certain =
+        expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
+    let test = chi_square(&observed, &expected);
+    let p_of_counts = if certain { Some(1.0) } else { test.map(|test| test.p) };
+    let p = p_of_counts
+        .filter(|_| !uncertain && pdf_violation.is_none())
+        .map(|p| with_impossible(p, impossible, n * ROUNDING));
+    let detectable = match test {
+        _ if certain => Some(detectable_share(n)),
+        _ => test.map(|test| detectable(test.dof, protocol.own_level(), samples)),
+    };
+    let inconclusive_reason = if uncertain {
+        Some("the integrals of the pdf are too uncertain for that many samples".to_owned())
+    } else {
+        match detectable {
+            None => Some("too few samples: all cells had to be pooled".to_owned()),
+            Some(w) if w > protocol.coarsest() => {
+                Some(format!("too few samples: an error of the pdf below {:.0} % would go unnoticed", 100.0 * w))
+            }
+            Some(_) => None,
+        }
+    };
+    let violations = [pdf_violation, mass_violation, corner_violation, sample_violation];
+    let violation = violations.into_iter().flatten().next().or_else(|| exact::discrete(domain, &pilot));
+    Ok(Outcome {
+        statistic: test.map_or(0.0, |test| test.statistic),
+        dof: test.map_or(0, |test| test.dof),
+        p,
+        detectable,
+        seconds: start.elapsed().as_secs_f64(),
+        mass: Some(mass),
+        cells: observed.len(),
+        pooled: test.map_or(0, |test| test.dof + 1),
+        none,
+        violation,
+        inconclusive_reason,
+        counts: Some(Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() }),
+        ..Outcome::open(samples)
+    })
+}
+
+/// Rows and columns of about that many cells: rows half as many as columns.
+fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
+    if let Some(n) = domain.outcomes() {
+        return [cells.min(n), 1];
+    }
+    if !domain.is_plane() {
+        return [cells, 1];
+    }
+    let rows = ((cells as f64 / 2.0).sqrt().round() as usize).max(1);
+    [rows, cells.div_ceil(rows)]
+}
+
+/// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
+fn cells<D: Domain>(domain: &D, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
+    let equal = Grid::equal(shape, domain.outcomes());
+    let mut seen = vec![0u64; equal.len()];
+    let pilot: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
+    pilot.iter().for_each(|&at| seen[equal.find(at)] += 1);
+    let enough = FEWEST * pilot.len() as f64 / samples as f64;
+    let filled = seen.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
+    if 2 * filled >= equal.len() { equal } else { Grid::adapted(&pilot, shape, Cell::WHOLE, domain.outcomes()) }
+}
+
+/// The share of impossible samples that is detected with probability [`POWER`] among `n`, one being enough to reject.
+fn detectable_share(n: f64) -> f64 {
+    -(1.0 - POWER).ln() / n
+}
+
+/// The p-value of the counts, and of `impossible` samples where rounding explains `allowed` on average.
+fn with_impossible(p: f64, impossible: u64, allowed: f64) -> f64 {
+    if impossible == 0 {
+        return p;
+    }
+    // P(Poisson(m) ≥ k) = P(χ²(2k) ≤ 2m); the smaller of two p-values counts twice (Bonferroni).
+    let p_of_impossible = chi_square_below(2.0 * impossible as f64, 2.0 * allowed);
+    (2.0 * p.min(p_of_impossible)).min(1.0)
+}

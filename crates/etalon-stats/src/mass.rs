@@ -1,0 +1,89 @@
+//! The integral of a density, with a bound of its error and what this bound rests on.
+
+use crate::bounded::mean_interval;
+use crate::cubature::{Check, Integrals};
+use crate::tally::Tally;
+use std::fmt;
+
+/// What the bound of an error rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+pub enum Bound {
+    /// On declared structure: the integral is an exact sum.
+    Rigorous,
+    /// On random points and samples: it fails with a small probability, if the samples follow the pdf.
+    Statistical,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Rigorous => "rigorous",
+            Self::Statistical => "statistical",
+        })
+    }
+}
+
+/// An integral and the bound of its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Integral {
+    /// The estimate.
+    #[cfg_attr(feature = "serde", serde(rename = "mass"))]
+    pub value: f64,
+    /// The bound of its absolute error.
+    #[cfg_attr(feature = "serde", serde(rename = "mass_error"))]
+    pub error: f64,
+    /// What the bound rests on.
+    #[cfg_attr(feature = "serde", serde(rename = "mass_bound"))]
+    pub bound: Bound,
+}
+
+impl Integral {
+    /// The sum over the cells where every cell's integral is exact.
+    #[must_use]
+    pub(crate) fn exact<P>(integrals: &Integrals<P>) -> Self {
+        Self { value: integrals.values.iter().sum(), error: 0.0, bound: Bound::Rigorous }
+    }
+
+    /// The integral of a density that the cubature does not see whole; its bound fails with probability `risk` at most.
+    ///
+    /// Let q be the density p cut off at what each piece of the cells is expected to reach. The polynomials that the rules
+    /// integrate exactly have the integral of q but for the mean difference at random points (`check`). For samples x of p,
+    /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike as often as its mass says, however narrow it is.
+    #[must_use]
+    pub(crate) fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
+        let polynomials: f64 = integrals.values.iter().sum();
+        let (cells, risk) = (integrals.values.len(), risk / 3.0);
+        let samples = tally.observed[..cells].iter().sum::<u64>();
+        let interval = |sum: f64, n: u64| {
+            let mean = if n > 0 { sum / n as f64 } else { 0.0 };
+            let [low, high] = mean_interval(mean, n, risk);
+            [low, mean, high]
+        };
+        let above = interval(check.above.sum(), check.count);
+        let below = interval(check.below.sum(), check.count);
+        let unseen = interval(tally.unseen.sum(), samples);
+        // The three ends that make the integral least, the three means, the three ends that make it largest.
+        let [least, value, most] = [0, 1, 2].map(|i| {
+            let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).max(0.0);
+            if within_reach > 0.0 { within_reach / (1.0 - unseen[i]) } else { 0.0 }
+        });
+        Self { value, error: (most - value).max(value - least), bound: Bound::Statistical }
+    }
+
+    /// The integral with something added that is known exactly.
+    #[must_use]
+    pub(crate) fn plus(self, known: f64) -> Self {
+        Self { value: self.value + known, ..self }
+    }
+}
+
+impl fmt::Display for Integral {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.bound {
+            Bound::Rigorous => f.pad(&format!("{:.6} rigorous", self.value)),
+            Bound::Statistical => f.pad(&format!("{:.6} ± {:.1e} statistical", self.value, self.error)),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Many tests at once: levels and p-values that account for their number.
+
+/// The level of each of `n` tests such that all accept with probability 1 − `level` if all should: 1 − (1 − level)^(1/n).
+///
+/// Source: Šidák, "Rectangular Confidence Regions for the Means of Multivariate Normal Distributions", 1967.
+#[must_use]
+pub fn sidak(level: f64, n: usize) -> f64 {
+    -((-level).ln_1p() / n.max(1) as f64).exp_m1()
+}
+
+/// Which of the tests with these p-values are rejected at `level` for all together, by Holm's step-down: the smallest
+/// meets [`sidak`]'s level of n tests, the next that of n − 1, until one is not rejected. NaN counts as 1.
+///
+/// Source: Holm, "A Simple Sequentially Rejective Multiple Test Procedure", Scandinavian Journal of Statistics 6, 1979.
+#[must_use]
+pub fn holm(p: &[f64], level: f64) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..p.len()).filter(|&i| !p[i].is_nan()).collect();
+    order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));
+    let mut rejected = vec![false; p.len()];
+    for (rank, &i) in order.iter().enumerate() {
+        if p[i] >= sidak(level, p.len() - rank) {
+            break;
+        }
+        rejected[i] = true;
+    }
+    rejected
+}
+
+/// The p-value of two independent tests of one hypothesis: P(U₁U₂ ≤ p₁p₂) = p₁p₂ (1 − ln p₁p₂).
+///
+/// Source: Fisher, "Statistical Methods for Research Workers", 1932, section 21.1.
+#[must_use]
+pub fn fisher(p1: f64, p2: f64) -> f64 {
+    let product = p1 * p2;
+    if product > 0.0 { (product * (1.0 - product.ln())).min(1.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_keep_the_level_of_the_whole() {
+        for n in [1, 2, 49, 100_000] {
+            let level = sidak(0.01, n);
+            assert!(((1.0 - level).powi(n as i32) - 0.99).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_second_test_is_judged_among_those_left() {
+        let level = 0.05;
+        // Between Šidák's levels for three and for two tests.
+        let p = 0.5 * (sidak(level, 3) + sidak(level, 2));
+        assert_eq!(holm(&[0.001, p, 0.9], level), [true, true, false]);
+        assert_eq!(holm(&[0.02, p, 0.9], level), [false, false, false]);
+        assert_eq!(holm(&[f64::NAN, 0.0], level), [false, true]);
+        assert_eq!(holm(&[], level), [false; 0]);
+    }
+
+    #[test]
+    fn two_p_values_make_one() {
+        // Against the chi-square distribution with four degrees of freedom.
+        for (a, b) in [(0.3, 0.01), (1.0, 1.0), (1e-200, 1e-5)] {
+            let expected = crate::power::chi_square_tail(4.0, -2.0 * (f64::ln(a) + f64::ln(b)));
+            assert!((fisher(a, b) - expected).abs() <= 1e-9 * expected, "{a} {b}");
+        }
+        assert_eq!(fisher(0.0, 0.5), 0.0);
+    }
+}

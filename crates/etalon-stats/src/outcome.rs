@@ -1,0 +1,198 @@
+//! What a test found, and the verdict on it among the others of a run.
+
+use crate::grid::Grid;
+use crate::mass::Integral;
+use crate::multiple::{fisher, holm};
+use std::fmt;
+
+/// The decision on a test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+pub enum Verdict {
+    /// Nothing speaks against the sampler, and the test would have detected an error of the stated size.
+    Accept,
+    /// An exact check failed, or the counts do not follow the pdf.
+    Reject,
+    /// Too few samples, or an integral too uncertain, for either. Never to be taken for a pass.
+    Inconclusive,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Accept => "accept",
+            Self::Reject => "reject",
+            Self::Inconclusive => "inconclusive",
+        })
+    }
+}
+
+/// The counts behind a test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Counts {
+    /// The quantities along the axes of the grid's chart.
+    pub axes: [&'static str; 2],
+    /// The cells.
+    pub grid: Grid,
+    /// Observed counts: of the grid's cells, then of the atoms, then of "no sample".
+    pub observed: Vec<u64>,
+    /// Expected counts, in the same order.
+    pub expected: Vec<f64>,
+    /// The number of atoms.
+    pub atoms: usize,
+}
+
+/// The findings of one test.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Outcome {
+    /// The decision; open (inconclusive) until [`decide`] has been called.
+    pub verdict: Verdict,
+    /// Pearson's Σ (O − E)²/E, or whatever else `p` belongs to.
+    pub statistic: f64,
+    /// Degrees of freedom of `statistic`.
+    pub dof: usize,
+    /// Probability of findings at least this bad if the sampler is right; of both rounds together after a repetition.
+    /// `None` where nothing could be tested.
+    pub p: Option<f64>,
+    /// Samples taken, those of a repetition included.
+    pub samples: u64,
+    /// The smallest relative error of the pdf (root mean square over the cells) that is detected with 90 % probability.
+    pub detectable: Option<f64>,
+    /// Wall-clock time of the test.
+    pub seconds: f64,
+    /// The integral of the density and its atoms.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub mass: Option<Integral>,
+    /// Cells, atoms and "no sample" included.
+    pub cells: usize,
+    /// Groups of cells after pooling.
+    pub pooled: usize,
+    /// Samples that were "no sample".
+    pub none: u64,
+    /// Whether the test was repeated with fresh random numbers.
+    pub repeated: bool,
+    /// What an exact check found wrong: a reason to reject, whatever `p` says.
+    #[cfg_attr(feature = "serde", serde(rename = "fault"))]
+    pub violation: Option<String>,
+    /// Why neither accepting nor rejecting is possible.
+    #[cfg_attr(feature = "serde", serde(rename = "doubt"))]
+    pub inconclusive_reason: Option<String>,
+    /// Whether the test was cancelled before it, or its repetition, was finished.
+    pub interrupted: bool,
+    /// The counts behind it.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub counts: Option<Counts>,
+}
+
+impl Outcome {
+    /// The outcome of `samples` samples with nothing found yet and an open verdict.
+    #[must_use]
+    pub fn open(samples: u64) -> Self {
+        Self {
+            verdict: Verdict::Inconclusive,
+            statistic: 0.0,
+            dof: 0,
+            p: None,
+            samples,
+            detectable: None,
+            seconds: 0.0,
+            mass: None,
+            cells: 0,
+            pooled: 0,
+            none: 0,
+            repeated: false,
+            violation: None,
+            inconclusive_reason: None,
+            interrupted: false,
+            counts: None,
+        }
+    }
+
+    /// The outcome of a test that was cancelled.
+    #[must_use]
+    pub fn interrupted() -> Self {
+        Self { interrupted: true, ..Self::open(0) }
+    }
+
+    /// Whether the verdict is [`Verdict::Accept`].
+    #[must_use]
+    pub fn is_accepted(&self) -> bool {
+        self.verdict == Verdict::Accept
+    }
+
+    /// The p-value, if it has a continuous distribution: not where the density leaves nothing to chance.
+    #[must_use]
+    pub fn continuous_p(&self) -> Option<f64> {
+        self.p.filter(|_| self.dof > 0)
+    }
+
+    /// The violation, else whether the test was cancelled, else why it is inconclusive.
+    #[must_use]
+    pub fn remark(&self) -> Option<&str> {
+        let interrupted = self.interrupted.then_some("interrupted before the test was finished");
+        self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
+    }
+
+    /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
+    fn combine(&mut self, second: &Self) {
+        if let Some(second) = second.p {
+            self.p = self.p.map(|first| fisher(first, second));
+            self.repeated = true;
+        }
+        self.samples += second.samples;
+        self.seconds += second.seconds;
+        self.violation = self.violation.take().or_else(|| second.violation.clone());
+        self.interrupted |= second.interrupted;
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.verdict)?;
+        if let Some(p) = self.p {
+            write!(f, ": chi² = {:.1}, {} degrees of freedom, p = {p:.3e}", self.statistic, self.dof)?;
+        }
+        write!(f, ", {} samples", self.samples)?;
+        if let Some(w) = self.detectable {
+            write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
+        }
+        self.remark().map_or(Ok(()), |remark| write!(f, ": {remark}"))
+    }
+}
+
+/// Decides on the tests of one run, which together reject right samplers with probability `level` at most.
+///
+/// Tests that Holm's step-down rejects are repeated once with fresh random numbers by `repeat` (given the test's index), the
+/// two p-values are combined by Fisher's method, and the step-down is done again. Nothing is selected: a repetition always
+/// counts, and a test that fails an exact check stays rejected. Cancelled tests are inconclusive.
+///
+/// # Errors
+/// Those of `repeat`.
+pub fn decide<E>(
+    outcomes: &mut [Outcome],
+    level: f64,
+    mut repeat: impl FnMut(usize) -> Result<Outcome, E>,
+) -> Result<(), E> {
+    let rejected = |outcomes: &[Outcome]| {
+        let p: Vec<f64> = outcomes.iter().map(|o| o.p.unwrap_or(f64::NAN)).collect();
+        holm(&p, level)
+    };
+    for (i, suspect) in rejected(outcomes).into_iter().enumerate() {
+        if suspect && outcomes[i].violation.is_none() {
+            let second = repeat(i)?;
+            outcomes[i].combine(&second);
+        }
+    }
+    let rejected = rejected(outcomes);
+    for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
+        outcome.verdict = if outcome.violation.is_some() || rejected && !outcome.interrupted {
+            Verdict::Reject
+        } else if outcome.interrupted || outcome.inconclusive_reason.is_some() {
+            Verdict::Inconclusive
+        } else {
+            Verdict::Accept
+        };
+    }
+    Ok(())
+}

@@ -1,0 +1,203 @@
+//! Samples taken batch by batch, checked one by one, and counted.
+
+use crate::cubature::{Integration, Probe};
+use crate::density::{Atom, Density};
+use crate::domain::Domain;
+use crate::error::{Cancelled, Result, poll};
+use crate::exact::{outside, pdf_violation};
+use crate::fixed::{Share, add};
+use crate::grid::Grid;
+use crate::hash::{mix32, mix64};
+use crate::sampler::{Sample, Sampler};
+use crate::stream::CounterRng;
+use rand::RngExt;
+use rayon::prelude::*;
+
+/// Samples taken at a time: many enough for a program in another process, few enough to stay in the cache.
+pub const BATCH: u64 = 1 << 13;
+/// Most probes that are kept because the pdf there is not what the cubature leads to expect.
+pub const FOUND: usize = 1 << 12;
+/// Samples of every round whose inverse is tried.
+const INVERTED: usize = 256;
+/// How far an inverse may be from the random numbers that it should return.
+const INVERSE: f64 = 1e-6;
+
+/// Where samples come from.
+pub struct Source<'a, D: Domain> {
+    pub domain: &'a D,
+    pub sampler: &'a dyn Sampler<D::Point>,
+    pub density: &'a dyn Density<D::Point>,
+    pub seed: u64,
+    pub cancelled: Cancelled,
+}
+
+/// What became of samples.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    /// Counts of the grid's cells, then of the atoms.
+    pub observed: Vec<u64>,
+    /// Samples that were "no sample".
+    pub none: u64,
+    /// Samples where the pdf is 0.
+    pub outside_support: u64,
+    /// The share of the pdf at each sample that the cubature did not see, summed over all samples and over those in each
+    /// cell; and some of the samples where it is not 0.
+    pub unseen: Share,
+    pub unseen_in: Vec<Share>,
+    pub found: Vec<Probe>,
+    /// What is wrong with the first sample that fails an exact check.
+    pub violation: Option<String>,
+}
+
+impl Tally {
+    fn plus(mut self, other: Self) -> Self {
+        self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
+        self.none += other.none;
+        self.outside_support += other.outside_support;
+        self.unseen += other.unseen;
+        add(&mut self.unseen_in, &other.unseen_in);
+        self.found.extend(other.found);
+        self.found.truncate(FOUND);
+        self.violation = self.violation.or(other.violation);
+        self
+    }
+}
+
+/// The random numbers of a batch, and its samples.
+type Batch<P> = (Vec<f64>, Vec<Option<Sample<P>>>);
+
+impl<D: Domain> Source<'_, D> {
+    /// Batch number `batch` of the first `count` samples of random stream number `stream`.
+    fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch<D::Point>> {
+        poll(self.cancelled)?;
+        let size = BATCH.min(count - batch * BATCH) as usize;
+        // Streams are fewer than 2⁸, batches than 2²⁴.
+        let counter = batch << 8 | stream;
+        let mut samples = Vec::with_capacity(size);
+        let dimension = self.sampler.dimension();
+        if dimension == 0 {
+            self.sampler.sample_seeded(size, batch_seed(self.seed, counter as u32), &mut samples)?;
+            return Ok((Vec::new(), samples));
+        }
+        let mut rng = CounterRng::new(self.seed, counter);
+        let u: Vec<f64> = (0..size * dimension).map(|_| rng.random::<f64>()).collect();
+        self.sampler.sample(&u, &mut samples)?;
+        Ok((u, samples))
+    }
+
+    /// The chart coordinates of samples, atoms left out, with the pdf there.
+    pub fn probes(&self, stream: u64, count: u64) -> Result<Vec<Probe>> {
+        let of_batch = |batch| {
+            let (_, samples) = self.batch(stream, batch, count)?;
+            let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
+            let (points, charts): (Vec<D::Point>, Vec<[f64; 2]>) =
+                spread.filter_map(|point| Some((point, self.domain.to_chart(point)?))).unzip();
+            let mut pdfs = Vec::with_capacity(points.len());
+            self.density.pdf(&points, &mut pdfs)?;
+            Ok(charts.into_iter().zip(pdfs).map(|(at, pdf)| Probe { at, pdf }).collect::<Vec<_>>())
+        };
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// Counts samples in the cells of `grid` and at `atoms`, and what `integration` does not see at them.
+    pub fn tally(
+        &self,
+        stream: u64,
+        count: u64,
+        grid: &Grid,
+        atoms: &[Atom<D::Point>],
+        integration: &Integration<D>,
+    ) -> Result<Tally> {
+        let empty = || Tally {
+            observed: vec![0; grid.len() + atoms.len()],
+            unseen_in: vec![Share::default(); grid.len()],
+            ..Tally::default()
+        };
+        let of_batch = |batch| {
+            let (u, samples) = self.batch(stream, batch, count)?;
+            let mut tally = empty();
+            self.count(&samples, grid, atoms, integration, &mut tally)?;
+            if batch == 0 && tally.violation.is_none() {
+                tally.violation = self.inverse_violation(&u, &samples)?;
+            }
+            Ok(tally)
+        };
+        // Reduced as they come, so that memory does not grow with the number of samples.
+        (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
+    }
+
+    fn count(
+        &self,
+        samples: &[Option<Sample<D::Point>>],
+        grid: &Grid,
+        atoms: &[Atom<D::Point>],
+        integration: &Integration<D>,
+        tally: &mut Tally,
+    ) -> Result<()> {
+        tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
+
+        // Ask for all pdfs of the batch at once.
+        let spread: Vec<Sample<D::Point>> = samples.iter().flatten().filter(|sample| !sample.atom).copied().collect();
+        let points: Vec<D::Point> = spread.iter().map(|sample| sample.point).collect();
+        let mut pdfs = Vec::with_capacity(points.len());
+        self.density.pdf(&points, &mut pdfs)?;
+
+        // Check and count samples that have a density.
+        for (sample, pdf) in spread.iter().zip(pdfs) {
+            let Some(at) = self.domain.to_chart(sample.point) else {
+                tally.violation.get_or_insert_with(|| outside(sample));
+                continue;
+            };
+            if let Some(violation) = pdf_violation(sample, pdf) {
+                tally.violation.get_or_insert(violation);
+            }
+            tally.outside_support += u64::from(pdf == 0.0);
+            let (cell, probe) = (grid.find(at), Probe { at, pdf });
+            tally.observed[cell] += 1;
+            let seen = match integration {
+                Integration::Exact(_) => 1.0,
+                Integration::Refined(refinement) => refinement.seen(&probe),
+            };
+            if seen < 1.0 {
+                tally.unseen += Share::new(1.0 - seen);
+                tally.unseen_in[cell] += Share::new(1.0 - seen);
+                if tally.found.len() < FOUND {
+                    tally.found.push(probe);
+                }
+            }
+        }
+
+        // Match samples at atoms with the declared ones.
+        for sample in samples.iter().flatten().filter(|sample| sample.atom) {
+            match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
+                Some(i) => tally.observed[grid.len() + i] += 1,
+                None => {
+                    let violation = || format!("the sample {:?} is at none of the density's atoms", sample.point);
+                    tally.violation.get_or_insert_with(violation);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The first sample whose inverse is not the random numbers that it was made from.
+    fn inverse_violation(&self, u: &[f64], samples: &[Option<Sample<D::Point>>]) -> Result<Option<String>> {
+        for (u, sample) in u.chunks_exact(self.sampler.dimension().max(1)).zip(samples).take(INVERTED) {
+            let Some(Sample { point, .. }) = sample else { continue };
+            let Some(back) = self.sampler.invert(*point)? else { continue };
+            let far = back.len() != u.len() || back.iter().zip(u).any(|(a, b)| a.is_nan() || (a - b).abs() > INVERSE);
+            if far {
+                return Ok(Some(format!("{point:?} was sampled from {u:?}, but its inverse is {back:?}")));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The seed of a batch for a sampler with a generator of its own: for each `seed` of a run this is a bijection of the
+/// batches' numbers, so that no two batches share a seed.
+fn batch_seed(seed: u64, number: u32) -> u32 {
+    let key = mix64(seed);
+    mix32(number ^ key as u32) ^ (key >> 32) as u32
+}

@@ -1,0 +1,210 @@
+//! ImageComparison with noise compared tile by tile, with each other or with what they should show: Welch's t-test.
+//!
+//! Samples of light have heavy tails, so that single pixels are far from normal; the means of tiles are closer, by the
+//! central limit theorem. There is no floor under the variances: it would hide any bias below it. Where there is no noise
+//! at all the values themselves must agree. Source: Welch, "The generalization of 'Student's' problem when several
+//! different population variances are involved", Biometrika 34, 1947; for images Jung, Hanika & Dachsbacher, "Detecting
+//! Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020.
+
+use crate::power::{chi_square_tail, noncentrality};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// What independent samples say about a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// The square of the standard error of `value`.
+    pub variance: f64,
+    /// Degrees of freedom of `variance`; infinite where that is known.
+    pub dof: f64,
+}
+
+impl Mean {
+    /// A value without noise.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self { value, variance: 0.0, dof: f64::INFINITY }
+    }
+
+    /// The mean of `samples` ≥ 2 samples with its standard error.
+    #[must_use]
+    pub fn of_samples(samples: u32, value: f64, standard_error: f64) -> Self {
+        Self { value, variance: standard_error * standard_error, dof: f64::from(samples) - 1.0 }
+    }
+
+    /// The mean of independent means, with Satterthwaite's degrees of freedom (Σ v)²/Σ (v²/dof); `None` of nothing.
+    #[must_use]
+    pub fn of_means(means: &[Self]) -> Option<Self> {
+        let n = means.len() as f64;
+        let variance: f64 = means.iter().map(|mean| mean.variance).sum();
+        (!means.is_empty()).then(|| Self {
+            value: means.iter().map(|mean| mean.value).sum::<f64>() / n,
+            variance: variance / (n * n),
+            dof: joint_dof(means, variance),
+        })
+    }
+}
+
+fn joint_dof(means: &[Mean], variance: f64) -> f64 {
+    let squares: f64 = means.iter().map(|mean| mean.variance * mean.variance / mean.dof).sum();
+    if squares > 0.0 { variance * variance / squares } else { f64::INFINITY }
+}
+
+/// Means of the square tiles of a image, row by row: those at the right and lower edge may be smaller, pixels that
+/// are `None` do not count, and a tile without pixels is left out together with its partner in `other`.
+#[must_use]
+pub fn tiles([width, height]: [usize; 2], side: usize, pixel: impl Fn(usize) -> Option<[Mean; 2]>) -> Vec<[Mean; 2]> {
+    let corners = (0..height).step_by(side).flat_map(|y| (0..width).step_by(side).map(move |x| (x, y)));
+    let tile = |(x0, y0): (usize, usize)| {
+        let rows = y0..(y0 + side).min(height);
+        let of_row = |y: usize| (x0..(x0 + side).min(width)).map(move |x| y * width + x);
+        let pairs: Vec<[Mean; 2]> = rows.flat_map(of_row).filter_map(&pixel).collect();
+        let of = |k: usize| Mean::of_means(&pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>());
+        Some([of(0)?, of(1)?])
+    };
+    corners.filter_map(tile).collect()
+}
+
+/// Two images compared.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ImageComparison {
+    /// Σ z² over the tiles with noise, chi-square distributed if the images agree.
+    pub statistic: f64,
+    /// Tiles with noise.
+    pub dof: usize,
+    /// Probability of a statistic at least this large if the images agree; 1 without noise.
+    pub p: f64,
+    /// Kurtosis of the tiles' z: 3 for normal ones, much more where tails are too heavy for this test.
+    pub kurtosis: f64,
+    /// Largest difference among the tiles without noise, if there are any.
+    pub exact_difference: f64,
+    /// p-values of the tiles with noise, uniform if the images agree.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub tiles: Vec<f64>,
+    /// Σ (value/standard error)²: how far the whole image stands out of its noise.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    signal: f64,
+}
+
+/// Compares tiles in pairs. Differences up to `allowance` (what the second image's own precision leaves open) do not
+/// count; it should be small beside the noise.
+#[must_use]
+pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> ImageComparison {
+    let (mut tiles, mut z, mut signal, mut exact_difference) = (Vec::new(), Vec::new(), 0.0, 0f64);
+    for [a, b] in pairs {
+        let (difference, variance) = ((a.value - b.value).abs(), a.variance + b.variance);
+        if variance == 0.0 {
+            exact_difference = exact_difference.max(difference);
+            continue;
+        }
+        let t = (difference - allowance).max(0.0) / variance.sqrt();
+        let p = two_sided(t, joint_dof(&[*a, *b], variance));
+        tiles.push(p);
+        z.push(deviation(p, t));
+        signal += b.value * b.value / variance;
+    }
+    let statistic = z.iter().fold(0.0, |sum, z| sum + z * z);
+    let moment = |power| z.iter().map(|z| z.powi(power)).sum::<f64>() / z.len() as f64;
+    ImageComparison {
+        statistic,
+        dof: z.len(),
+        p: if z.is_empty() { 1.0 } else { chi_square_tail(z.len() as f64, statistic) },
+        kurtosis: moment(4) / moment(2).powi(2),
+        exact_difference,
+        tiles,
+        signal,
+    }
+}
+
+impl ImageComparison {
+    /// The smallest relative bias of the whole image that a test at `level` finds with 90 % probability; `None` without
+    /// noise or without light.
+    #[must_use]
+    pub fn detectable(&self, level: f64) -> Option<f64> {
+        (self.signal > 0.0).then(|| (noncentrality(self.dof, level) / self.signal).sqrt())
+    }
+}
+
+/// P(|T| ≥ t) for Student's distribution.
+fn two_sided(t: f64, dof: f64) -> f64 {
+    // Beyond this the normal distribution is the same to 10⁻⁶.
+    let tail = if dof < 1e6 {
+        StudentsT::new(0.0, 1.0, dof.max(1.0)).map_or(f64::NAN, |student| student.sf(t))
+    } else {
+        Normal::new(0.0, 1.0).map_or(f64::NAN, |normal| normal.sf(t))
+    };
+    (2.0 * tail).min(1.0)
+}
+
+/// The normal deviate that is as unlikely as `p` on both sides; `t` where p is too small to tell.
+fn deviation(p: f64, t: f64) -> f64 {
+    if p < 1e-200 {
+        return t;
+    }
+    Normal::new(0.0, 1.0).map_or(f64::NAN, |normal| -normal.inverse_cdf(0.5 * p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kolmogorov::uniformity;
+    use crate::stream::{Independent, Stream};
+
+    /// A image of 24×24 pixels of mean 1, whose samples are −ln u: skewed, of variance 1.
+    fn image(seed: u64, spp: u32, bias: impl Fn(usize) -> f64) -> Vec<Mean> {
+        let pixel = |i: usize| {
+            let samples: Vec<f64> =
+                (0..spp).map(|s| -(1.0 - Independent::new(seed, i as u64, s).pair(0)[0]).ln()).collect();
+            let n = f64::from(spp);
+            let mean = samples.iter().sum::<f64>() / n;
+            let square: f64 = samples.iter().map(|v| (v - mean) * (v - mean)).sum();
+            Mean::of_samples(spp, mean + bias(i), (square / (n * (n - 1.0))).sqrt())
+        };
+        (0..24 * 24).map(pixel).collect()
+    }
+
+    fn test(a: &[Mean], b: &[Mean]) -> ImageComparison {
+        compare(&tiles([24, 24], 4, |i| Some([a[i], b[i]])), 0.0)
+    }
+
+    #[test]
+    fn welch_by_the_book() {
+        // Means 20 and 22, s²/n 1.5 and 0.5 with 9 and 19 degrees: t = √2, dof = 4/(0.25 + 0.25/19).
+        let (a, b) = (Mean { value: 20.0, variance: 1.5, dof: 9.0 }, Mean { value: 22.0, variance: 0.5, dof: 19.0 });
+        let dof = joint_dof(&[a, b], 2.0);
+        assert!((dof - 4.0 / (2.25 / 9.0 + 0.25 / 19.0)).abs() < 1e-12);
+        let found = compare(&[[a, b]], 0.0);
+        let expected = 2.0 * StudentsT::new(0.0, 1.0, dof).unwrap().sf(2f64.sqrt());
+        assert!((found.p - expected).abs() < 1e-9 && found.dof == 1, "{found:?} {expected}");
+    }
+
+    #[test]
+    fn p_values_of_images_that_agree_are_uniform() {
+        let p: Vec<f64> = (0..60).map(|k| test(&image(2 * k, 32, |_| 0.0), &image(2 * k + 1, 32, |_| 0.0)).p).collect();
+        assert!(uniformity(&p).p > 1e-3, "{:?}", uniformity(&p));
+        let one = test(&image(7, 64, |_| 0.0), &vec![Mean::exact(1.0); 24 * 24]);
+        assert!(uniformity(&one.tiles).p > 1e-3 && one.p > 1e-3 && one.kurtosis < 8.0, "{one:?}");
+    }
+
+    #[test]
+    fn biases_are_detected_with_the_stated_power() {
+        let truth = vec![Mean::exact(1.0); 24 * 24];
+        let bias = test(&image(0, 64, |_| 0.0), &truth).detectable(0.01).unwrap();
+        // 36 tiles of 1024 samples of variance 1: λ ≈ 40 = 36864 b².
+        assert!((0.02..0.05).contains(&bias), "{bias}");
+        let found = (0..50).filter(|&k| test(&image(100 + k, 64, |_| bias), &truth).p < 0.01).count();
+        assert!((38..=50).contains(&found), "{found} of 50");
+        let spot = |i: usize| if i % 24 < 4 && i / 24 < 4 { 0.3 } else { 0.0 };
+        assert!(test(&image(1, 64, spot), &truth).p < 1e-6);
+    }
+
+    #[test]
+    fn without_noise_the_values_are_compared() {
+        let even = |value: f64| vec![Mean::exact(value); 24 * 24];
+        let found = test(&even(1.0), &even(1.0 + 1e-9));
+        assert_eq!((found.dof, found.p), (0, 1.0));
+        assert!((found.exact_difference - 1e-9).abs() < 1e-15 && found.detectable(0.01).is_none());
+    }
+}

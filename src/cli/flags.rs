@@ -1,0 +1,166 @@
+//! Names of library parameters as the user of the command line types them.
+//!
+//! An argument's id is the name of the field or argument of the library that it sets. [`ALIASES`] lists the few names
+//! that differ. Texts of the library put the names of other parameters between backquotes.
+
+use crate::error::Error;
+use clap::{Arg, ArgMatches, Command};
+
+/// Names of the library, and the ids of the arguments that set them where these differ.
+const ALIASES: [(&str, &str); 11] = [
+    ("allow_ldr", "ldr"),
+    ("case", "replay"),
+    ("density", "light_density"),
+    ("draws", "n"),
+    ("environment", "envmap"),
+    ("height", "resolution"),
+    ("ids", "only"),
+    ("map", "envmap"),
+    ("path", "out"),
+    ("seeds", "calibrate"),
+    ("width", "resolution"),
+];
+
+/// The flags of the program by the ids of their arguments.
+pub struct Flags {
+    /// Of the subcommand that was called.
+    called: Vec<(String, String)>,
+    /// Of all subcommands.
+    all: Vec<(String, String)>,
+}
+
+impl Flags {
+    /// The arguments of the program; `command` must be built.
+    pub fn of(command: &Command, matches: &ArgMatches) -> Self {
+        let (mut called, mut matches) = (command, matches);
+        while let Some((name, below)) = matches.subcommand()
+            && let Some(found) = called.find_subcommand(name)
+        {
+            (called, matches) = (found, below);
+        }
+        Self { called: flags(called).collect(), all: flags_of_all(command) }
+    }
+
+    /// The error with flags in place of the names of parameters.
+    pub fn named(&self, error: Error) -> Error {
+        error.with_names(|name| self.find(name))
+    }
+
+    /// The flag of a parameter, of the subcommand that was called if it has one.
+    fn find(&self, name: &str) -> Option<&str> {
+        let ids = || std::iter::once(name).chain(ALIASES.iter().filter(|(alias, _)| *alias == name).map(|(_, id)| *id));
+        let among =
+            |flags: &'_ [(String, String)]| ids().find_map(|id| flags.iter().position(|(known, _)| known == id));
+        let called = among(&self.called).map(|i| &self.called[i]);
+        called.or_else(|| among(&self.all).map(|i| &self.all[i])).map(|(_, flag)| flag.as_str())
+    }
+}
+
+fn flags(command: &Command) -> impl Iterator<Item = (String, String)> {
+    command.get_arguments().map(|arg| (arg.get_id().to_string(), flag(arg)))
+}
+
+fn flags_of_all(command: &Command) -> Vec<(String, String)> {
+    flags(command).chain(command.get_subcommands().flat_map(flags_of_all)).collect()
+}
+
+/// An argument as the user types it: `-s`, `--level`, or the name of its value if it has no flag.
+fn flag(arg: &Arg) -> String {
+    let value = || arg.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
+    match (arg.get_short(), arg.get_long()) {
+        (Some(letter), _) => format!("-{letter}"),
+        (None, Some(long)) => format!("--{long}"),
+        (None, None) => value().unwrap_or_else(|| arg.get_id().to_string().to_uppercase()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Cli;
+    use clap::CommandFactory;
+    use std::path::Path;
+
+    /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
+    const OF_CALLERS: [&str; 14] = [
+        "SIGMA",
+        "cells",
+        "dimension",
+        "figure",
+        "figure size",
+        "films",
+        "heat map",
+        "images",
+        "layers",
+        "metadata",
+        "output file",
+        "size",
+        "test",
+        "wall",
+    ];
+
+    fn flags(line: &str) -> Flags {
+        let mut command = Cli::command();
+        command.build();
+        let words = std::iter::once("etalon").chain(line.split_whitespace());
+        let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|e| panic!("{line}: {e}"));
+        Flags::of(&command, &matches)
+    }
+
+    #[test]
+    fn names_become_flags_of_the_subcommand() {
+        for (line, name, flag) in [
+            ("render furnace", "spp", "-s"),
+            ("render furnace", "width", "-r"),
+            ("render furnace", "density", "--light-density"),
+            ("render furnace", "map", "--envmap"),
+            ("render furnace", "path", "-o"),
+            ("render furnace", "scene", "SCENE"),
+            ("merge a b", "resume", "--resume"),
+            ("envmap info nave", "map", "MAP"),
+            ("envmap cut nave", "n", "-n"),
+            ("envmap proposal nave", "draws", "-n"),
+            ("converge furnace", "max_spp", "--max-spp"),
+            ("stability", "families", "FAMILY"),
+            ("validate", "names", "NAME"),
+        ] {
+            assert_eq!(flags(line).find(name), Some(flag), "{line}: {name}");
+        }
+        assert_eq!(flags("scenes").find("films"), None);
+    }
+
+    #[test]
+    fn every_alias_names_an_argument() {
+        let flags = flags("scenes");
+        for (name, id) in ALIASES {
+            assert!(flags.all.iter().any(|(known, _)| known == id), "{name} stands for {id}, which is no argument");
+        }
+    }
+
+    /// All names that the sources give to `Error::parameter` and `check_index`.
+    fn names_in(path: &Path, found: &mut Vec<String>) {
+        if path.is_dir() {
+            std::fs::read_dir(path).unwrap().for_each(|entry| names_in(&entry.unwrap().path(), found));
+        } else if path.extension().is_some_and(|e| e == "rs")
+            && path != Path::new(env!("CARGO_MANIFEST_DIR")).join(file!())
+        {
+            let text = std::fs::read_to_string(path).unwrap();
+            for call in ["Error::parameter(", "check_index("] {
+                let arguments = text.split(call).skip(1).filter_map(|rest| rest.trim_start().strip_prefix('"'));
+                found.extend(arguments.filter_map(|rest| Some(rest.split_once('"')?.0.to_owned())));
+            }
+        }
+    }
+
+    #[test]
+    fn every_parameter_of_the_library_is_an_argument() {
+        let mut names = Vec::new();
+        names_in(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut names);
+        assert!(names.len() > 50, "{names:?}");
+        let flags = flags("scenes");
+        for name in names {
+            assert!(!name.contains("--"), "{name} is a flag: give the name of the parameter");
+            assert!(flags.find(&name).is_some() || OF_CALLERS.contains(&&*name), "no argument sets \"{name}\"");
+        }
+    }
+}

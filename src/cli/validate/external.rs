@@ -1,0 +1,136 @@
+//! Samplers that are not part of this program: what `validate` takes to reach them.
+
+use crate::cli::console::Console;
+use crate::error::{Error, Result};
+use crate::import::sampler::files::{GridDensity, Row, SampleFile};
+use crate::import::sampler::program::Client;
+use crate::import::sampler::{Coordinates, Space, Visitor};
+use crate::study::validation::Case;
+use clap::Args;
+use etalon_stats::examine;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// An external sampler.
+#[derive(Args)]
+#[command(next_help_heading = "External samplers")]
+pub struct ExternalSampler {
+    /// Test the sampler of another program: it is started by this command and asked over its standard input and output
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
+    exec: Option<String>,
+    /// Where the samples lie: sphere, hemisphere, square, line or discrete:N (default: what the program says)
+    #[arg(long, value_name = "DOMAIN")]
+    domain: Option<String>,
+    /// Time that the program has for every answer
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    timeout: f64,
+    /// The density that the file of --samples claims to follow: a grid in CSV, or a lat-long image of densities per sr
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
+    pdf: Option<PathBuf>,
+}
+
+/// What `--samples` says: how many to take, or the file that holds them.
+#[derive(Debug, Clone)]
+pub enum SampleSource {
+    Count(u64),
+    File(PathBuf),
+}
+
+impl From<&OsStr> for SampleSource {
+    fn from(text: &OsStr) -> Self {
+        text.to_str().and_then(|text| text.parse().ok()).map_or_else(|| Self::File(text.into()), Self::Count)
+    }
+}
+
+impl ExternalSampler {
+    /// The test of the sampler that was asked for, if any was.
+    pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
+        let space = self.domain.as_deref().map(str::parse).transpose()?;
+        match (&self.exec, samples, &self.pdf) {
+            (Some(_), Some(SampleSource::File(file)), _) => {
+                Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("with `exec`, samples are generated, not read"))
+            }
+            (Some(command), ..) => self.program(command, space).map(Some),
+            (None, Some(SampleSource::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
+            (None, Some(SampleSource::File(file)), None) => {
+                Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
+                    .with_hint("if it is a file of samples, give their density by `pdf` FILE"))
+            }
+            (None, _, Some(_)) => Err(Error::parameter("pdf", "a density without samples")
+                .with_hint("give a file of samples by `samples` FILE.csv")),
+            (None, _, None) if space.is_some() => {
+                Err(Error::parameter("domain", "there is no external sampler to test")
+                    .with_hint("it goes with `exec`, or with `samples` FILE and `pdf`"))
+            }
+            (None, _, None) => Ok(None),
+        }
+    }
+
+    fn program(&self, command: &str, space: Option<Space>) -> Result<Case> {
+        let client = Client::start(command, space, self.limit()?)?;
+        client.space().with(ProgramCase(client))
+    }
+
+    fn limit(&self) -> Result<Duration> {
+        const LONGEST: f64 = 86_400.0;
+        if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
+            return Err(Error::parameter("timeout", format!("{} s is not from 0 to {LONGEST} s", self.timeout)));
+        }
+        Ok(Duration::from_secs_f64(self.timeout))
+    }
+}
+
+/// The test of a program.
+struct ProgramCase(Client);
+
+impl Visitor for ProgramCase {
+    type Output = Result<Case>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+        let name = self.0.name().to_owned();
+        let program = self.0.over::<D::Point>()?;
+        Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &program, &program, protocol, round)?)))
+    }
+}
+
+/// The test of samples in a file.
+fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) -> Result<Case> {
+    let is_table = pdf.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    match space {
+        None | Some(Space::Sphere) if !is_table => {
+            let (density, notes) = GridDensity::read_image(pdf)?;
+            notes.iter().for_each(|note| console.warn(note));
+            of_files(samples, density)
+        }
+        Some(_) if !is_table => {
+            Err(Error::parameter("pdf", "an image is a density over the sphere").with_hint("`domain` sphere"))
+        }
+        None => Err(Error::parameter("domain", "a table does not say what it is a density over")
+            .with_hint("`domain` sphere, hemisphere, square, line or discrete:N")),
+        Some(space) => space.with(TableCase { samples, pdf }),
+    }
+}
+
+/// The test of samples against a table.
+struct TableCase<'a> {
+    samples: &'a Path,
+    pdf: &'a Path,
+}
+
+impl Visitor for TableCase<'_> {
+    type Output = Result<Case>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+        of_files(self.samples, GridDensity::read_csv(domain, self.pdf)?)
+    }
+}
+
+fn of_files<D: Row + Send + 'static>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
+    let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
+    let (domain, density) = (density.domain(), Arc::new(density));
+    let sampler = SampleFile::open(samples, Arc::clone(&density))?;
+    Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &sampler, &*density, protocol, round)?)))
+}

@@ -1,0 +1,44 @@
+//! Floating-point numbers in text, decimal or hexadecimal.
+
+/// The number that `word` stands for, decimal or hexadecimal as C's `%a` and Python's `float.hex` write it; NaN included.
+pub fn number(word: &str) -> Option<f64> {
+    word.parse().ok().or_else(|| hexadecimal(word))
+}
+
+/// At most 16 hexadecimal digits. The check also refuses the sign that `from_str_radix` would take.
+fn digits(word: &str) -> Option<u64> {
+    let fits = word.len() <= 16 && word.bytes().all(|byte| byte.is_ascii_hexdigit());
+    u64::from_str_radix(word, 16).ok().filter(|_| fits)
+}
+
+/// `[-+]0x1.8p-3`, exact for up to 13 digits after the point.
+fn hexadecimal(word: &str) -> Option<f64> {
+    let (sign, rest) = match word.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, word.strip_prefix('+').unwrap_or(word)),
+    };
+    let rest = rest.strip_prefix("0x").or_else(|| rest.strip_prefix("0X"))?;
+    let (mantissa, exponent) = rest.split_once(['p', 'P']).unwrap_or((rest, "0"));
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let mantissa = digits(&[whole, fraction].concat())?;
+    let exponent: i32 = exponent.parse().ok()?;
+    Some(sign * libm::scalbn(mantissa as f64, exponent.checked_sub(4 * fraction.len() as i32)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_and_hexadecimal() {
+        assert_eq!(number("-2.5e-1"), Some(-0.25));
+        assert_eq!(number("inf"), Some(f64::INFINITY));
+        assert_eq!(number("0x1.8p+1"), Some(3.0));
+        assert_eq!(number("-0x1.999999999999ap-4"), Some(-0.1));
+        assert_eq!(number("0x0.0000000000001p-1022"), Some(f64::from_bits(1)));
+        assert_eq!(number("0X10"), Some(16.0));
+        for bad in ["", "1,5", "0x", "0x.p1", "0x+1", "0x1p", "0x1p9999999999", "0x12345678901234567", "x1"] {
+            assert_eq!(number(bad), None, "{bad}");
+        }
+    }
+}

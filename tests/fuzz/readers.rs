@@ -1,0 +1,165 @@
+//! What a user would do with each kind of file.
+
+use etalon::envmap::EnvMap;
+use etalon::envmap::info::Info;
+use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
+use etalon::import::sampler::program::{Answer, Client, Peer};
+use etalon::import::sampler::{Coordinates, Space, Visitor};
+use etalon::import::{self, SceneOptions, read_scene};
+use etalon::raster::{ExrFile, ReadOptions};
+use etalon::render::exposure::Part;
+use etalon::render::{Settings, Silent, render};
+use etalon::scene::{Request, Scene, builtin};
+use etalon::{Error, Result};
+use etalon_stats::{Density, Protocol, SampleCount, Sampler, examine};
+use std::path::Path;
+use std::sync::Arc;
+
+const SIZE: [usize; 2] = [4, 3];
+
+pub fn image(path: &Path) -> Result<()> {
+    let map = EnvMap::new(etalon::raster::read(path, ReadOptions { allow_ldr: true })?);
+    let _ = Info::of(&map);
+    Ok(())
+}
+
+/// Mends the checksums of all chunks (length, type, data, checksum) first: else nothing behind them would be reached.
+pub fn png(path: &Path) -> Result<()> {
+    let mut bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let mut rest = bytes.get_mut(8..).unwrap_or_default();
+    while let Some((length, tail)) = rest.split_first_chunk_mut::<4>() {
+        let Some((data, tail)) = tail.split_at_mut_checked(4 + u32::from_be_bytes(*length) as usize) else { break };
+        let Some((sum, tail)) = tail.split_first_chunk_mut::<4>() else { break };
+        let mut crc = flate2::Crc::new();
+        crc.update(data);
+        *sum = crc.sum().to_be_bytes();
+        rest = tail;
+    }
+    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))?;
+    image(path)
+}
+
+pub fn exr(path: &Path) -> Result<()> {
+    ExrFile::open(path)?.layers()?;
+    image(path)
+}
+
+pub fn part(path: &Path) -> Result<()> {
+    let mut part = Part::read(path)?;
+    let (_, _) = (part.exposure.standard_error(), part.exposure.path_layers());
+    let _ = part.next(0..u32::MAX);
+    part.set_spp(u32::MAX)
+}
+
+pub fn mesh(path: &Path) -> Result<()> {
+    let mut mesh = import::mesh::read(path, &mut Vec::new())?;
+    let _ = (0..mesh.triangles.len() as u32).filter_map(|i| mesh.tangent(i)).count();
+    if mesh.normals.is_empty() {
+        mesh.smooth();
+    }
+    match builtin::by_name("cornell-statue-au", Some(mesh))? {
+        Some((scene, request)) => {
+            let (scene, request) = scene.resized(request, SIZE);
+            picture(&scene, &request)
+        }
+        None => Ok(()),
+    }
+}
+
+pub fn scene(path: &Path) -> Result<()> {
+    let read = read_scene(path, SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
+    picture(&read.scene, &read.request)
+}
+
+pub fn settings(path: &Path) -> Result<()> {
+    let options = SceneOptions { resolution: Some(SIZE), camera: Some(path), ..SceneOptions::default() };
+    let read = read_scene(&path.with_file_name("scene.dae"), options)?;
+    picture(&read.scene, &read.request)
+}
+
+/// What was read must be fit to be rendered.
+fn picture(scene: &Scene, request: &Request) -> Result<()> {
+    let request = Request { spp: 1, light_samples: 1, max_depth: request.max_depth.min(4), ..*request };
+    render(scene, &request, &Settings::default(), &Silent).map(drop)
+}
+
+pub fn samples(path: &Path) -> Result<()> {
+    files(path, &path.with_file_name("grid.csv"))
+}
+
+pub fn grid(path: &Path) -> Result<()> {
+    files(&path.with_file_name("samples.csv"), path)
+}
+
+/// Tests samples against a grid over every domain; good if one of the tests can be done.
+fn files(samples: &Path, grid: &Path) -> Result<()> {
+    let spaces = [Space::Sphere, Space::Hemisphere, Space::Square, Space::Line, Space::Discrete(3)];
+    let all = spaces.map(|space| space.with(Files { samples, grid }));
+    all.into_iter().reduce(Result::or).unwrap_or(Ok(()))
+}
+
+struct Files<'a> {
+    samples: &'a Path,
+    grid: &'a Path,
+}
+
+impl Visitor for Files<'_> {
+    type Output = Result<()>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
+        // Tells nothing about a sampler, but uses all that is read.
+        let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
+        let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
+        let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
+        examine(&domain, &sampler, &*density, &brief, 0)?;
+        Ok(())
+    }
+}
+
+/// What a program said when it was asked for samples, their pdf and their inverse, in blocks as a pipe hands them out.
+pub fn protocol(path: &Path) -> Result<()> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let blocks: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\x0c').map(<[u8]>::to_vec).collect();
+    let client = Client::greet(Record(blocks.into_iter()), None)?;
+    client.space().with(Asked(client))
+}
+
+struct Record(std::vec::IntoIter<Vec<u8>>);
+
+impl Peer for Record {
+    fn name(&self) -> &str {
+        "record"
+    }
+
+    fn ask(&mut self, _: String, most: usize) -> Result<String> {
+        let fault = |what| Error::input(Path::new("record"), what);
+        let mut answer = Answer::new(most);
+        for block in self.0.by_ref() {
+            if let Some(text) = answer.add(&block).map_err(fault)? {
+                return Ok(text);
+            }
+        }
+        Err(fault(format!("it ended after {} lines of an answer", answer.lines())))
+    }
+}
+
+struct Asked(Client);
+
+impl Visitor for Asked {
+    type Output = Result<()>;
+
+    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, _: D) -> Result<()> {
+        let program = self.0.over::<D::Point>()?;
+        let (mut samples, mut pdfs) = (Vec::new(), Vec::new());
+        match program.dimension() {
+            0 => program.sample_seeded(4, 1, &mut samples)?,
+            dimension => program.sample(&vec![0.5; 4 * dimension], &mut samples)?,
+        }
+        let points: Vec<_> = samples.iter().flatten().map(|sample| sample.point).collect();
+        program.pdf(&points, &mut pdfs)?;
+        for point in points {
+            program.invert(point)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,187 @@
+//! The program on real maps and on damaged files, where the folder with them stands beside the repository.
+
+use crate::program::{etalon, json};
+use etalon::raster::{ReadOptions, read};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A folder of the shared assets; `None`, and a word about it, where there is none.
+fn assets(folder: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets").join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    println!("skipped: there is no {}", path.display());
+    None
+}
+
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(files_below(&path)) } else { found.push(path) }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn the_grace_probe_has_its_known_numbers() {
+    let Some(maps) = assets("envmaps") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let grace = maps.join("grace_latlong.exr");
+    let grace = grace.to_str().unwrap();
+    let close = |got: &serde_json::Value, expected: [f64; 3], tolerance: f64| {
+        for (c, e) in expected.into_iter().enumerate() {
+            let g = got[c].as_f64().unwrap();
+            assert!((g - e).abs() <= tolerance, "{g} is not {e}");
+        }
+    };
+    for (flip, row) in [(&[][..], 382), (&["--flip"], 129)] {
+        let args = [&["envmap", "info", grace][..], flip].concat();
+        let info = json(dir.path(), &args);
+        close(&info["flux_rgb"], [0.28132, 0.15577, 0.19289], 6e-6);
+        close(&info["solid_angle_mean_rgb"], [0.02239, 0.01240, 0.01535], 6e-6);
+        assert_eq!((info["width"].as_u64(), info["height"].as_u64()), (Some(1024), Some(512)));
+        assert_eq!((info["peak"][0].as_u64(), info["peak"][1].as_u64()), (Some(502), Some(row)));
+        assert_eq!((info["nonfinite"].as_u64(), info["negative"].as_u64()), (Some(0), Some(0)));
+        let warned = etalon(dir.path(), &args).stderr.contains("upside-down");
+        assert_eq!(warned, flip.is_empty(), "warns about the file as it is, not about the turned map");
+    }
+}
+
+/// The first report's cuts of the probe: the most energetic region over the mean.
+#[test]
+fn the_grace_probe_is_cut_into_regions_of_nearly_equal_energy() {
+    let Some(maps) = assets("envmaps") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let grace = maps.join("grace_latlong.exr");
+    let value = json(dir.path(), &["envmap", "cut", grace.to_str().unwrap(), "--flip", "-n", "2,4,16,64"]);
+    for (result, expected) in value["results"].as_array().unwrap().iter().zip([1.0007, 1.0036, 1.0271, 1.0757]) {
+        let got = result["imbalance"].as_f64().unwrap();
+        assert!((got - expected).abs() < 1e-4, "{} regions: {got}, not {expected}", result["n"]);
+    }
+}
+
+#[test]
+fn real_maps_are_read() {
+    let Some(maps) = assets("envmaps") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    for file in files_below(&maps) {
+        let image = read(&file, ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let info = json(dir.path(), &["envmap", "info", file.to_str().unwrap()]);
+        assert_eq!(info["width"].as_u64(), Some(image.width() as u64));
+        assert!((0..3).all(|c| info["flux_rgb"][c].as_f64().is_some_and(|f| f > 0.0)), "{}: {info}", file.display());
+        let dwa = ["interior.exr", "park-512-negatives.exr", "sunset.exr"].iter().any(|name| file.ends_with(name));
+        assert_eq!(info["negative"].as_u64().unwrap() > 0, dwa, "{}: lossy compression rings", file.display());
+    }
+}
+
+/// PFM files of other programs: four channels, and blanks at the end of the header.
+#[test]
+fn odd_pfm_files_are_refused_or_read_right() {
+    let Some(odd) = assets("odd") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let four = etalon(dir.path(), &["envmap", "info", odd.join("pf4.pfm").to_str().unwrap()]);
+    assert!(four.code == 2 && four.stderr.contains("PF4"), "{}", four.stderr);
+    let info = json(dir.path(), &["envmap", "info", odd.join("sp.pfm").to_str().unwrap()]);
+    assert_eq!([&info["width"], &info["height"], &info["negative"]], [8, 5, 0]);
+    assert!(info["max"].as_f64().unwrap() < 4.0, "{info}");
+}
+
+/// Damaged files: an answer or a refusal, soon, within 1 GiB of address space.
+#[test]
+fn damaged_files_are_refused_or_read() {
+    let Some(hostile) = assets("hostile") else { return };
+    let files = files_below(&hostile);
+    assert!(!files.is_empty());
+    let mut read = 0;
+    for file in &files {
+        let start = Instant::now();
+        // Where the shell cannot limit memory, the file is tried all the same.
+        let output = std::process::Command::new("sh")
+            .args(["-c", "ulimit -v 1048576 2>/dev/null; exec \"$0\" envmap info \"$1\" --threads 1"])
+            .arg(assert_cmd::cargo::cargo_bin("etalon"))
+            .arg(file)
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        let name = file.display();
+        assert!(!stderr.contains("panicked"), "{name}: {stderr}");
+        assert!(start.elapsed() < Duration::from_secs(10), "{name} took {:?}", start.elapsed());
+        match output.status.code() {
+            Some(0) => read += 1,
+            Some(2) => {
+                assert!(stderr.contains("error: ") && stderr.contains(file.to_str().unwrap()), "{name}: {stderr}")
+            }
+            other => panic!("{name}: exit code {other:?}: {stderr}"),
+        }
+    }
+    println!("{read} of {} files were read, the others refused", files.len());
+    assert!(read > 0, "files that are merely unusual must be read");
+}
+
+/// The first report's scene, unchanged, under the Grace probe, against what PBRT-v2 makes of it.
+#[test]
+fn the_report_scene_has_the_known_radiance() {
+    const S: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    const KNOWN: [([f64; 2], [f64; 3]); 5] = [
+        ([0.0, S], [0.33820, 0.19120, 0.26335]),
+        ([0.0, -S], [0.16658, 0.04898, 0.01052]),
+        ([S, 0.0], [0.36022, 0.16219, 0.17004]),
+        ([-S, 0.0], [0.12029, 0.04990, 0.04182]),
+        ([0.0, 0.0], [0.28311, 0.10953, 0.08941]),
+    ];
+    let (Some(maps), Some(scenes)) = (assets("envmaps"), assets("scenes")) else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let (scene, map) = (scenes.join("simple_sphere.pbrt"), maps.join("grace_latlong.exr"));
+    let args = ["render", scene.to_str().unwrap(), "--envmap", map.to_str().unwrap(), "-s", "8", "-o", "grace.pfm"];
+    let value = json(dir.path(), &args);
+    assert_eq!((value["width"].as_u64(), value["height"].as_u64()), (Some(511), Some(511)));
+    let image = read(&dir.path().join("grace.pfm"), ReadOptions::default()).unwrap();
+    for (n, expected) in KNOWN {
+        // The window -1..1 is 511 pixels; x to the right, y up. 15x15 pixels: the radiance is nearly linear across them.
+        let (x, y) = (255.5 + 255.5 * n[0], 255.5 - 255.5 * n[1]);
+        let mut sum = glam::DVec3::ZERO;
+        for dy in -7..=7 {
+            for dx in -7..=7 {
+                sum += image.get((x as i32 + dx) as usize, (y as i32 + dy) as usize).as_dvec3();
+            }
+        }
+        let got = (sum / 225.0).to_array();
+        for (g, e) in got.into_iter().zip(expected) {
+            // 1 % and the noise that is left.
+            assert!((g - e).abs() < 0.01 * e + 2e-4, "n = {n:?}: {got:?} is not {expected:?}");
+        }
+    }
+    // All rays that miss run along -z, to the point where four texels meet: PBRT blends them, here one is seen.
+    let texels = read(&map, ReadOptions::default()).unwrap();
+    let four = [(767, 255), (768, 255), (767, 256), (768, 256)].map(|(x, y)| texels.get(x, y) * 8.0);
+    let blend = four.into_iter().sum::<glam::Vec3>() / 4.0;
+    assert!((blend - glam::Vec3::new(0.03271, 0.00987, 0.00831)).abs().max_element() < 1e-5, "{blend}");
+    assert!(four.contains(&image.get(2, 2)), "the background is {}, not one of {four:?}", image.get(2, 2));
+}
+
+/// A scene of the course whose camera matrix lacks a number.
+#[test]
+fn the_gems_are_seen() {
+    let Some(odd) = assets("odd") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let gems = odd.join("CBgems.dae");
+    let args = ["render", gems.to_str().unwrap(), "-s", "4", "-m", "4", "-r", "80", "60"];
+    let ran = etalon(dir.path(), &args);
+    assert!(ran.code == 0 && ran.stderr.contains("712:9: <matrix> has 15 numbers"), "{}", ran.stderr);
+    let mean = json(dir.path(), &args)["mean_rgb"][0].as_f64().unwrap();
+    assert!(mean > 0.05, "{mean}");
+}
+
+#[test]
+fn the_second_reports_scenes_take_the_place_of_the_built_in_ones() {
+    let Some(scenes) = assets("scenes") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let only = "depth-0,depth-1,depth-2,depth-3,depth-4";
+    let args = ["reproduce", "--quick", "--only", only, "--scenes", scenes.to_str().unwrap()];
+    let value = json(dir.path(), &args);
+    assert_eq!(value["failed"], 0, "{value}");
+    assert!(value["passed"].as_u64().unwrap() > 20);
+}

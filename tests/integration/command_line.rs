@@ -1,0 +1,393 @@
+//! The command line as a script relies on it: JSON keys, files, exit codes, determinism.
+
+use crate::program::{etalon, json};
+use etalon::raster::{Image, Metadata, ReadOptions, Rgb, read, write};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+use std::path::Path;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("no number \"{key}\" in {value}"))
+}
+
+fn assert_keys(value: &Value, keys: &str) {
+    for key in keys.split(", ") {
+        assert!(value.get(key).is_some(), "no \"{key}\" in {value}");
+    }
+}
+
+/// Every file that the object names is there and is what its extension says; returns their names.
+fn assert_files(folder: &Path, value: &Value) -> BTreeSet<String> {
+    let files = value["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap().to_owned());
+    let check = |name: String| {
+        let bytes = std::fs::read(folder.join(&name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let magic: &[u8] = match name.rsplit('.').next().unwrap() {
+            "png" => b"\x89PNG\r\n\x1a\n",
+            "pdf" => b"%PDF-",
+            "svg" => b"<svg",
+            "exr" => b"\x76\x2f\x31\x01",
+            "pfm" => b"PF\n",
+            "ppm" => b"P6\n",
+            "hdr" => b"#?RADIANCE",
+            "csv" => b"",
+            other => panic!("what is .{other}?"),
+        };
+        let start = if bytes.starts_with(b"<?xml") { bytes.iter().position(|b| *b == b'\n').unwrap() + 1 } else { 0 };
+        assert!(bytes.len() > 16 && bytes[start..].starts_with(magic), "{name}");
+        name
+    };
+    files.map(check).collect()
+}
+
+/// All files below `folder`, by their path from there.
+fn tree(folder: &Path) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                found.insert(path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned());
+            }
+        }
+    }
+    found
+}
+
+/// Header and rows of a CSV file.
+fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().to_owned();
+    let rows = lines.map(|l| l.split(',').map(|c| c.parse().unwrap_or(f64::NAN)).collect()).collect();
+    (header, rows)
+}
+
+/// The table that comes first in the files of a result.
+fn first_table(folder: &Path, value: &Value) -> (String, Vec<Vec<f64>>) {
+    table(&folder.join(value["files"][0].as_str().unwrap()))
+}
+
+fn bits(image: &Image) -> Vec<[u32; 3]> {
+    image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect()
+}
+
+fn image(path: &Path) -> Image {
+    read(path, ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn fresnel_of_a_dielectric_both_ways() {
+    const KEYS: &str =
+        "eta_i, eta_t, brewster_deg, critical_deg, r_normal, schlick_max_abs_error, schlick_max_abs_error_deg, files";
+    const HEADER: &str = "theta_deg,r_parallel,r_perpendicular,r_unpolarized,transmittance,r_schlick";
+    let dir = folder();
+    let critical = 43.602_818_972_703_62;
+    for (eta, brewster, critical) in
+        [(["1", "1.45"], 55.407_711_312_490_06, None), (["1.45", "1"], 90.0 - 55.407_711_312_490_06, Some(critical))]
+    {
+        let args = ["fresnel", "--eta-i", eta[0], "--eta-t", eta[1], "--points", "91", "-o", "a"];
+        let value = json(dir.path(), &args);
+        assert_keys(&value, KEYS);
+        assert!((number(&value, "brewster_deg") - brewster).abs() < 1e-11);
+        assert!((number(&value, "r_normal") - 0.033_735_943_356_934).abs() < 1e-14);
+        match critical {
+            Some(angle) => assert!((number(&value, "critical_deg") - angle).abs() < 1e-11),
+            None => assert!(value["critical_deg"].is_null()),
+        }
+        assert_files(dir.path(), &value);
+        let (header, rows) = first_table(dir.path(), &value);
+        assert_eq!((header.as_str(), rows.len()), (HEADER, 91));
+        for r in rows {
+            assert!((r[3] + r[4] - 1.0).abs() < 1e-15 && ((r[1] + r[2]) / 2.0 - r[3]).abs() < 1e-15, "{r:?}");
+            assert!(critical.is_none_or(|angle| r[0] <= angle || r[3] == 1.0), "not total: {r:?}");
+        }
+    }
+    let equal = json(dir.path(), &["fresnel", "--eta-i", "1.3", "--eta-t", "1.3", "--points", "91", "-o", "a"]);
+    assert!(equal["brewster_deg"].is_null() && number(&equal, "r_normal") == 0.0);
+    assert!(first_table(dir.path(), &equal).1.iter().all(|r| r[3] == 0.0));
+
+    let args = ["fresnel", "--eta-i", "1.45", "--eta-t", "1", "--model", "report", "--points", "9001", "-o", "b"];
+    let last = first_table(dir.path(), &json(dir.path(), &args)).1.last().unwrap()[0];
+    assert!(last <= critical && last > critical - 0.0101, "the report's curve ends at {last}");
+}
+
+#[test]
+fn fresnel_of_a_conductor() {
+    let dir = folder();
+    for (args, channels) in [
+        (&["fresnel", "--metal", "Au", "--points", "46"][..], 3),
+        (&["fresnel", "--metal", "Fe", "--points", "46"], 3),
+        (&["fresnel", "--eta-t", "0.2", "--k", "3.9", "--points", "46"], 1),
+    ] {
+        let value = json(dir.path(), args);
+        let files = assert_files(dir.path(), &value);
+        let list = value["channels"].as_array().unwrap();
+        assert_eq!(list.len(), channels);
+        for c in list {
+            let (eta, k) = (number(c, "eta"), number(c, "k"));
+            let expected = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+            assert!((number(c, "r_normal") - expected).abs() < 1e-12, "{c}");
+            assert_keys(c, "pseudo_brewster_deg, approximate_max_abs_error, schlick_max_abs_error");
+        }
+        let csv = files.iter().find(|f| f.ends_with(".csv")).unwrap();
+        assert!(csv.starts_with("out/"), "without -o results go to out/, not to {csv}");
+        assert_eq!(table(&dir.path().join(csv)).1.len(), 46 * channels);
+    }
+}
+
+#[test]
+fn envmap_info() {
+    const KEYS: &str = "width, height, min, max, mean_rgb, solid_angle_mean_rgb, flux_rgb, nonfinite, negative, \
+                        peak_to_mean, effective_texels";
+    let dir = folder();
+    for (map, width, flux) in [("constant", 64, Some(4.0 * PI)), ("black", 64, Some(0.0)), ("nave", 1024, None)] {
+        let value = json(dir.path(), &["envmap", "info", map]);
+        assert_keys(&value, KEYS);
+        assert_eq!((number(&value, "width"), number(&value, "negative")), (f64::from(width), 0.0));
+        let got = value["flux_rgb"][1].as_f64().unwrap();
+        assert!(flux.is_none_or(|f| (got - f).abs() < 1e-12), "{map}: flux {got}");
+    }
+    assert!(number(&json(dir.path(), &["envmap", "info", "nave"]), "peak_to_mean") >= 500.0);
+    assert!(number(&json(dir.path(), &["envmap", "info", "sun"]), "peak_to_mean") >= 1e4);
+    assert!(tree(dir.path()).is_empty(), "info writes nothing");
+}
+
+#[test]
+fn envmap_sample() {
+    let dir = folder();
+    let csv = |out: &str, extra: &[&str]| {
+        let value = json(dir.path(), &[&["envmap", "sample", "constant", "-n", "7,20", "-o", out][..], extra].concat());
+        let results = value["results"].as_array().unwrap();
+        assert_eq!(results.len(), 2);
+        results.iter().for_each(|r| assert_eq!(assert_files(dir.path(), r).len(), 7));
+        std::fs::read(dir.path().join(results[1]["files"][0].as_str().unwrap())).unwrap()
+    };
+    let first = csv("a", &[]);
+    assert_eq!(first, csv("b", &["--threads", "2"]), "the same seed gives the same samples");
+    for (out, other) in [("c", &["--seed", "2"][..]), ("d", &["--sampler", "alias"]), ("e", &["--model", "report"])] {
+        assert_ne!(first, csv(out, other), "{other:?}");
+    }
+    let (header, rows) = table(&dir.path().join("a/constant-samples-20.csv"));
+    assert_eq!((header.as_str(), rows.len()), ("x,y,dir_x,dir_y,dir_z,pdf,r,g,b", 20));
+    for r in rows {
+        assert!((0.0..64.0).contains(&r[0]) && (0.0..32.0).contains(&r[1]), "{r:?}");
+        assert!((r[2].hypot(r[3]).hypot(r[4]) - 1.0).abs() < 1e-6 && (r[5] * 4.0 * PI - 1.0).abs() < 1e-6, "{r:?}");
+    }
+    let args = ["envmap", "sample", "onehot", "-n", "9", "--compensated", "-o", "f/any.svg"];
+    let files = assert_files(dir.path(), &json(dir.path(), &args)["results"][0]);
+    assert!(files.contains("f/any-9.svg") && files.contains("f/any-only-9.png"), "{files:?}");
+}
+
+#[test]
+fn envmap_cut() {
+    const HEADER: &str = "x0,y0,x1,y1,centroid_x,centroid_y,dir_x,dir_y,dir_z,flux_r,flux_g,flux_b,energy";
+    let dir = folder();
+    let colour = |x: usize, y: usize| Rgb::new((x * 7 % 48) as f32, (y * y) as f32, if x == 40 { 3e4 } else { 0.5 });
+    write(&dir.path().join("map.pfm"), &Image::from_fn(48, 24, colour), &Metadata::default()).unwrap();
+    let info = json(dir.path(), &["envmap", "info", "map.pfm"]);
+    for (i, extra) in [
+        &[][..],
+        &["--split", "variance"],
+        &["--centroid", "median"],
+        &["--sides", "sphere", "--window", "9", "--exposure", "-3", "--gamma", "2.2"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = format!("cut{i}");
+        let value = json(dir.path(), &[&["envmap", "cut", "map.pfm", "-n", "1,13", "-o", &out][..], extra].concat());
+        for (n, result) in [(1, &value["results"][0]), (13, &value["results"][1])] {
+            assert_files(dir.path(), result);
+            let (header, rows) = first_table(dir.path(), result);
+            assert_eq!((header.as_str(), rows.len()), (HEADER, n), "{extra:?}");
+            let texels: f64 = rows.iter().map(|r| (r[2] - r[0]) * (r[3] - r[1])).sum();
+            assert_eq!(texels, 48.0 * 24.0, "{extra:?}: the regions tile the map");
+            for c in 0..3 {
+                let flux = info["flux_rgb"][c].as_f64().unwrap();
+                assert!((rows.iter().map(|r| r[9 + c]).sum::<f64>() / flux - 1.0).abs() < 1e-9, "{extra:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn envmap_proposal() {
+    let dir = folder();
+    let value = json(dir.path(), &["envmap", "proposal", "sun", "-n", "20000", "-o", "p"]);
+    assert_files(dir.path(), &value);
+    assert!(number(&value["uniform"], "p") > 1e-3 && number(&value["gaussian"], "p") < 1e-6, "{value}");
+    let other = json(dir.path(), &["envmap", "proposal", "sun", "-n", "20000", "-o", "p", "--seed", "2"]);
+    assert_ne!(value["uniform"]["p"], other["uniform"]["p"]);
+}
+
+#[test]
+fn envmap_make_reproduces_the_stored_maps() {
+    let dir = folder();
+    for name in ["nave", "sun", "constant", "onehot", "black"] {
+        let value = json(dir.path(), &["envmap", "make", name, "-o", "made"]);
+        assert_eq!(assert_files(dir.path(), &value), [format!("made/{name}.exr")].into());
+        let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("envmaps/{name}.exr"));
+        assert!(
+            stored.exists(),
+            "{} is missing: write it with `etalon envmap make {name} -o envmaps`",
+            stored.display()
+        );
+        let made = image(&dir.path().join(format!("made/{name}.exr")));
+        assert!(bits(&made) == bits(&image(&stored)), "envmaps/{name}.exr is not what `make` writes");
+    }
+    for format in ["hdr", "pfm", "png", "ppm"] {
+        let file = format!("m.{format}");
+        let value = json(dir.path(), &["envmap", "make", "onehot", "-o", &file]);
+        assert_eq!(assert_files(dir.path(), &value), [file].into());
+    }
+}
+
+#[test]
+fn render_writes_the_same_bits_however_it_is_run() {
+    const KEYS: &str = "width, height, spp, seconds, mean_rgb, dropped, left_out, files";
+    let dir = folder();
+    let render = |out: &str, extra: &[&str]| {
+        let args = ["render", "sphere-env", "--envmap", "sun", "-s", "4", "-l", "2", "-m", "3", "-r", "31", "17"];
+        let value = json(dir.path(), &[&args, &["-o", out][..], extra].concat());
+        assert_keys(&value, KEYS);
+        assert_keys(&value["dropped"], "nonfinite, negative");
+        assert!(value["left_out"].is_array());
+        assert_eq!([number(&value, "width"), number(&value, "height"), number(&value, "spp")], [31.0, 17.0, 4.0]);
+        let files = assert_files(dir.path(), &value);
+        assert_eq!(files.len(), if out.ends_with(".pfm") { 2 } else { 4 }, "{files:?}");
+        let mean = value["mean_rgb"][0].as_f64().unwrap();
+        let pfm = files.iter().find(|name| name.ends_with(".pfm")).unwrap();
+        let picture = image(&dir.path().join(pfm));
+        let expected = picture.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / (31.0 * 17.0);
+        assert!((mean - expected).abs() < 1e-9 * expected, "{mean} {expected}");
+        if !out.ends_with(".pfm") {
+            assert!(bits(&image(&dir.path().join(pfm.replace("pfm", "exr")))) == bits(&picture), "EXR is not PFM");
+        }
+        bits(&picture)
+    };
+    let one = render("one", &["--threads", "1"]);
+    assert!(one == render("two", &["--threads", "2"]), "threads change the picture");
+    assert!(one == render("general.pfm", &["--general"]), "--general changes the picture");
+    for (i, other) in [
+        &["--seed", "2"][..],
+        &["--stream", "independent"],
+        &["--sampling", "light", "--light-density", "map"],
+        &["--sampling", "bsdf"],
+        &["--sampling", "hemisphere"],
+        &["--light-density", "compensated"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(one != render(&format!("other{i}.pfm"), other), "{other:?} changes nothing");
+    }
+}
+
+#[test]
+fn render_reads_a_scene_file() {
+    let dir = folder();
+    json(dir.path(), &["envmap", "make", "sun", "-o", "sky map.exr"]);
+    let scene = "LookAt 0 0 1 0 0 0 0 1 0 Camera \"orthographic\" Film \"image\" \"integer xresolution\" 9 \"integer \
+                 yresolution\" 5 PixelFilter \"box\" WorldBegin LightSource \"infinite\" \"string mapname\" \"sky map.exr\" \
+                 Material \"matte\" \"color Kd\" [1 1 1] Shape \"sphere\" \"float radius\" .5 WorldEnd";
+    std::fs::write(dir.path().join("scène 1.pbrt"), scene).unwrap();
+    let named = json(dir.path(), &["render", "scène 1.pbrt", "-s", "4", "-o", "a"]);
+    let given = json(dir.path(), &["render", "scène 1.pbrt", "-s", "4", "-o", "b", "--envmap", "sky map.exr"]);
+    assert_eq!([number(&named, "width"), number(&named, "height")], [9.0, 5.0]);
+    assert_eq!(named["mean_rgb"], given["mean_rgb"]);
+    assert_eq!(assert_files(dir.path(), &named).len(), 4);
+}
+
+#[test]
+fn compare_measures_and_draws() {
+    let dir = folder();
+    let pfm = |values: [f32; 6]| [&b"PF\n2 1\n-1\n"[..], &values.map(f32::to_le_bytes).concat()].concat();
+    std::fs::write(dir.path().join("a.pfm"), pfm([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])).unwrap();
+    std::fs::write(dir.path().join("b.pfm"), pfm([1.0, 2.0, 3.0, 4.0, 5.0, 9.0])).unwrap();
+    let value = json(dir.path(), &["compare", "a.pfm", "b.pfm", "-o", "d"]);
+    assert_keys(&value, "mse, rmse, rel_mse, mean_a, mean_b, max_abs, files");
+    for (key, expected) in [
+        ("mse", 1.5),
+        ("rmse", 1.5_f64.sqrt()),
+        ("rel_mse", 1.5 / 81.01),
+        ("mean_a", 3.5),
+        ("mean_b", 4.0),
+        ("max_abs", 3.0),
+    ] {
+        assert!((number(&value, key) - expected).abs() < 1e-12, "{key}: {}", value[key]);
+    }
+    assert!(assert_files(dir.path(), &value).contains("d/a-vs-b.png"));
+    assert_eq!(number(&json(dir.path(), &["compare", "a.pfm", "a.pfm"]), "max_abs"), 0.0);
+}
+
+#[test]
+fn reproduce_lists_and_makes() {
+    let dir = folder();
+    let list = json(dir.path(), &["reproduce", "--list"]);
+    let ids: Vec<&str> = list["figures"].as_array().unwrap().iter().map(|f| f["id"].as_str().unwrap()).collect();
+    for id in "fresnel-enter fresnel-exit envmap-samples-64 envmap-samples-256 envmap-samples-1024 \
+               envmap-samples-only-256 proposal median-cut-2 median-cut-4 median-cut-16 median-cut-64 \
+               median-cut-radiance-64 sphere-8 sphere-16 sphere-32 sphere-64 sphere-error depth-0 depth-1 depth-2 \
+               depth-3 depth-4 depth-5 depth-100 depth-differences roughness-0.005 roughness-0.05 roughness-0.25 \
+               roughness-0.5 sampling-importance sampling-hemisphere sampling-error iron metals-table error-time-sphere \
+               error-time-cornell error-time-roughness error-depth median-cut-error"
+        .split_whitespace()
+    {
+        assert!(ids.contains(&id), "{id} is not in {ids:?}");
+    }
+    assert!(tree(dir.path()).is_empty(), "--list writes nothing");
+
+    let only = "fresnel-enter,fresnel-exit,median-cut-4,metals-table";
+    let value = json(dir.path(), &["reproduce", "--quick", "--only", only, "-o", "given/place"]);
+    assert_keys(&value, "figures, passed, failed, seconds");
+    let mut written =
+        BTreeSet::from(["checks.csv", "index.html", "reproduce.json"].map(|f| format!("given/place/{f}")));
+    let mut checks = 0;
+    for (id, figure) in only.split(',').zip(value["figures"].as_array().unwrap()) {
+        assert_eq!(figure["id"], id);
+        let made = assert_files(dir.path(), figure);
+        for extension in ["csv", "svg", "png", "pdf"] {
+            assert!(made.contains(&format!("given/place/{id}.{extension}")), "{made:?}");
+        }
+        written.extend(made);
+        for check in figure["checks"].as_array().unwrap() {
+            assert_keys(check, "name, expected, got, tolerance, pass");
+            assert_eq!(check["pass"], true, "{check}");
+            checks += 1;
+        }
+    }
+    assert_eq!((number(&value, "passed"), number(&value, "failed")), (f64::from(checks), 0.0));
+    assert_eq!(tree(dir.path()), written, "files outside the place that was given, or not reported");
+
+    // The black map gives no samples to test, so that the check of the proposal must fail.
+    let failing = ["reproduce", "--quick", "--only", "proposal", "--envmap", "black"];
+    assert!([1, 2].contains(&etalon(dir.path(), &failing).code));
+    let missing = ["reproduce", "--quick", "--only", "metals-table", "--scenes", "nowhere"];
+    assert_eq!(etalon(dir.path(), &missing).code, 2);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_crash() {
+    let dir = folder();
+    for args in [&["reproduce", "--list"][..], &["--help"], &["envmap", "info", "constant"], &["fresnel", "--json"]] {
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("etalon"))
+            .args(args)
+            .current_dir(dir.path())
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert!(matches!(output.status.code(), Some(0 | 2)), "{args:?}: {:?}", output.status);
+        assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"), "{args:?}");
+    }
+}

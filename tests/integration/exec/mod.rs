@@ -1,0 +1,145 @@
+//! External samplers: the example clients, programs that misbehave, how programs end, and files of samples.
+
+mod files;
+#[cfg(unix)]
+mod group;
+#[cfg(unix)]
+mod misbehaviour;
+
+use crate::program::{Ran, etalon, json};
+use std::path::Path;
+use std::process::Command;
+use tempfile::tempdir;
+
+/// The path of an example.
+fn example(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).display().to_string()
+}
+
+/// Whether a command succeeds; says that a test is skipped if not.
+fn has(program: &str, args: &[&str]) -> bool {
+    let found = Command::new(program).args(args).output().is_ok_and(|output| output.status.success());
+    if !found {
+        eprintln!("skipped: {program} {args:?} does not run here");
+    }
+    found
+}
+
+/// Whether processes can be listed; says that a test is skipped if not.
+#[cfg(unix)]
+fn has_ps() -> bool {
+    has("ps", &["-A", "-o", "pgid=,stat=,args="])
+}
+
+/// Validates the sampler of `command` with few samples.
+fn validate(command: &str, more: &[&str]) -> Ran {
+    let folder = tempdir().unwrap();
+    etalon(folder.path(), &[&["validate", "--samples", "40000", "--exec", command], more].concat())
+}
+
+#[test]
+fn python_clients_are_tested() {
+    if has("python3", &["--version"]) {
+        let command = format!("python3 '{}'", example("sampler.py"));
+        let ran = validate(&command, &[]);
+        assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+        assert_eq!(validate(&format!("{command} wrong"), &[]).code, 1);
+        let ran = validate(&command, &["--domain", "sphere"]);
+        assert_eq!(ran.code, 2);
+        assert!(ran.stderr.contains("its domain is hemisphere"), "{}", ran.stderr);
+    }
+    if has("python3", &["-c", "import numpy"]) {
+        let ran = validate(&format!("python3 '{}' 0.05", example("sampler_numpy.py")), &[]);
+        assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+    }
+}
+
+#[test]
+fn a_client_with_its_own_numbers_gives_the_same_again() {
+    let folder = tempdir().unwrap();
+    let binary = folder.path().join("sampler").display().to_string();
+    if !has("cc", &["-O2", &example("sampler.c"), "-o", &binary, "-lm"]) {
+        return;
+    }
+    let statistic = |args: &[&str]| {
+        let args = [&["validate", "--samples", "200000", "--exec", &binary], args].concat();
+        let value = json(folder.path(), &args);
+        assert_eq!(value["accepted"], 1);
+        value["tests"][0]["statistic"].as_f64().unwrap()
+    };
+    let one = statistic(&["--threads", "1"]);
+    assert_eq!(one, statistic(&["--threads", "3"]));
+    assert_ne!(one, statistic(&["--seed", "2"]));
+}
+
+#[test]
+fn crlf_and_a_byte_order_mark_are_read() {
+    if has("python3", &["--version"]) {
+        let windows = r#"import sys; sys.stdout.reconfigure(newline="\r\n"); sys.stdout.write("\ufeff"); exec(open(sys.argv[1]).read())"#;
+        let ran = validate(&format!("python3 -c '{windows}' '{}'", example("sampler.py")), &[]);
+        assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+    }
+}
+
+/// Seeds of legacy generators, numpy's `RandomState` among them, have 32 bits.
+#[test]
+fn seeds_have_32_bits_and_never_come_twice() {
+    const CLIENT: &str = "
+import random, sys
+seen = set()
+for request in sys.stdin:
+    verb, *words = request.split()
+    if verb == 'etalon':
+        print('etalon 1 domain=line dimension=0')
+    elif verb == 'sample':
+        seed = int(words[1])
+        assert 0 <= seed < 2**32, f'the seed {seed} is out of range'
+        assert seed not in seen, f'the seed {seed} comes again'
+        seen.add(seed)
+        generator = random.Random(seed)
+        for _ in range(int(words[0])):
+            print(generator.random())
+    elif verb == 'pdf':
+        for _ in range(int(words[0])):
+            sys.stdin.readline()
+            print(1)
+    else:
+        break
+    print('end', flush=True)
+";
+    if has("python3", &["--version"]) {
+        let folder = tempdir().unwrap();
+        std::fs::write(folder.path().join("client.py"), CLIENT).unwrap();
+        let args = ["validate", "--exec", "python3 client.py", "--samples", "300000"];
+        assert_eq!(json(folder.path(), &args)["accepted"], 1);
+    }
+}
+
+#[test]
+fn usage_is_checked() {
+    for (command, more, expected) in [
+        ("", &[][..], "is no command"),
+        ("'unfinished", &[], "is no command"),
+        ("/no/such/program", &[], "/no/such/program"),
+        ("true", &["--timeout", "0"], "--timeout"),
+        ("true", &["--timeout", "nan"], "--timeout"),
+        ("true", &["--timeout", "1e300"], "--timeout"),
+        ("true", &["--domain", "disc"], "unknown domain"),
+        ("true", &["--domain", "discrete:0"], "from 1 to"),
+    ] {
+        let ran = validate(command, more);
+        assert_eq!(ran.code, 2, "{command} {more:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{command} {more:?}: {}", ran.stderr);
+    }
+    let folder = tempdir().unwrap();
+    for (args, expected) in [
+        (&["validate", "--samples", "some.csv"][..], "--pdf"),
+        (&["validate", "--samples", "10", "--pdf", "a.csv"], "without samples"),
+        (&["validate", "--domain", "line"], "no external sampler"),
+        (&["validate", "--samples", "some.csv", "--exec", "true"], "not a number"),
+    ] {
+        let ran = etalon(folder.path(), args);
+        assert_eq!(ran.code, 2, "{args:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{args:?}: {}", ran.stderr);
+    }
+}

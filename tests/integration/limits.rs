@@ -1,0 +1,193 @@
+//! Limits of memory and of file sizes, and the end by Ctrl-C of every command that may take long.
+
+use crate::program::{Ran, etalon, json};
+use etalon::raster::{Image, Metadata, Rgb, write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Writes a map with texture and a sun, in the format that the name says.
+fn write_map(path: &Path, [width, height]: [usize; 2]) {
+    let sun = (width / 3, height / 4);
+    let radiance = |x: usize, y: usize| match (x * 7919 + y * 104_729) % 251 {
+        _ if (x, y) == sun => Rgb::splat(1e5),
+        k => Rgb::new(0.5 + k as f32 / 251.0, 0.5, 0.2 + y as f32 / height as f32),
+    };
+    write(path, &Image::from_fn(width, height, radiance), &Metadata::default()).unwrap();
+}
+
+/// Runs a command and watches the most memory that it held, in bytes.
+fn peak(folder: &Path, args: &[&str]) -> u64 {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
+    let mut child = command.args(args).current_dir(folder).stdout(Stdio::null()).spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    loop {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
+        peak = line.map_or(peak, |kibibytes| kibibytes.parse::<u64>().unwrap() << 10);
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(matches!(status.code(), Some(0 | 3)), "{args:?}: {status}");
+            return peak;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// The commands that take a map, and what each is to hold at most for each texel: the map has 12 bytes, tables up to 16.
+fn of_map<'a>(map: &'a str, own: &'a str) -> [Vec<&'a str>; 8] {
+    [
+        vec!["envmap", "info", map],
+        vec!["envmap", "sample", map, "-n", "64"],
+        vec!["envmap", "sample", map, "-n", "64", "--sampler", "alias"],
+        vec!["envmap", "cut", map, "-n", "16", "--flip"],
+        vec!["envmap", "proposal", map, "-n", "1000"],
+        vec!["compare", map, map],
+        vec!["render", "sphere-env", "--envmap", map, "-s", "1", "-r", "64", "64"],
+        vec!["validate", own, "--envmap", map, "--samples", "1000"],
+    ]
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_grows_with_the_map_and_no_more() {
+    let dir = tempfile::tempdir().unwrap();
+    write_map(&dir.path().join("map.hdr"), [4096, 2048]);
+    // A quarter of a gibibyte for a quarter of the texels of a large map, and what the program takes by itself.
+    let most = (1 << 28) + (36 << 20);
+    for args in of_map("map.hdr", "map/map/alias") {
+        let peak = peak(dir.path(), &args);
+        assert!(peak < most, "{args:?}: {} MiB", peak >> 20);
+    }
+}
+
+/// `cargo test --release --test limits -- --ignored --nocapture` on an idle machine.
+#[cfg(target_os = "linux")]
+#[ignore = "takes minutes and a gibibyte"]
+#[test]
+fn maps_of_8192_x_4096_take_less_than_a_gibibyte_and_a_minute() {
+    for format in ["hdr", "exr", "pfm"] {
+        let dir = tempfile::tempdir().unwrap();
+        let map = format!("map.{format}");
+        write_map(&dir.path().join(&map), [8192, 4096]);
+        for args in of_map(&map, "map/map") {
+            let start = Instant::now();
+            let (peak, time) = (peak(dir.path(), &args), start.elapsed());
+            println!("{args:?}: {} MiB, {:.1} s", peak >> 20, time.as_secs_f64());
+            assert!(peak < 1 << 30 && time < Duration::from_secs(60), "{args:?}: {} MiB, {time:?}", peak >> 20);
+        }
+    }
+}
+
+fn refused(ran: &Ran, says: &str) {
+    assert_eq!(ran.code, 2, "{says}: {}{}", ran.stdout, ran.stderr);
+    assert!(ran.stderr.contains(says) && ran.stderr.contains("--memory"), "{says}: {}", ran.stderr);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
+    let dir = tempfile::tempdir().unwrap();
+    write_map(&dir.path().join("map.hdr"), [2048, 1024]);
+    for (args, says) in [
+        (&["envmap", "info", "map.hdr", "--memory", "30M"][..], "map.hdr, 2048x1024 pixels"),
+        (&["envmap", "info", "map.hdr", "--memory", "1K"], "map.hdr, a file"),
+        (&["envmap", "sample", "map.hdr", "--sampler", "alias", "--memory", "60M"], "the sampling table of a map"),
+        (&["envmap", "cut", "map.hdr", "--split", "variance", "--memory", "80M"], "the summed-area tables of a map"),
+        (&["validate", "map/map/alias", "--envmap", "map.hdr", "--memory", "90M"], "the test map/map/alias"),
+        (&["render", "furnace", "-r", "2000", "2000", "--memory", "200M"], "a film of 2000x2000 pixels"),
+        (&["render", "furnace", "-r", "1200", "1200", "--memory", "200M"], "the files of a film of 1200x1200 pixels"),
+        (
+            &["render", "furnace", "-r", "300", "300", "--paths", "6", "--memory", "200M"],
+            "a film of 300x300 pixels in ",
+        ),
+        (&["render", "cornell-statue-au", "--memory", "20M"], "triangles"),
+        (&["converge", "cornell-spheres", "-r", "2000", "2000", "--memory", "1G"], "the films of"),
+        (&["stability", "tables", "--memory", "200M"], "the table of a map of 8192x4096 texels"),
+    ] {
+        refused(&etalon(dir.path(), args), says);
+    }
+    assert_eq!(json(dir.path(), &["envmap", "info", "map.hdr", "--memory", "1g"])["width"], 2048);
+    assert_eq!(etalon(dir.path(), &["envmap", "info", "map.hdr", "--memory", "1.5"]).code, 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_of_file_sizes_is_an_error_and_leaves_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("big.exr"), "old").unwrap();
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -f 8; exec \"$0\" render furnace -s 1 -r 200 200 -o big.exr"])
+        .arg(assert_cmd::cargo::cargo_bin("etalon"))
+        .current_dir(dir.path())
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("big.exr: File too large"), "{stderr}");
+    assert_eq!(std::fs::read(dir.path().join("big.exr")).unwrap(), b"old");
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "a temporary file is left");
+}
+
+/// Starts a command that takes longer than anybody waits for, and interrupts it after a moment.
+#[cfg(unix)]
+fn interrupted(folder: &Path, args: &[&str]) -> Ran {
+    use nix::sys::signal::{Signal, kill};
+
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
+    command.args(args).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    kill(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
+    let start = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert!(start.elapsed() < Duration::from_secs(60), "{args:?} took {:?} to end", start.elapsed());
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+    let code = output.status.code().unwrap_or_else(|| panic!("{args:?}: {:?}: {stderr}", output.status));
+    Ran { code, stdout, stderr }
+}
+
+#[cfg(unix)]
+#[test]
+fn every_long_command_can_be_interrupted() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [
+        &["validate", "warp", "--samples", "10000000000"][..],
+        &["validate", "--planted", "--samples", "10000000000"],
+        &["validate", "warp", "table", "--calibrate", "100000"],
+        &["converge", "cornell-spheres", "--budget", "300"],
+        &["stability"],
+        &["reproduce"],
+        &["render", "cornell-spheres", "-s", "1000000"],
+        &["envmap", "proposal", "nave", "-n", "268435456"],
+        &["envmap", "cut", "nave", "-n", "2,500000"],
+    ] {
+        let ran = interrupted(dir.path(), &[args, &["--json", "-o", "results"]].concat());
+        assert_eq!(ran.code, 3, "{args:?}: {}{}", ran.stdout, ran.stderr);
+        let said = ran.stdout.contains("\"interrupted\":true") || ran.stderr.contains("error: interrupted");
+        assert!(said, "{args:?}: {}{}", ran.stdout, ran.stderr);
+        let left = std::fs::read_dir(dir.path().join("results")).into_iter().flatten();
+        let parts = left.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part"));
+        assert_eq!(parts.count(), 0, "{args:?}");
+    }
+}
+
+/// What was not finished is inconclusive, in every form of the result.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_validation_is_never_accepted() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = ["validate", "warp", "--samples", "17179869184", "--junit", "j.xml", "--json", "-o", "o"];
+    let ran = interrupted(dir.path(), &args);
+    assert_eq!(ran.code, 3, "{}{}", ran.stdout, ran.stderr);
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(value["interrupted"], true);
+    let unfinished = value["tests"].as_array().unwrap().iter().filter(|test| test["interrupted"] == true).count();
+    assert!(unfinished > 0 && value["inconclusive"].as_u64().unwrap() >= unfinished as u64, "{value}");
+    let words = "interrupted before the test was finished";
+    let junit = std::fs::read_to_string(dir.path().join("j.xml")).unwrap();
+    assert_eq!(junit.matches(&format!("<error message=\"{words}\"")).count(), unfinished, "{junit}");
+    let table = std::fs::read_to_string(dir.path().join("o/validation-warp-samples-17179869184.csv")).unwrap();
+    assert_eq!(table.matches(words).count(), unfinished, "{table}");
+}

@@ -1,0 +1,29 @@
+//! All integration tests: one binary, because each one links the whole crate.
+
+mod assets;
+mod bad_input;
+mod book;
+mod collada_files;
+mod command_line;
+mod converge;
+mod exec;
+mod exr_layers;
+#[cfg(unix)]
+mod kill;
+mod limits;
+mod merge;
+mod mesh_files;
+mod odd_images;
+mod outputs;
+mod page;
+mod pbrt_files;
+mod planted;
+mod program;
+mod raster_files;
+mod render;
+#[cfg(unix)]
+mod slurm;
+mod stability;
+#[cfg(unix)]
+mod streams;
+mod validate;

@@ -1,0 +1,177 @@
+//! Where results go: names that tell runs apart, inputs that are never replaced, links, names that are no Unicode.
+
+use crate::program::{etalon, json};
+use std::path::Path;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn strings(value: &serde_json::Value) -> Vec<&str> {
+    value.as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect()
+}
+
+#[test]
+fn runs_with_other_parameters_leave_each_others_results_alone() {
+    let dir = folder();
+    let first = json(dir.path(), &["fresnel", "--points", "9"]);
+    let other = json(dir.path(), &["fresnel", "--eta-t", "1.3", "--points", "9"]);
+    assert_eq!(strings(&first["files"])[0], "out/fresnel-points-9.csv");
+    assert_eq!(strings(&other["files"])[0], "out/fresnel-eta-t-1.3-points-9.csv");
+    let render = |args: &[&str]| {
+        let value = json(dir.path(), &[&["render", "furnace", "-r", "4", "3"], args].concat());
+        strings(&value["files"])[0].to_owned()
+    };
+    assert_eq!(render(&["-s", "2"]), "out/furnace-r4x3-s2.exr");
+    assert_eq!(render(&["-s", "2", "-H", "--seed", "7", "-o", "there"]), "there/furnace-r4x3-s2-H-seed-7.exr");
+    assert_eq!(render(&["-s", "2", "--shard", "1/2"]), "out/furnace-r4x3-s2.shard-1-of-2.exr");
+    assert_eq!(render(&["-s", "2", "-o", "mine.exr"]), "mine.exr");
+}
+
+#[test]
+fn a_result_under_a_default_name_is_not_replaced_in_silence() {
+    let dir = folder();
+    let args = ["fresnel", "--points", "9"];
+    let value = json(dir.path(), &args);
+    assert!(value["files"].as_array().unwrap().len() == 4 && value["replaced"] == serde_json::json!([]), "{value}");
+    let again = json(dir.path(), &args);
+    assert_eq!(again["files"], again["replaced"]);
+    assert!(etalon(dir.path(), &args).stdout.contains("replaced out/fresnel-points-9.csv\n"));
+    // A name that was asked for says itself what it replaces.
+    for _ in 0..2 {
+        let named = etalon(dir.path(), &["fresnel", "--points", "9", "-o", "a.csv"]);
+        assert!(named.stdout.contains("wrote a.csv\n") && !named.stdout.contains("replaced"), "{}", named.stdout);
+    }
+}
+
+#[test]
+fn inputs_are_never_replaced() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    for name in ["map.exr", "map.pfm", "sphere-8.pfm"] {
+        json(dir.path(), &["envmap", "make", "onehot", "-o", name]);
+    }
+    for shard in ["1", "2"] {
+        let share = format!("{shard}/2");
+        json(
+            dir.path(),
+            &["render", "furnace", "-r", "4", "3", "-s", "2", "--shard", &share, "-o", &format!("{shard}.exr")],
+        );
+    }
+    std::fs::write(
+        at("scene.pbrt"),
+        "Camera \"orthographic\" WorldBegin LightSource \"infinite\" \"string mapname\" \"map.exr\" Shape \"sphere\"",
+    )
+    .unwrap();
+    std::fs::write(at("samples.csv"), "x,y\n0.5,0.5\n").unwrap();
+    std::fs::write(at("grid.csv"), "1\n").unwrap();
+    std::fs::hard_link(at("map.exr"), at("hard.exr")).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("map.exr", at("soft.exr")).unwrap();
+    #[cfg(not(unix))]
+    std::fs::hard_link(at("map.exr"), at("soft.exr")).unwrap();
+    std::fs::hard_link(at("sphere-8.pfm"), at("link.hdr")).unwrap();
+    let names = || std::fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_file());
+    let content = || {
+        names().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let before = content();
+    for line in [
+        "render sphere-env -s 4000000 --envmap map.exr -o map.exr",
+        "render sphere-env -s 4000000 --envmap map.exr -f ./map.exr",
+        "render sphere-env -s 4000000 --envmap map.exr -o soft.exr",
+        "render sphere-env -s 4000000 --envmap map.exr -o hard.exr",
+        "render sphere-env -s 4000000 --envmap soft.exr -o map.png",
+        "render sphere-env -s 4000000 --envmap map.exr --resume map.exr",
+        "render scene.pbrt -s 4000000 -o map.exr",
+        "render scene.pbrt -s 4000000 -o scene.pbrt",
+        "merge 1.exr 2.exr -o 1.exr",
+        "compare map.exr map.pfm -o map.pfm",
+        "envmap sample map.exr -n 4 -o map.exr",
+        "envmap cut map.exr -n 4 -o map.exr",
+        "envmap proposal map.exr -o map.exr",
+        "validate --samples samples.csv --pdf grid.csv --domain square -o samples.csv",
+        "validate --samples samples.csv --pdf grid.csv --domain square -o grid.png",
+        "validate map/map --envmap map.exr --junit map.exr",
+        "converge sphere-env --envmap map.exr -o map.exr",
+        "reproduce --only sphere-8 --envmap sphere-8.pfm -o .",
+        "reproduce --only sphere-8 --envmap link.hdr -o .",
+    ] {
+        let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
+        assert_eq!(ran.code, 2, "{line}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains("is read by this command, too") && ran.stderr.contains("hint: "),
+            "{line}: {}",
+            ran.stderr
+        );
+        assert!(content() == before, "{line} changed a file");
+    }
+    // Beside an input, or with the state of a render as its result, there is nothing to refuse.
+    json(dir.path(), &["compare", "map.exr", "map.pfm", "-o", "map.png"]);
+    for _ in 0..2 {
+        json(dir.path(), &["render", "furnace", "-r", "4", "3", "-s", "2", "--resume", "state.exr", "-o", "state.exr"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn results_follow_symbolic_links() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    std::fs::create_dir(at("store")).unwrap();
+    std::fs::write(at("store/old.exr"), "old").unwrap();
+    for (link, real) in [("a.exr", "store/old.exr"), ("b.exr", "store/new.exr")] {
+        std::os::unix::fs::symlink(real, at(link)).unwrap();
+        json(dir.path(), &["render", "furnace", "-s", "1", "-r", "4", "3", "-o", link]);
+        assert!(std::fs::symlink_metadata(at(link)).unwrap().is_symlink(), "{link} was replaced");
+        assert!(std::fs::read(at(real)).unwrap().starts_with(b"\x76\x2f\x31\x01"), "{real}");
+    }
+}
+
+/// Linux takes any bytes as file names; some other systems do not.
+#[cfg(target_os = "linux")]
+#[test]
+fn file_names_need_not_be_unicode() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let dir = folder();
+    let name = |text: &str| OsStr::from_bytes(&[b"\xff", text.as_bytes()].concat()).to_owned();
+    json(dir.path(), &["envmap", "make", "constant", "-o", "map.exr"]);
+    std::fs::rename(dir.path().join("map.exr"), dir.path().join(name("map.exr"))).unwrap();
+    std::fs::write(dir.path().join(name("scene.pbrt")), "Camera \"orthographic\" WorldBegin Shape \"sphere\"").unwrap();
+    std::fs::write(dir.path().join(name("mesh.obj")), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(dir.path().join(name("samples.csv")), "x,y\n0.5,0.5\n0.25,0.75\n").unwrap();
+    std::fs::write(dir.path().join(name("grid.csv")), "1\n").unwrap();
+    let run = |line: &str, code: i32| {
+        // A word that begins with @ stands for a name that is no Unicode.
+        let words = line.split(' ').map(|word| word.strip_prefix('@').map_or_else(|| word.into(), name));
+        let mut command = assert_cmd::Command::cargo_bin("etalon").unwrap();
+        let output = command.current_dir(dir.path()).args(words).arg("--json").output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+        (serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap_or_default(), stderr)
+    };
+    for (line, file) in [
+        ("envmap sample @map.exr -n 4", None),
+        ("envmap proposal @map.exr -n 1000 -o @a.csv", Some("a.png")),
+        ("render sphere-env --envmap @map.exr -s 1 -r 4 3 -o @b.exr", Some("b.exr")),
+        ("render @scene.pbrt -s 1 -r 4 3 -f @c.exr --resume @state.exr", Some("state.exr")),
+        ("render cornell-statue-au --mesh @mesh.obj -s 1 -r 4 3 -o @d.exr", Some("d.png")),
+        ("compare @map.exr @b.exr -o @e.png", None),
+        ("validate map --envmap @map.exr --samples 1000 --list", None),
+        ("validate warp/cosine-hemisphere --samples 100000 --junit @f.xml", Some("f.xml")),
+        ("render furnace -s 2 -r 4 3 --shard 1/2 -o @g.exr", Some("g.exr")),
+        ("merge @g.exr -o @h.exr", Some("h.exr")),
+    ] {
+        let sizes_differ = line.starts_with("compare");
+        let (value, stderr) = run(line, if sizes_differ { 2 } else { 0 });
+        assert!(sizes_differ || value.is_object(), "{line}: {stderr}");
+        if let Some(file) = file {
+            assert!(Path::new(&dir.path().join(name(file))).is_file(), "{line}: {file}");
+        }
+    }
+    let (value, _) = run("validate --samples @samples.csv --pdf @grid.csv --domain square", 3);
+    assert_eq!(value["tests"].as_array().unwrap().len(), 1, "{value}");
+    let (_, stderr) = run("envmap info @gone.exr", 2);
+    assert!(stderr.contains("\u{fffd}gone.exr: "), "{stderr}");
+}

@@ -1,0 +1,108 @@
+//! The page of all figures: what runs leave behind, and what a browser makes of it.
+
+use crate::program::{etalon, json};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Figures that cost nothing: two with a counterpart each, one whose picture is large, one with many curves.
+const ONLY: &str = "fresnel-enter,fresnel-exit,median-cut-4,metals-table";
+
+fn page(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("figures/index.html")).unwrap()
+}
+
+#[test]
+fn a_smaller_run_keeps_what_a_larger_one_left() {
+    let dir = tempfile::tempdir().unwrap();
+    let secret = dir.path().join("map & co.pfm");
+    let run = |args: &[&str]| json(dir.path(), &[&["reproduce"], args].concat());
+    run(&["--only", "fresnel-enter,median-cut-2"]);
+    assert_eq!(etalon(dir.path(), &["envmap", "make", "sun", "-o", secret.to_str().unwrap()]).code, 0);
+    run(&["--only", "median-cut-4", "--seed", "7", "--envmap", secret.to_str().unwrap()]);
+    let text = page(dir.path());
+    for id in ["fresnel-enter", "median-cut-2", "median-cut-4"] {
+        assert!(text.contains(&format!("id=\"figure-{id}\"")), "{id}");
+    }
+    assert!(!text.contains("id=\"figure-iron\""), "was never made");
+    assert!(text.contains("<code>etalon reproduce --only fresnel-enter</code>"));
+    assert!(text.contains("etalon reproduce --only median-cut-4 --seed 7 --envmap &#39;map &amp; co.pfm&#39;"));
+    assert!(!text.contains(dir.path().to_str().unwrap()), "a folder of this machine is on the page");
+    let checks = std::fs::read_to_string(dir.path().join("figures/checks.csv")).unwrap();
+    assert!(checks.contains("fresnel-enter,") && checks.contains("median-cut-4,"));
+
+    std::fs::write(dir.path().join("figures/reproduce.json"), "{\"iron\": 3}").unwrap();
+    let ran = etalon(dir.path(), &["reproduce", "--only", "fresnel-enter"]);
+    assert!(ran.code == 2 && ran.stderr.contains("reproduce.json") && ran.stderr.contains("hint: "), "{}", ran.stderr);
+}
+
+/// The page with a script that uses everything and leaves what is wrong in the title.
+fn probed(page: &str) -> String {
+    let probe = concat!("<script>//<![CDATA[\n", include_str!("page_files/probe.js"), "//]]></script></head>");
+    page.replacen("</head>", probe, 1)
+}
+
+#[test]
+fn a_browser_finds_nothing_missing_or_broken() {
+    let Some(browser) = browser() else {
+        eprintln!("SKIPPED: there is no chromium here; the page was opened in no browser");
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    json(dir.path(), &["reproduce", "--quick", "--only", ONLY]);
+    let text = page(dir.path());
+    let file = dir.path().join("figures/probed.html");
+    // Beside its figures and alone, at the widths of a desk and of a telephone.
+    std::fs::write(&file, probed(&text)).unwrap();
+    let alone = dir.path().join("alone.html");
+    std::fs::copy(&file, &alone).unwrap();
+    for (path, width) in [(&file, 1400), (&file, 500), (&alone, 1400)] {
+        let found = title(browser, dir.path(), path, width);
+        // Away from its figures the page looks for the full ones in vain, and shows its own.
+        let found = if path == &alone { found.replace(&missing(dir.path()), "") } else { found };
+        assert_eq!(found, "PROBED[]", "at {width} pixels");
+    }
+    // The probe can fail: a picture that is none, and a link that leads nowhere.
+    let broken = text.replacen("base64,", "base64,AAAA", 1).replacen("href=\"#figure-", "href=\"#lost-", 1);
+    std::fs::write(&file, probed(&broken)).unwrap();
+    let found = title(browser, dir.path(), &file, 1400);
+    assert!(found.contains("no picture: ") && found.contains("leads nowhere: #lost-"), "{found}");
+}
+
+/// What the browser reports of the one figure that the page alone holds compressed.
+fn missing(folder: &Path) -> String {
+    format!("error: file://{}", folder.join("median-cut-4.svg").display())
+}
+
+/// The browser's name, if there is one that starts.
+fn browser() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
+}
+
+/// The title of a page after the probe has run.
+fn title(browser: &str, folder: &Path, page: &Path, width: u32) -> String {
+    let output = folder.join("dom.html");
+    let mut child = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
+        .args(["--timeout=60000", "--virtual-time-budget=30000"])
+        .arg(format!("--window-size={width},900"))
+        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+        .arg(format!("file://{}", page.display()))
+        .stdout(std::fs::File::create(&output).unwrap())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("{browser} hangs on {}", page.display());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let dom = std::fs::read_to_string(&output).unwrap();
+    let title = dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    title.unwrap_or_else(|| panic!("no title in {} bytes", dom.len())).0.to_owned()
+}

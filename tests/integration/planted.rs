@@ -1,0 +1,43 @@
+//! The suite must be able to fail: `etalon validate --planted`.
+
+use crate::program::{etalon, json};
+use tempfile::tempdir;
+
+#[test]
+fn every_planted_fault_is_rejected_and_told() {
+    let folder = tempdir().unwrap();
+    let found = json(folder.path(), &["validate", "--planted", "--detect", "0.03"]);
+    let tests = found["tests"].as_array().unwrap();
+    assert!(tests.len() >= 25);
+    assert_eq!((found["rejected"].as_u64().unwrap() as usize, &found["false_alarms"]), (tests.len(), &0.into()));
+    for test in tests {
+        assert_eq!((&test["verdict"], &test["sound"]), (&"reject".into(), &"accept".into()), "{test}");
+        assert!(test["by"].is_string() && test["samples"].as_u64().unwrap() > 0, "{test}");
+        assert!(test["mistake"].as_str().unwrap().len() > 20, "{test}");
+    }
+    let table = std::fs::read_to_string(folder.path().join("out/planted-detect-0.03.csv")).unwrap();
+    assert_eq!(table.lines().count(), tests.len() + 1);
+    // Integrals that are known: 1 + 0.05², ∫ cos θ sin θ dω/π, and two densities without the probability of either.
+    for (name, mass) in
+        [("hemisphere/cosine-floor", 1.0025), ("hemisphere/sine-left-in", 2.0 / 3.0), ("lamps/choice-forgotten", 2.0)]
+    {
+        let test = tests.iter().find(|test| test["name"] == name).unwrap();
+        assert!((test["mass"].as_f64().unwrap() - mass).abs() < 1e-5, "{test}");
+    }
+}
+
+#[test]
+fn too_few_samples_do_not_count_as_finding() {
+    let folder = tempdir().unwrap();
+    let ran = etalon(folder.path(), &["validate", "--planted", "--samples", "20"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stdout.contains("inconclusive"), "{}", ran.stdout);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = tempdir().unwrap();
+    for bad in [&["validate", "--planted", "warp"][..], &["validate", "--planted", "--samples", "0"]] {
+        assert_eq!(etalon(folder.path(), bad).code, 2, "{bad:?}");
+    }
+}

@@ -1,0 +1,163 @@
+//! `etalon validate` as a script relies on it: names, JSON keys, files, exit codes.
+
+use crate::program::{etalon, json};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn names(value: &Value) -> Vec<&str> {
+    value["tests"].as_array().unwrap().iter().map(|test| test["name"].as_str().unwrap()).collect()
+}
+
+fn files(folder: &Path) -> BTreeSet<String> {
+    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+#[test]
+fn the_list_names_every_test_once() {
+    let dir = folder();
+    let value = json(dir.path(), &["validate", "--list"]);
+    let list: Vec<&str> = value["tests"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    assert!(list.len() >= 200 && list.iter().collect::<BTreeSet<_>>().len() == list.len());
+    let family = json(dir.path(), &["validate", "--list", "normals/ggx", "b*/60"]);
+    for name in family["tests"].as_array().unwrap() {
+        let name = name.as_str().unwrap();
+        assert!(name.starts_with("normals/ggx/") || (name.starts_with('b') && name.ends_with("/60")), "{name}");
+    }
+    assert!(files(dir.path()).is_empty(), "--list writes nothing");
+}
+
+#[test]
+fn right_samplers_are_accepted_and_reported() {
+    const NAME: &str = "validation-warp+table-cdf-gaps+bsdf-glass-inside-20";
+    let dir = folder();
+    let args = ["validate", "warp", "table/cdf/gaps", "bsdf/glass/inside/20", "--junit", "ci/report.xml", "-o", "out"];
+    let value = json(dir.path(), &args);
+    for key in ["level", "seed", "tests", "accepted", "rejected", "inconclusive", "files"] {
+        assert!(value.get(key).is_some(), "no \"{key}\"");
+    }
+    let tests = value["tests"].as_array().unwrap();
+    for test in tests {
+        for key in ["name", "verdict", "statistic", "dof", "p", "samples", "detectable", "seconds"] {
+            assert!(test.get(key).is_some(), "no \"{key}\" in {test}");
+        }
+        assert!(test["verdict"] == "accept" && test["detectable"].as_f64().unwrap() <= 0.0201, "{test}");
+    }
+    assert_eq!((value["accepted"].as_u64().unwrap() as usize, &value["rejected"]), (tests.len(), &Value::from(0)));
+    let expected = ["csv", "pdf", "png", "svg"].map(|extension| format!("{NAME}.{extension}"));
+    assert_eq!(files(&dir.path().join("out")), expected.into());
+    let table = std::fs::read_to_string(dir.path().join(format!("out/{NAME}.csv"))).unwrap();
+    assert!(table.starts_with("name,verdict,statistic,dof,p,samples,detectable,"), "{table}");
+    assert_eq!(table.lines().count(), tests.len() + 1);
+
+    let text = std::fs::read_to_string(dir.path().join("ci/report.xml")).unwrap();
+    let xml = roxmltree::Document::parse(&text).unwrap();
+    let suite = xml.descendants().find(|node| node.has_tag_name("testsuite")).unwrap();
+    assert_eq!((suite.attribute("failures"), suite.attribute("errors")), (Some("0"), Some("0")));
+    let cases: Vec<_> = suite.children().filter(|node| node.has_tag_name("testcase")).collect();
+    assert_eq!(cases.len(), tests.len());
+    for (case, name) in cases.iter().zip(names(&value)) {
+        let full =
+            format!("{}/{}", case.attribute("classname").unwrap().replace('.', "/"), case.attribute("name").unwrap());
+        assert_eq!(full.replace('.', "/"), name.replace('.', "/"));
+    }
+}
+
+#[test]
+fn a_seed_gives_the_same_numbers_whatever_else_is_in_the_run() {
+    let dir = folder();
+    let statistic = |args: &[&str]| {
+        let value = json(dir.path(), &[&["validate", "--samples", "300000"][..], args].concat());
+        let tests = value["tests"].as_array().unwrap();
+        let test = tests.iter().find(|test| test["name"] == "warp/cosine-hemisphere").unwrap();
+        test["statistic"].as_f64().unwrap()
+    };
+    let alone = statistic(&["warp/cosine-hemisphere"]);
+    assert_eq!(alone, statistic(&["warp", "table/grid", "--threads", "1"]));
+    assert_ne!(alone, statistic(&["warp/cosine-hemisphere", "--seed", "2"]));
+}
+
+#[test]
+fn exit_codes_tell_rejected_from_inconclusive() {
+    let dir = folder();
+    // So few samples that even large errors would go unnoticed.
+    let ran = etalon(dir.path(), &["validate", "warp", "--samples", "2000", "--junit", "few.xml", "--json"]);
+    assert_eq!(ran.code, 3, "{}", ran.stderr);
+    let value: Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(value["inconclusive"].as_u64().unwrap() as usize, names(&value).len());
+    let xml = std::fs::read_to_string(dir.path().join("few.xml")).unwrap();
+    assert!(xml.contains("<error message=\"too few samples") && !xml.contains("<failure"), "{xml}");
+    // A level at which chance alone is called a fault.
+    let ran = etalon(dir.path(), &["validate", "table/cdf", "--level", "0.9999999", "--junit", "all.xml"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stdout.contains("reject"), "{}", ran.stdout);
+    assert!(std::fs::read_to_string(dir.path().join("all.xml")).unwrap().contains("<failure message="));
+}
+
+#[test]
+fn counts_are_drawn_where_asked_for() {
+    let dir = folder();
+    let args = ["validate", "warp/cosine-hemisphere", "table/cdf/even/37", "bsdf/mirror/outside", "--figures"];
+    let value = json(dir.path(), &[&args[..], &["-o", "f"]].concat());
+    let made = files(&dir.path().join("f"));
+    assert_eq!(made.len(), 16, "{made:?}");
+    assert_eq!(value["files"].as_array().unwrap().len(), 16);
+    let name = made.iter().find(|name| name.ends_with("-warp-cosine-hemisphere.csv")).unwrap();
+    let table = std::fs::read_to_string(dir.path().join("f").join(name)).unwrap();
+    assert!(table.starts_with("kind,x_from,x_to,y_from,y_to,observed,expected,residual\ncell,0"), "{table}");
+    let observed: u64 = table.lines().skip(1).map(|line| line.split(',').nth(5).unwrap().parse::<u64>().unwrap()).sum();
+    let samples =
+        value["tests"].as_array().unwrap().iter().find(|test| test["name"] == "warp/cosine-hemisphere").unwrap();
+    assert_eq!(observed, samples["samples"].as_u64().unwrap());
+}
+
+#[test]
+fn a_map_of_ones_own_is_tested() {
+    let dir = folder();
+    json(dir.path(), &["envmap", "make", "onehot", "-o", "mine.pfm"]);
+    let value = json(dir.path(), &["validate", "map/mine", "--envmap", "mine.pfm", "--detect", "0.05"]);
+    assert!(names(&value).iter().all(|name| name.starts_with("map/mine/")) && names(&value).len() >= 4);
+    assert_eq!(etalon(dir.path(), &["validate", "map/mine"]).code, 2);
+}
+
+#[test]
+fn the_harness_is_calibrated() {
+    let dir = folder();
+    let args = ["validate", "warp", "table/cdf/linear", "--calibrate", "40", "--samples", "10000", "-o", "c"];
+    let value = json(dir.path(), &args);
+    assert_eq!(value["accepted"], true, "{value}");
+    let below = value["below_5_percent"].as_f64().unwrap();
+    assert!(below > 0.01 && below < 0.12, "{below}");
+    assert!(files(&dir.path().join("c")).contains("calibration-warp+table-cdf-linear-samples-10000-calibrate-40.svg"));
+}
+
+#[test]
+fn bad_requests_are_refused() {
+    let dir = folder();
+    for (line, word) in [
+        ("validate nothing-like-it", "nothing-like-it"),
+        ("validate warp/cosine-hemisphre", "warp/cosine-hemisphere"),
+        ("validate warp --level 0", "--level"),
+        ("validate warp --level nan", "--level"),
+        ("validate warp --level 1", "--level"),
+        ("validate warp --samples 0", "--samples"),
+        ("validate warp --samples 99999999999999", "--samples"),
+        ("validate warp --samples -1", "--samples"),
+        ("validate warp --detect 0", "--detect"),
+        ("validate warp --detect 1e-9", "--detect"),
+        ("validate warp --detect inf", "--detect"),
+        ("validate warp --samples 10 --detect 0.1", "--detect"),
+        ("validate warp --calibrate 1", "--calibrate"),
+        ("validate warp --envmap gone.exr", "gone.exr"),
+        ("validate warp --junit .", "."),
+    ] {
+        let args: Vec<&str> = line.split_whitespace().collect();
+        let ran = etalon(dir.path(), &args);
+        assert_eq!(ran.code, 2, "{line}: {}", ran.stderr);
+        assert!(ran.stderr.contains(word), "{line}: {}", ran.stderr);
+    }
+}
