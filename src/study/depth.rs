@@ -3,7 +3,7 @@
 //! An image of depth m has the light that was scattered at most m times. One deep render, decomposed by path class, therefore
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
-use super::seen::{Kind, Seen};
+use super::object_ids::{Kind, ObjectIds};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{Image, Metadata, Rgb};
@@ -96,17 +96,17 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
     let (layers, dropped) = layers(scene, &request, &apart)?;
-    let seen = Seen::new(scene, &request);
-    let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; seen.pixels.len()]))
-        .chain(Kind::ALL.map(|kind| (kind.name(), seen.mask(kind))))
+    let objects = ObjectIds::new(scene, &request);
+    let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
+        .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
         .filter(|(_, mask)| mask.contains(&true))
         .collect();
 
     let mut images = Vec::new();
     let mut differences = Vec::new();
-    let mut so_far = vec![DVec3::ZERO; seen.pixels.len()];
+    let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
-        let mut added = vec![DVec3::ZERO; seen.pixels.len()];
+        let mut added = vec![DVec3::ZERO; objects.pixels.len()];
         for (name, layer) in &layers {
             if appears_at(name) == depth {
                 added.iter_mut().zip(layer.pixels()).for_each(|(sum, l)| *sum += l.as_dvec3());

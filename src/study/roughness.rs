@@ -1,6 +1,7 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
-use super::seen::{Kind, Mean, Seen};
+use super::object_ids::{Kind, ObjectIds};
+use super::pixel_mean::Mean;
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
@@ -34,7 +35,8 @@ pub struct Shot {
     pub statue: Mean,
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
-    pub seen: Seen,
+    /// The kind of object at each pixel.
+    pub objects: ObjectIds,
     pub rendered: Rendered,
 }
 
@@ -44,8 +46,8 @@ pub struct Shot {
 /// Those of [`render`].
 pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
     let rendered = render(scene, request, settings, &Silent)?;
-    let seen = Seen::new(scene, request);
-    let mask = seen.mask(Kind::Metal);
+    let objects = ObjectIds::new(scene, request);
+    let mask = objects.mask(Kind::Metal);
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
@@ -68,7 +70,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
         noise,
         brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
     };
-    Ok(Shot { row, statue, mask, seen, rendered })
+    Ok(Shot { row, statue, mask, objects, rendered })
 }
 
 /// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random

@@ -1,8 +1,9 @@
 //! Directions sampled in proportion to the BSDF, and uniformly over the hemisphere: the same mean, but very different medians
 //! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
+use super::object_ids::Kind;
+use super::pixel_mean::Mean;
 use super::roughness::{Shot, shoot};
-use super::seen::{Kind, Mean};
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::raster::{Image, ToneMap, to_rgb8};
@@ -77,7 +78,7 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
         let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, mask));
         one.z(&other)
     };
-    let depth = importance.seen.depth_inside(&importance.mask, (INSIDE + 1) as usize);
+    let depth = importance.objects.depth_inside(&importance.mask, (INSIDE + 1) as usize);
     let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
     let (z_picture, z_statue, z_rim) = (z(&vec![true; depth.len()]), z(&importance.mask), z(&rim));
     let profile = profile(&importance, &hemisphere, &depth);
@@ -91,7 +92,8 @@ fn from_silhouette(depth: f64) -> f64 {
 
 /// Both images at each distance from the silhouette.
 fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
-    let room: Vec<bool> = importance.seen.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Room))).collect();
+    let room: Vec<bool> =
+        importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> =
