@@ -94,6 +94,7 @@ impl Target {
 /// The files that a command has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
+    /// All of them.
     #[serde(serialize_with = "lossy")]
     pub files: Vec<PathBuf>,
     /// Those under default names that took the place of older ones.

@@ -90,9 +90,13 @@ pub fn strategy(index: usize) -> Colour {
 
 /// Dash patterns, in drawing units.
 pub const SOLID: &[f64] = &[];
+/// Dashes.
 pub const DASHED: &[f64] = &[6.0, 3.0];
+/// Dots.
 pub const DOTTED: &[f64] = &[1.5, 2.5];
+/// Dashes and dots in turn.
 pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
+/// Long dashes.
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];
 
 const DASHES: [&[f64]; 5] = [SOLID, DASHED, DASH_DOT, DOTTED, LONG_DASH];
@@ -115,8 +119,11 @@ pub const NO_VALUE: Colour = Colour::rgb(150, 150, 150);
 
 /// Font sizes.
 pub const TITLE_SIZE: f64 = 13.5;
+/// Of the labels of axes.
 pub const LABEL_SIZE: f64 = 13.0;
+/// Of the labels of ticks.
 pub const TICK_SIZE: f64 = 11.5;
+/// Of notes.
 pub const NOTE_SIZE: f64 = 11.5;
 
 /// The stroke of the `index`-th series: every one of the first 35 differs, neighbours in both colour and dash.

@@ -24,11 +24,17 @@ const ROWS: usize = 48;
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Scatterings of the longest path.
     pub depth: u32,
+    /// Kind of object, or "all".
     pub seen_on: &'static str,
+    /// Pixels that show it.
     pub pixels: usize,
+    /// Mean radiance, red.
     pub mean_r: f64,
+    /// Mean radiance, green.
     pub mean_g: f64,
+    /// Mean radiance, blue.
     pub mean_b: f64,
     /// Of all light of the deepest image.
     pub share_of_light: f64,
@@ -39,7 +45,9 @@ pub struct Row {
 pub struct ClassRow {
     /// The depth at which it appears.
     pub depth: u32,
+    /// The path class, for example LDE.
     pub class: String,
+    /// Kind of object, or "all".
     pub seen_on: &'static str,
     /// Of all that this depth adds to the image.
     pub share_of_difference: f64,
@@ -49,6 +57,7 @@ pub struct ClassRow {
     pub lit_pixels: f64,
     /// Where on the image, weighted by light.
     pub centroid_x: f64,
+    /// The same, row.
     pub centroid_y: f64,
 }
 
@@ -58,9 +67,13 @@ pub struct Depths {
     pub images: Vec<Image>,
     /// Each image but the first, minus the one before it.
     pub differences: Vec<Image>,
+    /// Radiance by depth and kind of object.
     pub rows: Vec<Row>,
+    /// Light by path class and kind of object.
     pub classes: Vec<ClassRow>,
+    /// The settings of the render.
     pub request: Request,
+    /// Samples that were dropped.
     pub dropped: Dropped,
 }
 

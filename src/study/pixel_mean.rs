@@ -5,8 +5,11 @@ use crate::render::exposure::{Exposure, PixelEstimate};
 /// A mean over pixels with its standard error, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
+    /// Mean of each channel.
     pub value: [f64; 3],
+    /// Standard error of each mean.
     pub error: [f64; 3],
+    /// The number of pixels.
     pub pixels: usize,
 }
 

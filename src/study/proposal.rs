@@ -13,21 +13,28 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// One bin of rows. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Bin {
+    /// Where the bin begins, from the zenith.
     pub theta_from_deg: f64,
+    /// Where the bin ends.
     pub theta_to_deg: f64,
     /// Share of the map's energy in these rows.
     pub target: f64,
     /// Shares of the samples.
     pub uniform: f64,
+    /// With Gaussian random numbers.
     pub gaussian: f64,
 }
 
 /// Both histograms and their tests against the target.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Proposal {
+    /// Samples of each kind.
     pub draws: usize,
+    /// With uniform random numbers.
     pub uniform: ChiSquare,
+    /// With Gaussian random numbers.
     pub gaussian: ChiSquare,
+    /// The histograms.
     #[serde(skip)]
     pub bins: Vec<Bin>,
 }

@@ -12,16 +12,27 @@ use serde::Serialize;
 /// the standard error of the mean.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Roughness α.
     pub alpha: f32,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Light samples per camera sample.
     pub light_samples: u32,
+    /// Scatterings of the longest path.
     pub max_depth: u32,
+    /// Pixels that show the statue.
     pub statue_pixels: usize,
+    /// Mean radiance, red.
     pub statue_r: f64,
+    /// Mean radiance, green.
     pub statue_g: f64,
+    /// Mean radiance, blue.
     pub statue_b: f64,
+    /// Standard error, red.
     pub statue_error_r: f64,
+    /// Standard error, green.
     pub statue_error_g: f64,
+    /// Standard error, blue.
     pub statue_error_b: f64,
     /// Root mean square of the standard errors of the statue's pixels, each a mean over the channels.
     pub noise: f64,
@@ -31,12 +42,15 @@ pub struct Row {
 
 /// An image with its numbers.
 pub struct Shot {
+    /// Its row of the table.
     pub row: Row,
+    /// The statue's mean radiance.
     pub statue: Mean,
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
     /// The kind of object at each pixel.
     pub objects: ObjectIds,
+    /// The render.
     pub rendered: Rendered,
 }
 

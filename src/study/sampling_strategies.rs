@@ -21,33 +21,47 @@ pub const RIM: f64 = 3.0;
 /// outside the statue; radiance is (R + G + B) / 3.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Bin {
+    /// Lower end of the distances.
     pub from_px: f64,
+    /// Upper end of the distances.
     pub to_px: f64,
+    /// Pixels at these distances.
     pub pixels: usize,
+    /// Mean radiance by importance sampling.
     pub importance_mean: f64,
+    /// Mean radiance by hemisphere sampling.
     pub hemisphere_mean: f64,
     /// Standard errors of these means.
     pub importance_mean_error: f64,
+    /// By hemisphere sampling.
     pub hemisphere_mean_error: f64,
     /// Half of the pixels are darker.
     pub importance_median: f64,
+    /// By hemisphere sampling.
     pub hemisphere_median: f64,
     /// Mean 8-bit value of the tone-mapped image.
     pub importance_shown: f64,
+    /// By hemisphere sampling.
     pub hemisphere_shown: f64,
     /// Root of the mean square of the pixels' standard errors.
     pub importance_error: f64,
+    /// By hemisphere sampling.
     pub hemisphere_error: f64,
 }
 
 /// Both images and their profile.
 pub struct Comparison {
+    /// By importance sampling.
     pub importance: Shot,
+    /// By hemisphere sampling.
     pub hemisphere: Shot,
+    /// By distance from the silhouette.
     pub profile: Vec<Bin>,
     /// Difference of the means over the whole image, the statue, and the statue's rim, in units of its standard error.
     pub z_picture: f64,
+    /// Over the statue.
     pub z_statue: f64,
+    /// Over its rim.
     pub z_rim: f64,
 }
 

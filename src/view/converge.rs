@@ -10,24 +10,41 @@ use serde::Serialize;
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// The strategy's name.
     pub strategy: String,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: usize,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Mean wall-clock time of a render.
     pub wall_seconds: f64,
+    /// Mean time to build tables and trees.
     pub preparation_seconds: f64,
+    /// Root mean square error.
     pub rmse: f64,
+    /// Lower end of its interval.
     pub rmse_low: f64,
+    /// Upper end of its interval.
     pub rmse_high: f64,
+    /// Relative mean squared error.
     pub rel_mse: f64,
+    /// Of its interval.
     pub rel_mse_half_width: f64,
+    /// Mean HDR-FLIP of the first replicate.
     pub flip: Option<f64>,
     /// 1 / (MSE · processor seconds).
     pub efficiency_per_second: f64,
+    /// p of RMSE ∝ sppᵖ.
     pub slope: f64,
+    /// Of its interval.
     pub slope_half_width: f64,
+    /// Of the last level.
     pub mean_squared_bias: f64,
+    /// Its standard error.
     pub mean_squared_bias_error: f64,
+    /// What the curve says, in a word or two.
     pub verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
     pub seconds_to_common_rmse: Option<f64>,

@@ -13,19 +13,27 @@ use serde::Serialize;
 /// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DepthRow {
+    /// The scene's name.
     pub scene: String,
+    /// Maximum path depth.
     pub depth: u32,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: u32,
     /// Of the light of the deepest image.
     pub missing_share: f64,
+    /// Of the interval of the share.
     pub missing_share_half_width: f64,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Of the interval of the time.
     pub cpu_seconds_half_width: f64,
     /// Of the time of the deepest image.
     pub time_share: f64,
 }
 
+/// The table of all depths of all scenes.
 #[must_use]
 pub fn depth_rows(scenes: &[Depths]) -> Vec<DepthRow> {
     let of_scene = |depths: &Depths| {
@@ -80,18 +88,29 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
 /// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RoughnessRow {
+    /// Roughness α.
     pub alpha: f32,
+    /// How normals are sampled.
     pub normals: &'static str,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: u32,
+    /// Mean squared error.
     pub mse: f64,
+    /// Of its interval.
     pub mse_half_width: f64,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Of the interval of the time.
     pub cpu_seconds_half_width: f64,
+    /// 1 / (MSE · processor seconds).
     pub efficiency_per_second: f64,
+    /// Of its interval.
     pub efficiency_half_width: f64,
 }
 
+/// The table of all roughnesses.
 #[must_use]
 pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
     let row = |l: &roughness::Level| RoughnessRow {

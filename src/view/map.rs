@@ -37,6 +37,7 @@ pub struct Display {
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
+    /// Tone-maps `map` for the page.
     #[must_use]
     pub fn new(map: &EnvMap, look: Look) -> Self {
         // Darker than usual, so that bright lights keep their colours and markers stand out.

@@ -9,23 +9,37 @@ use serde::Serialize;
 /// A line of the table. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row<'a> {
+    /// Of the test.
     pub name: &'a str,
+    /// Of the test.
     pub verdict: String,
+    /// The test's statistic.
     pub statistic: f64,
+    /// Degrees of freedom.
     pub dof: usize,
+    /// p-value; none where nothing was counted.
     pub p: Option<f64>,
+    /// Samples taken.
     pub samples: u64,
     /// Relative density error (root mean square) that would be found with 90 % probability.
     pub detectable: Option<f64>,
+    /// Integral of the pdf.
     pub mass: Option<f64>,
     /// The bound of the mass's error, and whether it is rigorous or statistical.
     pub mass_error: Option<f64>,
+    /// Which kind of bound.
     pub mass_bound: Option<Bound>,
+    /// Cells that were counted.
     pub cells: usize,
+    /// Cells put together for lack of expected samples.
     pub pooled: usize,
+    /// Samples without a direction.
     pub none: u64,
+    /// Whether a second round was taken.
     pub repeated: bool,
+    /// Wall-clock time.
     pub seconds: f64,
+    /// A violation, or why the test is inconclusive.
     pub remark: &'a str,
 }
 
@@ -105,11 +119,17 @@ pub fn drawing(validation: &Validation) -> Drawing {
 /// A line of a calibration's table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct CalibrationRow<'a> {
+    /// Of the test.
     pub name: &'a str,
+    /// p-values.
     pub count: usize,
+    /// Kolmogorov–Smirnov distance from the uniform distribution.
     pub distance: f64,
+    /// p-value; none where nothing was counted.
     pub p: f64,
+    /// Whether the p-values are not uniform.
     pub uneven: bool,
+    /// A violation, if there is one.
     pub fault: &'a str,
 }
 
