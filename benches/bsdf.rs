@@ -2,10 +2,10 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use etalon::bsdf::report_model::ReportConventions;
 use etalon::bsdf::{Normals, Scatter};
+use etalon::errata::Conventions;
+use etalon::math::Rgb;
 use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
-use etalon::raster::Rgb;
 use etalon::sampling::normals::SampleNormals;
 use etalon::sampling::stream::{Independent, Stream};
 use etalon::sampling::warp::cosine_hemisphere;
@@ -70,7 +70,7 @@ fn materials(c: &mut Criterion) {
     normals(&mut group, "beckmann", Beckmann::new(0.25));
     normals(&mut group, "ggx", Ggx::new(0.25));
     let exact = ScatterModel::default();
-    let report = ScatterModel { report: ReportConventions::ALL, ..exact };
+    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..exact };
     material(&mut group, "diffuse", Material::Diffuse { albedo: Rgb::ONE }, exact);
     material(&mut group, "mirror", Material::Mirror { reflectance: Rgb::ONE }, exact);
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };

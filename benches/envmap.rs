@@ -3,16 +3,15 @@
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use etalon::envmap::EnvMap;
-use etalon::envmap::batch::EnvSamples;
-use etalon::envmap::cosine::CosineSampler;
 use etalon::envmap::cut::{MedianCut, SideRule, Split};
 use etalon::envmap::irradiance::IrradianceTree;
-use etalon::envmap::sampler::{
-    AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample, SurfaceSampler,
+use etalon::envmap::samplers::{
+    self, CdfSampler, DirectionSampler, EnvSample, EnvSamples, MapSampling, SurfaceSampler,
 };
-use etalon::raster::{Image, Rgb};
+use etalon::math::Rgb;
+use etalon::math::circular::sin_cos_turns;
+use etalon::raster::Image;
 use etalon::sampling::stream::{Independent, Stream};
-use etalon::sampling::warp::sin_cos_turns;
 use glam::DVec3;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -53,7 +52,7 @@ fn direction(i: u32) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &impl DirectionSampler) {
+fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &dyn SurfaceSampler) {
     let (mut u, mut out) = (vec![[0.0; 2]; CALL as usize], EnvSamples::default());
     group.bench_function(name, |b| {
         b.iter(|| {
@@ -61,7 +60,7 @@ fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &impl Directi
                 for (i, u) in (call * CALL..).zip(&mut u) {
                     *u = numbers(i);
                 }
-                sampler.sample_many(&u, &mut out);
+                sampler.sample_many_for(&u, DVec3::Y, &mut out);
                 black_box(&mut out);
             }
         });
@@ -76,6 +75,12 @@ fn single(group: &mut BenchmarkGroup<WallTime>, name: &str, sample: impl Fn(u32)
             }
         });
     });
+}
+
+/// Every sampler of directions in the registry, by inversion first.
+fn sampled() -> impl Iterator<Item = MapSampling> {
+    let all = samplers::ALL.iter().map(|entry| MapSampling::with_regions(entry, 64));
+    all.filter(|sampling| !sampling.has_fixed_lights())
 }
 
 fn sampling(c: &mut Criterion) {
@@ -93,10 +98,15 @@ fn sampling(c: &mut Criterion) {
             b.iter(|| directions.iter().map(|&wi| cdf.pdf(wi)).sum::<f64>());
         });
         drop(cdf);
-        many(&mut group, "alias", &AliasSampler::new(map.clone()));
-        many(&mut group, "compensated", &CompensatedSampler::new(map.clone()));
-        let cosine = CosineSampler::new(map.clone());
-        single(&mut group, "cosine", |i| cosine.sample_for(numbers(i), normals[i as usize % normals.len()]));
+        for sampling in sampled().skip(1) {
+            let sampler = sampling.sampler(map.clone()).unwrap();
+            if sampling.needs_normal() {
+                let normal = |i: u32| normals[i as usize % normals.len()];
+                single(&mut group, sampling.entry().name, |i| sampler.sample_for(numbers(i), normal(i)));
+            } else {
+                many(&mut group, sampling.entry().name, &*sampler);
+            }
+        }
         group.finish();
     }
 }
@@ -105,10 +115,10 @@ fn building(c: &mut Criterion) {
     let (small, large) = (map(1024, 512), map(8192, 4096));
     let mut group = c.benchmark_group("envmap-build");
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
-    group.bench_function("cdf 1024x512", |b| b.iter(|| CdfSampler::new(small.clone())));
-    group.bench_function("alias 1024x512", |b| b.iter(|| AliasSampler::new(small.clone())));
-    group.bench_function("compensated 1024x512", |b| b.iter(|| CompensatedSampler::new(small.clone())));
-    group.bench_function("cosine 1024x512", |b| b.iter(|| CosineSampler::new(small.clone())));
+    for sampling in sampled() {
+        let name = format!("{} 1024x512", sampling.entry().name);
+        group.bench_function(name, |b| b.iter(|| sampling.sampler(small.clone()).unwrap()));
+    }
     group.bench_function("cdf 8192x4096", |b| b.iter(|| CdfSampler::new(large.clone())));
     group.finish();
 }

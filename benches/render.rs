@@ -2,8 +2,9 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use etalon::envmap::EnvMap;
+use etalon::envmap::samplers::MapSampling;
 use etalon::envmap::synthetic::Synthetic;
-use etalon::render::{LightDensity, Sampling, Settings, Silent, render};
+use etalon::render::{Sampling, Settings, Silent, render};
 use etalon::sampling::rectangle::SphericalRectangle;
 use etalon::sampling::stream::{Sobol, Stream};
 use etalon::scene::{Environment, Request, builtin};
@@ -18,12 +19,12 @@ fn sphere_env(c: &mut Criterion) {
     group.throughput(Throughput::Elements((request.width * request.height) as u64 * u64::from(request.spp)));
     group.sample_size(10);
     for (name, sampling, density, general) in [
-        ("radiance x cosine", Sampling::Mis, LightDensity::Cosine, false),
-        ("radiance x cosine, general kernel", Sampling::Mis, LightDensity::Cosine, true),
-        ("map", Sampling::Light, LightDensity::Map, false),
-        ("map, general kernel", Sampling::Light, LightDensity::Map, true),
-        ("MIS, compensated map", Sampling::Mis, LightDensity::Compensated, false),
-        ("BSDF", Sampling::Bsdf, LightDensity::Map, false),
+        ("radiance x cosine", Sampling::Mis, MapSampling::COSINE, false),
+        ("radiance x cosine, general kernel", Sampling::Mis, MapSampling::COSINE, true),
+        ("map", Sampling::Light, MapSampling::MAP, false),
+        ("map, general kernel", Sampling::Light, MapSampling::MAP, true),
+        ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED, false),
+        ("BSDF", Sampling::Bsdf, MapSampling::MAP, false),
     ] {
         let settings = Settings { sampling, density, general, ..Settings::default() };
         group.bench_function(name, |b| b.iter(|| black_box(render(&scene, &request, &settings, &Silent))));
@@ -35,7 +36,7 @@ fn rooms(c: &mut Criterion) {
     let mut group = c.benchmark_group("room-160x120-16spp-1light");
     group.sample_size(10);
     for name in ["cornell-lambert", "cornell-spheres", "cornell-statue-au"] {
-        let (scene, request) = builtin::by_name(name, None).unwrap().unwrap();
+        let (scene, request) = builtin::find(name).unwrap().make(None, None).unwrap();
         let request = Request { width: 160, height: 120, spp: 16, light_samples: 1, ..request };
         group.throughput(Throughput::Elements((request.width * request.height) as u64 * u64::from(request.spp)));
         for general in [false, true] {

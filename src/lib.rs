@@ -17,12 +17,14 @@
 pub mod bsdf;
 pub mod cli;
 pub mod envmap;
+pub mod errata;
 pub mod error;
 pub mod figure;
 pub mod files;
 pub mod gallery;
 pub mod import;
 pub mod interrupt;
+pub mod math;
 pub mod memory;
 pub mod optics;
 pub mod output;

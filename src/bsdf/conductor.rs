@@ -7,7 +7,7 @@
 //! same f32 directions to the last bit.
 
 use super::{BsdfSample, MetalFresnel, Scatter};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
 use glam::Vec3;

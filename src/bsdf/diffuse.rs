@@ -3,7 +3,7 @@
 //! Directions are in the local frame, the normal at +z. `f` is the BSDF value without the cosine.
 
 use super::{BsdfSample, Scatter};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::sampling::warp;
 use glam::{DVec3, Vec3};
 use std::f32::consts::FRAC_1_PI;

@@ -6,8 +6,9 @@
 
 use super::mirror::reflect;
 use super::{BsdfSample, Scatter};
+use crate::errata::fresnel::schlick_incident_cosine;
+use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
-use crate::raster::Rgb;
 use glam::Vec3;
 
 /// η seen from `wo`: `eta` is the index inside (z < 0) over that outside.
@@ -47,6 +48,9 @@ pub enum DielectricFresnel {
     Exact,
     /// Schlick's approximation, with the cosine on the less dense side.
     Schlick,
+    /// Schlick's polynomial of the incident cosine on both sides; see
+    /// [`Conventions::single_cosine_schlick`](crate::errata::Conventions::single_cosine_schlick).
+    SingleCosineSchlick,
 }
 
 /// A smooth dielectric boundary, on either side. Reflection is chosen as often as Fresnel's equations reflect.
@@ -70,6 +74,9 @@ impl Scatter for Glass {
             }
             DielectricFresnel::Schlick => {
                 (schlick::schlick(cos, eta), dielectric::eta_cos_t(cos, eta).map(|g| g / eta))
+            }
+            DielectricFresnel::SingleCosineSchlick => {
+                (schlick_incident_cosine(cos, eta), dielectric::eta_cos_t(cos, eta).map(|g| g / eta))
             }
         };
         split(wo, uc, eta, reflected, cos_t, self.reflectance, self.transmittance)

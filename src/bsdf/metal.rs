@@ -1,6 +1,6 @@
 //! Fresnel reflectance of a metal, three channels at once.
 
-use crate::raster::Rgb;
+use crate::math::Rgb;
 
 /// The complex index of refraction of a metal in three channels, with what its reflectance needs computed once.
 ///

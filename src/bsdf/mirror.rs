@@ -1,7 +1,7 @@
 //! Perfect mirrors: of a given reflectance, and of a polished metal.
 
 use super::{BsdfSample, MetalFresnel, Scatter};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::Vec3;
 
 /// `wo` reflected by the surface.

@@ -1,27 +1,27 @@
 //! Materials: `eval`, `sample` and `pdf` under one contract, [`Scatter`].
 //!
 //! Directions are unit vectors in the local frame, the normal at +z, and point away from the surface: `wo` towards the
-//! viewer, `wi` towards the light. Light is radiance. The conventions of the two reports are apart, in
-//! [`report_model`].
+//! viewer, `wi` towards the light. Light is radiance. A BSDF that departs from
+//! physics does so by [`Conventions`](crate::errata::Conventions).
 
 mod conductor;
+mod conventional;
 pub mod diffuse;
 mod glass;
 mod metal;
 mod mirror;
-pub mod report_model;
 
 pub(crate) use conductor::Facet;
 pub use conductor::{Conductor, Normals};
+pub use conventional::{ConventionalConductor, pdf_without_cosine};
 pub use diffuse::Diffuse;
 pub use glass::{DielectricFresnel, Glass, Refraction};
 pub use metal::MetalFresnel;
 pub use mirror::{Mirror, SmoothConductor};
 
+use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Ggx};
-use crate::raster::Rgb;
 use glam::Vec3;
-use report_model::{ReportConductor, ReportGlass};
 
 /// A direction drawn by a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,8 +77,7 @@ pub enum Bsdf {
     SmoothConductor(SmoothConductor),
     Beckmann(Conductor<Beckmann<f32>>),
     Ggx(Conductor<Ggx<f32>>),
-    ReportConductor(ReportConductor),
-    ReportGlass(ReportGlass),
+    ConventionalConductor(ConventionalConductor),
 }
 
 /// The same expression for the material of whichever kind.
@@ -92,8 +91,7 @@ macro_rules! each {
             Bsdf::SmoothConductor($material) => $result,
             Bsdf::Beckmann($material) => $result,
             Bsdf::Ggx($material) => $result,
-            Bsdf::ReportConductor($material) => $result,
-            Bsdf::ReportGlass($material) => $result,
+            Bsdf::ConventionalConductor($material) => $result,
         }
     };
 }
@@ -104,8 +102,18 @@ impl Bsdf {
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Mirror(_) | Self::Refraction(_) | Self::Glass(_) => true,
-            Self::SmoothConductor(_) | Self::ReportGlass(_) => true,
-            Self::Diffuse(_) | Self::Beckmann(_) | Self::Ggx(_) | Self::ReportConductor(_) => false,
+            Self::SmoothConductor(_) => true,
+            Self::Diffuse(_) | Self::Beckmann(_) | Self::Ggx(_) | Self::ConventionalConductor(_) => false,
+        }
+    }
+
+    /// Whether f(wi, wo) is f(wo, wi), refraction's η² apart, so that a path may be made from either end.
+    #[must_use]
+    pub fn is_reciprocal(&self) -> bool {
+        match self {
+            Self::ConventionalConductor(_) => false,
+            Self::Glass(glass) => glass.fresnel != DielectricFresnel::SingleCosineSchlick,
+            _ => true,
         }
     }
 

@@ -1,7 +1,8 @@
 //! One contract, checked on grids: what holds for every material, and what each conserves.
 
-use super::report_model::{ReportConventions, printed_pdf};
+use super::pdf_without_cosine;
 use super::*;
+use crate::errata::Conventions;
 use crate::optics::metals::by_name;
 use crate::optics::microfacet::Distribution;
 use crate::sampling::direction_density;
@@ -51,7 +52,7 @@ fn all_materials() -> Vec<(String, Bsdf)> {
                 list.push((name, gold(alpha, distribution).bsdf(model)));
             }
         }
-        let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
+        let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
         list.push((format!("report {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(report)));
     }
     let (reflectance, transmittance) = (Rgb::splat(0.9), Rgb::splat(0.8));
@@ -65,10 +66,10 @@ fn all_materials() -> Vec<(String, Bsdf)> {
     ];
     let schlick = ScatterModel {
         dielectric: DielectricFresnel::Schlick,
-        report: ReportConventions { single_cosine_schlick: true, ..ReportConventions::default() },
+        conventions: Conventions { single_cosine_schlick: true, ..Conventions::default() },
         ..ScatterModel::default()
     };
-    for model in [ScatterModel::default(), schlick, ScatterModel { report: Default::default(), ..schlick }] {
+    for model in [ScatterModel::default(), schlick, ScatterModel { conventions: Conventions::CORRECT, ..schlick }] {
         list.extend(plain.iter().map(|m| (format!("{m:?}"), m.bsdf(model))));
     }
     list
@@ -191,7 +192,7 @@ fn smooth_materials_lose_nothing() {
     let glass = Material::Glass { reflectance: one, transmittance: one, eta: 1.45 };
     let model = ScatterModel::default();
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
-    let report = ScatterModel { report: ReportConventions::ALL, ..model };
+    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
     for wo in directions() {
         for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(report)] {
             for i in 0..1000 {
@@ -255,10 +256,10 @@ fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outc
 #[test]
 fn the_second_reports_metal_follows_its_own_density_and_not_the_printed_one() {
     let wo = towards(40.0, 1.0);
-    let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
+    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     let bsdf = gold(0.3, Distribution::Beckmann).bsdf(report);
     let own = tested(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
     assert!(own.is_accepted(), "{own}");
-    let printed = tested(&bsdf, |wo, wi| printed_pdf(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);
+    let printed = tested(&bsdf, |wo, wi| pdf_without_cosine(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);
     assert_eq!(printed.verdict, Verdict::Reject, "{printed}");
 }

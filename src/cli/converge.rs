@@ -6,7 +6,7 @@ use super::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written, file_name};
 use crate::scene::{Material, Request, Scene};
-use crate::study::converge::strategy::{NAMES, Strategy};
+use crate::study::converge::strategy::{self, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
 use clap::{ArgAction, Args};
@@ -39,7 +39,7 @@ pub struct Converge {
 }
 
 fn after_help() -> String {
-    let names: String = NAMES.iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
+    let names: String = strategy::names().iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
     format!(
         "Strategies:\n{names}  ...+independent  independent random numbers in place of Sobol's\n  ...+all-normals  rough \
          metal draws all facets in place of the visible ones\n\nErrors are against the exact picture (sphere-env; furnace \

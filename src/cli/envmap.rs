@@ -2,21 +2,25 @@
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
-use super::{Global, Model, Verdict};
-use crate::envmap::cut;
+use super::{Global, Model, Verdict, map_samplers, map_sampling};
 use crate::envmap::info::Info;
+use crate::envmap::samplers::{ConventionalSampler, MapSampling, SurfaceSampler};
 use crate::envmap::synthetic::Synthetic;
+use crate::envmap::{EnvMap, cut};
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::output::{self, Written};
 use crate::raster::{self, Metadata, Precision, WriteOptions};
-use crate::study::map_samples::{self, Method};
+use crate::study::map_samples;
 use crate::study::{median_cut, proposal};
 use crate::view::map::{Display, Look};
 use crate::view::proposal as proposal_view;
 use clap::{ArgAction, Args, Subcommand, ValueEnum};
+use glam::DVec3;
 use serde::Serialize;
 use std::ffi::OsString;
+use std::sync::Arc;
 
 #[derive(Subcommand)]
 pub enum Envmap {
@@ -119,10 +123,15 @@ fn gamma(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SamplerName {
-    Cdf,
-    Alias,
+fn sampler_help() -> String {
+    format!("How directions are sampled. {}", map_samplers())
+}
+
+/// Reads a direction, not necessarily a unit vector.
+fn direction(text: &str) -> std::result::Result<DVec3, String> {
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let vector = parts.and_then(|parts| Some(DVec3::from_array(parts.try_into().ok()?)));
+    vector.and_then(DVec3::try_normalize).ok_or("not a direction X,Y,Z".into())
 }
 
 #[derive(Args)]
@@ -135,10 +144,12 @@ pub struct SampleArgs {
     /// Numbers of samples
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
     n: Vec<usize>,
-    /// Row CDF then column CDF, or one alias table
-    #[arg(long, value_enum, default_value_t = SamplerName::Cdf)]
-    sampler: SamplerName,
-    /// Draw from the MIS-compensated density (0 where the map is dimmer than its mean: of use only within MIS)
+    #[arg(long, value_name = "NAME", help = sampler_help(), default_value = "cdf", value_parser = map_sampling)]
+    sampler: MapSampling,
+    /// Normal of the surface that is lit, in the map's frame (y up), for samplers that look at it
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = direction, allow_hyphen_values = true)]
+    normal: DVec3,
+    /// The same as --sampler compensated
     #[arg(long, conflicts_with_all = ["sampler", "model"])]
     compensated: bool,
     /// `report` draws as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
@@ -190,13 +201,15 @@ impl<T> Outputs<T> {
 }
 
 impl SampleArgs {
-    fn method(&self) -> Method {
-        match (self.model, self.sampler) {
-            _ if self.compensated => Method::Compensated,
-            (Model::Report, _) => Method::Report,
-            (Model::Exact, SamplerName::Cdf) => Method::Cdf,
-            (Model::Exact, SamplerName::Alias) => Method::Alias,
+    /// The sampler, and whether it finds all of the map's light.
+    fn sampler(&self, map: &Arc<EnvMap>) -> Result<(Box<dyn SurfaceSampler>, bool)> {
+        if self.model == Model::Report {
+            MapSampling::MAP.request(map)?;
+            return Ok((Box::new(ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT)), true));
         }
+        let sampling = if self.compensated { MapSampling::COMPENSATED } else { self.sampler };
+        let complete = sampling.entry().complete && !sampling.needs_normal();
+        Ok((sampling.sampler(map.clone())?, complete))
     }
 
     fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
@@ -205,9 +218,10 @@ impl SampleArgs {
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
+        let (sampler, complete) = self.sampler(&source.map)?;
         let one = |n: usize| -> Result<SampleOutput> {
             interrupt::check()?;
-            let samples = map_samples::draw(&source.map, self.method(), n, global.seed)?;
+            let samples = map_samples::draw(&source.map, &*sampler, self.normal, n, global.seed)?;
             if samples.rows.is_empty() {
                 console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
             }
@@ -217,8 +231,7 @@ impl SampleArgs {
                 output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
-            let complete = self.method() != Method::Compensated && !samples.rows.is_empty();
-            let flux_estimate = complete.then_some(samples.flux_estimate);
+            let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
             Ok(SampleOutput { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) })
         };
         let outputs = Outputs::of(&source.name, self.n.iter().map(|&n| one(n)))?;

@@ -2,7 +2,9 @@
 
 use super::console::Console;
 use super::{Global, Model, Verdict};
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
+use crate::optics::metals;
 use crate::output::{self, Written};
 use crate::study::{fresnel, metal};
 use crate::view::fresnel as view;
@@ -21,9 +23,7 @@ pub struct Fresnel {
     /// Index of refraction on the other side
     #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
     eta_t: f64,
-    /// A metal at 614, 549 and 466 nm: Ag, Au, Cu (Johnson & Christy 1972), Al (Rakic 1995), Fe (Table 1 of the second
-    /// report, within 0.002 of Johnson & Christy 1974)
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["k", "eta_i", "eta_t"])]
+    #[arg(long, value_name = "NAME", help = metal_help(), conflicts_with_all = ["k", "eta_i", "eta_t"])]
     metal: Option<String>,
     /// Extinction coefficient: makes the other side a conductor of index ETA + iK
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
@@ -35,6 +35,13 @@ pub struct Fresnel {
     /// beside the critical angle), curves ended at the critical angle
     #[arg(long, value_enum, default_value_t = Model::Exact)]
     model: Model,
+}
+
+/// The metals of the table, each with its source.
+fn metal_help() -> String {
+    let [r, g, b] = metals::WAVELENGTHS_NM;
+    let known: Vec<String> = metals::METALS.iter().map(|m| format!("{} ({})", m.symbol, m.source)).collect();
+    format!("A metal at {r}, {g} and {b} nm, by symbol or name: {}", known.join(", "))
 }
 
 /// The JSON object: the study's numbers and the files.
@@ -59,8 +66,9 @@ impl Fresnel {
     }
 
     fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let model = if self.model == Model::Report { fresnel::Model::Report } else { fresnel::Model::Exact };
-        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, model)?;
+        let correct = self.model == Model::Exact;
+        let conventions = if correct { Conventions::CORRECT } else { Conventions::FIRST_REPORT };
+        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, conventions)?;
         let target = global.target(&[]);
         let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;

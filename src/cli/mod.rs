@@ -17,6 +17,7 @@ mod signals;
 mod stability;
 mod validate;
 
+use crate::envmap::samplers::{self, Entry, MapSampling};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::output::Target;
@@ -121,6 +122,21 @@ enum Model {
     Exact,
     /// The reports', mistakes included
     Report,
+}
+
+/// Reads the name of an environment-map sampler.
+fn map_sampling(text: &str) -> std::result::Result<MapSampling, String> {
+    text.parse().map_err(|_| format!("the samplers are {}", MapSampling::names().join(", ")))
+}
+
+/// The environment-map samplers, each with what it does.
+fn map_samplers() -> String {
+    let line = |entry: &Entry| {
+        let number = if entry.has_regions { "-K" } else { "" };
+        let density = if entry.density == entry.name { String::new() } else { format!(" ({})", entry.density) };
+        format!("{}{number}{density}: {}", entry.name, entry.doc)
+    };
+    samplers::ALL.iter().map(|entry| line(entry)).collect::<Vec<_>>().join("; ")
 }
 
 /// Reads a number of bytes, for example `512M`.

@@ -105,11 +105,11 @@ impl SceneArgs {
 
     fn builtin(&self, console: &Console) -> Result<Loaded> {
         let name = &*self.scene.to_string_lossy();
-        if !builtin::SCENES.iter().any(|(known, _)| *known == name) {
-            let known = builtin::SCENES.map(|(name, _)| name).join(", ");
+        let Some(entry) = builtin::find(name) else {
+            let known: Vec<String> = builtin::scenes().into_iter().map(|scene| scene.name).collect();
             return Err(Error::parameter("scene", format!("\"{name}\" is neither a built-in scene nor a scene file"))
-                .with_hint(format!("built-in scenes: {known}; files: .pbrt, .dae")));
-        }
+                .with_hint(format!("built-in scenes: {}; files: .pbrt, .dae", known.join(", "))));
+        };
         if self.camera.is_some() {
             return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
                 .with_hint("a built-in scene has its own camera"));
@@ -123,19 +123,19 @@ impl SceneArgs {
             }
             mesh
         });
-        let found = match builtin::by_name(name, mesh)? {
-            Some(_) if self.envmap.is_some() => {
-                return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
-                    .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
-            }
-            Some(found) => found,
-            None => {
+        let environment = match entry.map_scale() {
+            Some(scale) if mesh.is_none() => {
                 let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;
                 map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
-                builtin::sphere_env(Environment::upright(source.map, source.name, builtin::SPHERE_ENV_SCALE))
+                Some(Environment::upright(source.map, source.name, scale))
             }
+            _ => None,
         };
-        let (scene, request) = found;
+        let (scene, request) = entry.make(environment, mesh)?;
+        if self.envmap.is_some() && entry.map_scale().is_none() {
+            return Err(Error::parameter("--envmap", format!("the scene {name} has no environment map to replace"))
+                .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
+        }
         let (scene, request) = match self.resolution() {
             Some(size) => scene.resized(request, size),
             None => (scene, request),
@@ -157,5 +157,5 @@ fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
         return Ok(());
     }
     Err(Error::parameter("alpha", format!("the scene {} has no metal to roughen", scene.name))
-        .with_hint("cornell-statue-au, -cu, -fe and furnace have one"))
+        .with_hint("the cornell-statue scenes and furnace have one"))
 }

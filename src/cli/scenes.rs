@@ -4,7 +4,7 @@ use super::console::Console;
 use super::{Global, Verdict};
 use crate::error::Result;
 use crate::import::SCENE_EXTENSIONS;
-use crate::scene::builtin::SCENES;
+use crate::scene::builtin;
 use clap::Args;
 use serde::Serialize;
 
@@ -14,8 +14,8 @@ pub struct Scenes {}
 
 #[derive(Serialize)]
 struct Entry {
-    name: &'static str,
-    description: &'static str,
+    name: String,
+    description: String,
 }
 
 #[derive(Serialize)]
@@ -27,7 +27,8 @@ struct Output {
 
 impl Scenes {
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
-        let scenes = SCENES.into_iter().map(|(name, description)| Entry { name, description }).collect();
+        let scenes =
+            builtin::scenes().into_iter().map(|scene| Entry { name: scene.name, description: scene.doc }).collect();
         let output = Output { scenes, files: SCENE_EXTENSIONS };
         console.result(&output, || {
             let lines = output.scenes.iter().map(|scene| format!("{:<18} {}\n", scene.name, scene.description));

@@ -99,8 +99,8 @@ pub struct MedianCut<'a> {
 impl<'a> MedianCut<'a> {
     /// Memory that the tables take for each texel.
     #[must_use]
-    pub fn bytes(split: Split) -> usize {
-        size_of::<f64>() * if split == Split::Variance { 4 } else { 1 }
+    pub const fn bytes(split: Split) -> usize {
+        size_of::<f64>() * if matches!(split, Split::Variance) { 4 } else { 1 }
     }
 
     #[must_use]
@@ -226,7 +226,7 @@ impl<'a> MedianCut<'a> {
             let mut row = DVec3::ZERO;
             for x in block.x0..block.x1 {
                 row += self.map.texel(x, y).as_dvec3();
-                let e = self.map.intensity(x, y) * solid_angle;
+                let e = self.map.mean_rgb(x, y) * solid_angle;
                 moment_x += e * (x as f64 + 0.5);
                 moment_y += e * (y as f64 + 0.5);
                 columns[x - block.x0] += e;

@@ -1,6 +1,7 @@
 //! What a map holds: size, range, mean, flux, contrast, and how concentrated its light is.
 
-use super::latlong::{EnvMap, intensity};
+use super::latlong::EnvMap;
+use crate::math::mean_rgb;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -44,17 +45,17 @@ impl Info {
         let (width, height) = (g.width(), g.height());
         let (mut sum, mut flux) = (DVec3::ZERO, DVec3::ZERO);
         let (mut energy, mut energy2, mut upper) = (0.0, 0.0, 0.0);
-        let (mut peak, mut peak_intensity) = ((0, 0), -1.0);
+        let (mut peak, mut peak_mean) = ((0, 0), -1.0);
         for y in 0..height {
             let solid_angle = g.solid_angle(y);
             let mut row = DVec3::ZERO;
             for (x, &texel) in map.image().row(y).iter().enumerate() {
                 row += texel.as_dvec3();
-                let i = intensity(texel);
+                let i = mean_rgb(texel);
                 let e = i * solid_angle;
                 energy2 += e * e;
-                if i > peak_intensity {
-                    (peak, peak_intensity) = ((x, y), i);
+                if i > peak_mean {
+                    (peak, peak_mean) = ((x, y), i);
                 }
             }
             let row_energy = row.element_sum() / 3.0 * solid_angle;
@@ -78,7 +79,7 @@ impl Info {
             flux_rgb: flux.to_array(),
             nonfinite: map.found().nonfinite,
             negative: map.found().negative,
-            peak_to_mean: ratio(peak_intensity, energy / sphere),
+            peak_to_mean: ratio(peak_mean, energy / sphere),
             effective_texels: ratio(energy * energy, energy2),
             peak,
             peak_elevation_deg: 90.0 - 180.0 * (peak.1 as f64 + 0.5) / height as f64,
@@ -138,7 +139,8 @@ fn energy_near(map: &EnvMap, (x, y): (usize, usize), radius: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Image, Rgb};
+    use crate::math::Rgb;
+    use crate::raster::Image;
     use std::f64::consts::PI;
 
     #[test]

@@ -174,7 +174,8 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Image, Rgb};
+    use crate::math::Rgb;
+    use crate::raster::Image;
 
     fn normals() -> impl Iterator<Item = DVec3> {
         (0..50).map(|i| {

@@ -8,9 +8,10 @@
 //! This is how the first report's scene sees its map once row 0 is the ceiling. A texel is the region between its
 //! edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact: (cos θ₀ − cos θ₁) Δφ.
 
-use crate::raster::{Image, Rgb};
+use crate::math::circular::{sin_cos_turns, turns};
+use crate::math::{Rgb, mean_rgb};
+use crate::raster::Image;
 use crate::sampling::batch::{BATCH, Batch};
-use crate::sampling::warp::{sin_cos_turns, turns};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -72,7 +73,7 @@ impl LatLong {
     /// One over [`LatLong::solid_angle`].
     #[inline]
     #[must_use]
-    pub fn density(&self, y: usize) -> f64 {
+    pub fn inverse_solid_angle(&self, y: usize) -> f64 {
         self.rows[y].density
     }
 
@@ -283,24 +284,16 @@ impl EnvMap {
     /// The scalar that importance follows, (R + G + B) / 3.
     #[inline]
     #[must_use]
-    pub fn intensity(&self, x: usize, y: usize) -> f64 {
-        intensity(self.texel(x, y))
+    pub fn mean_rgb(&self, x: usize, y: usize) -> f64 {
+        mean_rgb(self.texel(x, y))
     }
 
-    /// Intensity of texel (x, y) times its solid angle.
+    /// Mean of R, G, B of texel (x, y) times its solid angle.
     #[inline]
     #[must_use]
     pub fn energy(&self, x: usize, y: usize) -> f64 {
-        self.intensity(x, y) * self.geometry.solid_angle(y)
+        self.mean_rgb(x, y) * self.geometry.solid_angle(y)
     }
-}
-
-/// (R + G + B) / 3 in f64.
-#[inline]
-#[must_use]
-pub fn intensity(rgb: Rgb) -> f64 {
-    let [r, g, b] = rgb.as_dvec3().to_array();
-    (r + g + b) / 3.0
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! The range of radiance that renders can hold.
 
 use crate::error::{Error, Result};
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use std::path::Path;
 
 /// The largest radiance that a map from a file may hold. Films hold samples below 2^63, and a sample is at most 4π times

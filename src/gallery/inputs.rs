@@ -3,8 +3,8 @@
 use super::originals::Originals;
 use crate::envmap::NamedMap;
 use crate::error::{Error, Result};
+use crate::math::Rgb;
 use crate::optics::metals;
-use crate::raster::Rgb;
 use crate::render::Settings;
 use crate::scene::{Material, Request, Scene, builtin};
 use etalon_stats::{Protocol, SampleCount};

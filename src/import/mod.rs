@@ -23,11 +23,13 @@ use std::sync::Arc;
 /// What a scene file holds.
 #[derive(Debug, Clone)]
 pub struct Imported {
+    /// What the file describes.
     pub scene: Scene,
+    /// Image size and sampling that it asks for, defaults filled in.
     pub request: Request,
-    /// Where the file wants its picture, as written there.
+    /// Where the file wants its image, as written there.
     pub output: Option<PathBuf>,
-    /// What was left out or filled in without harm to the picture, each with its place, in the file's order.
+    /// What was left out or filled in without harm to the image, each with its place, in the file's order.
     pub warnings: Vec<String>,
     /// The environment map that was read because the file names it.
     pub map: Option<PathBuf>,
@@ -39,7 +41,7 @@ pub const SCENE_EXTENSIONS: [&str; 2] = ["pbrt", "dae"];
 /// What [`read_scene`] needs beside the file.
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {
-    /// Width and height of the picture; without it, what the file asks for.
+    /// Width and height of the image; without it, what the file asks for.
     pub resolution: Option<[usize; 2]>,
     /// A file of camera settings in place of the scene's own camera; COLLADA only.
     pub camera: Option<&'a Path>,

@@ -1,6 +1,7 @@
 //! Fresnel reflectance of a conductor: exact, and the approximation that the second report uses.
 
-use super::{Real, dielectric};
+use super::dielectric;
+use crate::math::Real;
 
 /// R∥ and R⊥ of a conductor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +14,7 @@ impl<T: Real> ConductorReflectance<T> {
     /// Reflected share of unpolarized light, (R∥ + R⊥) / 2.
     #[must_use]
     pub fn unpolarized(&self) -> T {
-        (self.parallel + self.perpendicular) * T::lit(0.5)
+        (self.parallel + self.perpendicular) * T::from_f64(0.5)
     }
 }
 
@@ -39,7 +40,7 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     // Where c − z keeps its digits it is the better, and never gives more than 1.
     let difference2 = (c - a) * (c - a) + b * b;
     let r = re.hypot(im) / sum2;
-    let perpendicular = if difference2 * T::lit(4.0) >= sum2 { difference2 / sum2 } else { r * r };
+    let perpendicular = if difference2 * T::from_f64(4.0) >= sum2 { difference2 / sum2 } else { r * r };
     // r∥/r⊥ = (c z − s²)/(c z + s²) in modulus.
     let (x, y) = (c * a, c * b);
     let below = (x + sin2) * (x + sin2) + y * y;
@@ -49,7 +50,7 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
 
 /// The root z = a + ib (a, b ≥ 0) of (η + ik)² − s², without the cancellation of √((|z²| + Re z²)/2) for Re z² < 0.
 fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
-    let half = T::lit(0.5);
+    let half = T::from_f64(0.5);
     let re = dielectric::g_squared(c, eta) - k * k;
     let im = (eta + eta) * k;
     let larger = ((re.hypot(im) + re.abs()) * half).sqrt();
@@ -69,7 +70,7 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
 pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     let c = cos_i;
     let q = eta * eta + k * k;
-    let middle = T::lit(2.0) * eta * c;
+    let middle = T::from_f64(2.0) * eta * c;
     ConductorReflectance {
         parallel: (q * c * c - middle + T::one()) / (q * c * c + middle + T::one()),
         perpendicular: (q - middle + c * c) / (q + middle + c * c),

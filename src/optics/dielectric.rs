@@ -10,7 +10,7 @@
 //! f32, this one by less than 10⁻⁶ for every η. Near the critical angle dF/dc is infinite, so no formula can be
 //! accurate in terms of the rounded cosine; g is returned so that callers need not compute it again.
 
-use super::Real;
+use crate::math::Real;
 
 /// What a dielectric interface does to a ray of given incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ impl<T: Real> Reflectance<T> {
     /// Reflected share of unpolarized light, (R∥ + R⊥) / 2.
     #[must_use]
     pub fn unpolarized(&self) -> T {
-        (self.parallel + self.perpendicular) * T::lit(0.5)
+        (self.parallel + self.perpendicular) * T::from_f64(0.5)
     }
 
     /// Transmitted share of the power of unpolarized light, 1 − F.
@@ -79,14 +79,14 @@ pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
 /// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there; and in f64, so that
 /// f32 loses nothing but what its input has lost.
 pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
-    let (c, eta) = (c.wide(), eta.wide());
+    let (c, eta) = (c.to_f64(), eta.to_f64());
     let q = (eta - 1.0) * (eta + 1.0);
     if q >= 0.0 {
-        return T::lit(q + c * c);
+        return T::from_f64(q + c * c);
     }
     let near_one = eta > std::f64::consts::FRAC_1_SQRT_2;
     let (a, b) = if near_one { (c, (-q).sqrt()) } else { (eta, ((1.0 - c) * (1.0 + c)).sqrt()) };
-    T::lit((a - b) * (a + b))
+    T::from_f64((a - b) * (a + b))
 }
 
 #[cfg(test)]

@@ -5,12 +5,7 @@
 
 pub mod conductor;
 pub mod dielectric;
-pub mod elementary;
-pub mod error_function;
 pub mod interface;
 pub mod metals;
 pub mod microfacet;
-mod real;
 pub mod schlick;
-
-pub use real::Real;

@@ -87,7 +87,7 @@ pub fn compare_with_halves(a: &Image, halves: [&Image; 2]) -> Result<Comparison>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Rgb;
+    use crate::math::Rgb;
 
     fn grey(values: [f32; 4]) -> Image {
         Image::from_pixels(2, 2, values.map(Rgb::splat).to_vec())

@@ -1,7 +1,6 @@
 //! The image buffer: linear-light RGB, 32-bit float, row 0 at the top.
 
-/// Linear RGB radiance.
-pub type Rgb = glam::Vec3;
+use crate::math::Rgb;
 
 /// A rectangle of linear RGB pixels. Row 0 is the top row, whatever a file format stores first.
 #[derive(Debug, Clone, PartialEq)]

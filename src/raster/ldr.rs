@@ -1,9 +1,10 @@
 //! Clipped pictures: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
+use super::Image;
 use super::read::{blank, check_size};
 use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
-use super::{Image, Rgb};
 use crate::error::{Error, Result};
+use crate::math::Rgb;
 use image::{DynamicImage, ImageDecoder, ImageEncoder, ImageError, ImageFormat, ImageReader};
 use std::io::{self, Cursor, Write};
 use std::path::Path;

@@ -18,7 +18,8 @@ mod write;
 
 pub use self::compare::{Comparison, compare, compare_with_halves};
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
-pub use self::image::{Image, Rgb};
+pub use self::image::Image;
+
 pub(crate) use self::read::decode_exr;
 pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};
 pub use self::tone::{ToneMap, auto_exposure, to_rgb8};

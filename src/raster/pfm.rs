@@ -1,8 +1,9 @@
 //! Portable float maps: `PF` (RGB) and `Pf` (grey), 32-bit floats, rows stored from the bottom up.
 
+use super::Image;
 use super::read::{check_size, cut_off, room};
-use super::{Image, Rgb};
 use crate::error::{Error, Place, Result};
+use crate::math::Rgb;
 use std::io::{self, Write};
 use std::path::Path;
 

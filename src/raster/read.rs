@@ -1,8 +1,9 @@
 //! Reading an image file: the format is told by its first bytes, never by its name.
 
-use super::{Image, Rgb, exr, ldr, pfm, rgbe};
+use super::{Image, exr, ldr, pfm, rgbe};
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
+use crate::math::Rgb;
 use crate::memory;
 use std::path::Path;
 

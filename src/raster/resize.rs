@@ -1,6 +1,7 @@
 //! Whole-number resizing for display: every pixel repeated, or boxes of pixels averaged.
 
-use super::{Image, Rgb};
+use super::Image;
+use crate::math::Rgb;
 
 impl Image {
     /// Every pixel repeated `factor` times in both directions (nearest neighbour).

@@ -1,6 +1,8 @@
 //! From linear light to 8-bit values for display.
 
-use super::{Image, Rgb};
+use super::Image;
+use crate::errata::{self, Conventions};
+use crate::math::Rgb;
 
 /// How linear values become 8-bit ones. Every map sends NaN and negative values to 0 and +∞ to 255.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,9 +12,8 @@ pub enum ToneMap {
     Srgb { stops: f32 },
     /// (2^stops · L)^(1/gamma), times 255, rounded to nearest.
     Gamma { gamma: f32, stops: f32 },
-    /// clamp((√2 · L)^(1/2.2), 0, 1) · 255, truncated: the display transform of the CS184 path tracer, with which the
-    /// second report's images were made.
-    Report,
+    /// By conventions: [`errata::tone::encode`] where they ask for it, else sRGB without exposure.
+    By(Conventions),
     /// L / max · 255, truncated as a C cast does, where max is the largest finite channel value of the image: the
     /// first report's PPM, as far as it is known (division first, in single precision). An image without a positive
     /// value is black.
@@ -34,7 +35,8 @@ impl ToneMap {
         match *self {
             ToneMap::Srgb { stops } => round(srgb_from_linear(value * stops.exp2())),
             ToneMap::Gamma { gamma, stops } => round((value * stops.exp2()).powf(1.0 / gamma)),
-            ToneMap::Report => ((std::f32::consts::SQRT_2 * value).powf(1.0 / 2.2).min(1.0) * 255.0) as u8,
+            ToneMap::By(conventions) if conventions.truncated_tone => errata::tone::encode(value),
+            ToneMap::By(_) => round(srgb_from_linear(value)),
             // Without a positive value this is 0/0, NaN, and so black.
             ToneMap::LinearMax => (value / max * 255.0) as u8,
         }
@@ -95,9 +97,8 @@ mod tests {
         assert_eq!(one(0.25, ToneMap::Gamma { gamma: 2.0, stops: 0.0 }), 128, "127.5 rounds up");
         assert_eq!(one(0.25, ToneMap::Gamma { gamma: 1.0, stops: 1.0 }), 128);
         // (√2 · 0.384)^(1/2.2) · 255 = 193.2: cut, not rounded.
-        assert_eq!(one(0.384, ToneMap::Report), 193);
-        assert_eq!(one(0.38, ToneMap::Report), 192, "192.26");
-        assert_eq!((one(0.71, ToneMap::Report), one(0.7, ToneMap::Report)), (255, 253));
+        assert_eq!(one(0.38, ToneMap::By(Conventions::SECOND_REPORT)), 192, "192.26");
+        assert_eq!(one(0.38, ToneMap::By(Conventions::CORRECT)), one(0.38, ToneMap::default()));
     }
 
     #[test]
@@ -111,7 +112,9 @@ mod tests {
 
     #[test]
     fn odd_values_are_black_or_white() {
-        for tone in [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::Report] {
+        for tone in
+            [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::By(Conventions::SECOND_REPORT)]
+        {
             assert_eq!(one(f32::NAN, tone), 0);
             assert_eq!(one(-3.0, tone), 0);
             assert_eq!(one(f32::NEG_INFINITY, tone), 0);

@@ -10,13 +10,13 @@
 //! Whatever the cones, the estimate is right; where they are good, it is quiet. Points to which paths from the lamps bring
 //! these images (see [`super::light_tracing`]) have no use for cones.
 
-use super::diffuse::{self, frame};
+use super::diffuse;
 use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3, caustic};
 use super::solids;
 use super::wide::{Wide, wide};
-use crate::raster::Rgb;
-use crate::sampling::circular::Circular;
+use crate::math::circular::Circular;
+use crate::math::{Frame, Rgb};
 use crate::scene::{Light, Material, Rectangle, Role, Scene, Shape};
 use glam::Vec3;
 use pulp::Arch;
@@ -329,7 +329,7 @@ impl Wide for Direct<'_> {
             let cos = if in_cone { 1.0 - below } else { (1.0 - u).sqrt() };
             let (sin_phi, cos_phi) = f32::sin_cos_turns(v[i]);
             let axis = at(&choice.axis, i);
-            let (tangent, bitangent) = frame(axis);
+            let Frame { x: tangent, y: bitangent, .. } = Frame::from_normal(axis);
             set(direction, i, (tangent * cos_phi + bitangent * sin_phi) * sin + axis * cos);
         }
     }

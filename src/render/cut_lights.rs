@@ -1,7 +1,7 @@
 //! Lights that stand for a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
-use super::{LightDensity, Sampling, Settings};
-use crate::envmap::cut::{MedianCut, SideRule};
+use super::{Sampling, Settings};
+use crate::envmap::samplers::FixedLight;
 use crate::error::{Error, Result};
 use crate::scene::{Light, Scene};
 
@@ -11,26 +11,24 @@ use crate::scene::{Light, Scene};
 /// [`Error::Parameter`] for a cut that the map does not allow, and for strategies that would find the map's light once
 /// more by the material's directions.
 pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
-    let (LightDensity::CutLights(count, split), Some(environment)) = (settings.density, &scene.environment) else {
-        return Ok(Vec::new());
-    };
-    if settings.sampling != Sampling::Light {
+    let Some(environment) = &scene.environment else { return Ok(Vec::new()) };
+    if settings.density.has_fixed_lights() && settings.sampling != Sampling::Light {
         return Err(Error::parameter("density", "lights that stand for the map bring all of its light")
             .with_hint("light sampling only: the material's directions would find the map a second time"));
     }
-    let regions = MedianCut::new(&environment.map, split, SideRule::default()).regions(count as usize)?;
-    let light = |(x, y), flux: glam::DVec3| {
-        let towards = environment.to_world * environment.map.geometry().direction(x, y);
-        Light::Directional { direction: -towards.as_vec3(), irradiance: flux.as_vec3() * environment.scale }
+    let light = |FixedLight { towards, irradiance }| Light::Directional {
+        direction: -(environment.to_world * towards).as_vec3(),
+        irradiance: irradiance.as_vec3() * environment.scale,
     };
-    Ok(regions.into_iter().map(|region| light(region.centroid, region.flux)).collect())
+    let lights = settings.density.fixed_lights(&environment.map)?;
+    Ok(lights.unwrap_or_default().into_iter().map(light).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::envmap::EnvMap;
-    use crate::envmap::cut::Split;
+    use crate::envmap::samplers::{MapSampling, cut_lights::MEDIAN_CUT, strata};
     use crate::envmap::synthetic::Synthetic;
     use crate::render::{Silent, render};
     use crate::scene::{Environment, Request, builtin};
@@ -49,9 +47,9 @@ mod tests {
             let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
             render(&scene, &Request { spp, ..request }, &settings, &Silent).unwrap().image
         };
-        let map = image(LightDensity::Cosine, 512);
+        let map = image(MapSampling::COSINE, 512);
         let off = |count| {
-            let lights = image(LightDensity::CutLights(count, Split::Energy), 16);
+            let lights = image(MapSampling::with_regions(MEDIAN_CUT, count), 16);
             crate::raster::compare(&lights, &map).unwrap().rmse
         };
         let (few, many) = (off(4), off(1024));
@@ -62,13 +60,14 @@ mod tests {
     fn the_maps_light_is_not_brought_twice() {
         let (scene, request) = sphere();
         for sampling in [Sampling::Mis, Sampling::Bsdf] {
-            let density = LightDensity::CutLights(16, Split::Energy);
+            let density = MapSampling::with_regions(MEDIAN_CUT, 16);
             let settings = Settings { sampling, density, ..Settings::default() };
             assert!(render(&scene, &request, &settings, &Silent).is_err());
         }
-        for density in [LightDensity::CutLights(0, Split::Energy), LightDensity::Strata(u32::MAX)] {
+        for (entry, regions) in [(MEDIAN_CUT, 0), (strata::ENTRY, u32::MAX)] {
+            let density = MapSampling::with_regions(entry, regions);
             let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
-            assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density:?}");
+            assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density}");
         }
     }
 }

@@ -4,7 +4,8 @@ use super::geometry::{at, set};
 use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3};
 use super::lights::{self, LightSamples, Sampled};
 use super::wide::{Wide, wide};
-use crate::sampling::circular::Circular;
+use crate::math::Frame;
+use crate::math::circular::Circular;
 use glam::Vec3;
 use pulp::Arch;
 use std::f32::consts::FRAC_1_PI;
@@ -70,7 +71,7 @@ impl Wide for CarryOn<'_> {
             let r = u[0][i].sqrt();
             let z = (1.0 - u[0][i]).sqrt();
             let normal = at(&points.normal, i);
-            let (tangent, bitangent) = frame(normal);
+            let Frame { x: tangent, y: bitangent, .. } = Frame::from_normal(normal);
             let j = start + i;
             set(&mut next.rays.origin, j, at(&points.position, i));
             // To the last bit as the cosine's part of a mixture with cones has it.
@@ -88,15 +89,4 @@ pub fn follow(next: &mut Paths, points: &Points, i: usize, direction: Vec3, thro
     next.push(at(&points.position, i), direction, throughput, points.slot[i], points.word[i]);
     (next.pdf[j], next.sky[j]) = (0.0, 0.0);
     next.caustic[j] = points.caustic[i];
-}
-
-/// Two unit vectors that make a right-handed frame with a unit normal.
-///
-/// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-#[inline(always)]
-pub fn frame(n: Vec3) -> (Vec3, Vec3) {
-    let sign = 1.0f32.copysign(n.z);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
 }

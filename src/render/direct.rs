@@ -10,7 +10,7 @@ use super::strategies::Scatter as Blind;
 use super::workspace::{Dimensions, Workspace};
 use super::{Sampling, diffuse, rough, shine};
 use crate::bsdf::Bsdf;
-use crate::raster::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::scene::Environment;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -87,7 +87,7 @@ impl Integrator<'_> {
         for i in 0..work.points.count {
             let slot = work.points.slot[i];
             let normal = at(&work.points.normal, i);
-            let (x, y) = diffuse::frame(normal);
+            let Frame { x, y, .. } = Frame::from_normal(normal);
             let local = blind.sample(work.numbers.pair(slot, dimension, draw));
             let wi = x * local.x as f32 + y * local.y as f32 + normal * local.z as f32;
             let pdf = blind.pdf(local.z);
@@ -187,7 +187,7 @@ impl Integrator<'_> {
                     let u = work.numbers.pair(hit.slot, dimensions.gather(), (index, samples));
                     let local = Blind::Hemisphere.sample(u);
                     let pdf = Blind::Hemisphere.pdf(local.z) as f32;
-                    set(&mut light.wi, i, hit.frame.world(local.as_vec3()));
+                    set(&mut light.wi, i, hit.frame.to_world(local.as_vec3()));
                     set(&mut light.weight, i, Rgb::splat(1.0 / pdf));
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf);
                 }
@@ -213,7 +213,7 @@ impl Integrator<'_> {
         let scattered = &mut work.scattered;
         for (i, hit) in hits.iter().enumerate() {
             set(&mut wo, i, hit.wo);
-            set(&mut scattered.wi, i, hit.frame.local(at(&light.wi, i)));
+            set(&mut scattered.wi, i, hit.frame.to_local(at(&light.wi, i)));
         }
         rough::eval_many(self.arch, bsdf, &wo, hits.len(), scattered);
         work.shadows.count = 0;

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::lights::Sampled;
 use crate::bsdf::Bsdf;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};
 
 /// What an object does to light.
@@ -36,7 +36,7 @@ impl Face {
             Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
             Material::Diffuse { albedo } => Kind::Diffuse { albedo },
             ref other => {
-                let bsdf = other.bsdf(settings.model.scattering);
+                let bsdf = other.bsdf(settings.model);
                 if bsdf.is_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };

@@ -23,11 +23,11 @@ use super::numbers::Numbers;
 use super::rough;
 use super::shine;
 use super::strategies::Strategies;
-use super::workspace::{Dimensions, Frame, RoughHit, Workspace};
+use super::workspace::{Dimensions, RoughHit, Workspace};
 use super::{Sampling, Settings};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::error::Result;
-use crate::raster::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::render::exposure::{Classes, Word};
 use crate::scene::{Emission, Request, Role, Scene};
 use glam::Vec3;
@@ -289,7 +289,7 @@ impl<'a> Integrator<'a> {
             return;
         }
         let frame = surface.frame(-direction);
-        let wo = frame.local(-direction);
+        let wo = frame.to_local(-direction);
         work.rough.push(RoughHit {
             surface,
             frame,
@@ -315,8 +315,8 @@ impl<'a> Integrator<'a> {
             let surface = self.scattering_surface(work, i);
             let direction = at(&work.paths.rays.direction, i);
             let frame = surface.frame(-direction);
-            let Some(sample) = bsdf.sample(frame.local(-direction), work.u[0][k], [0.0; 2]) else { continue };
-            let wi = frame.world(sample.wi);
+            let Some(sample) = bsdf.sample(frame.to_local(-direction), work.u[0][k], [0.0; 2]) else { continue };
+            let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
             let j = work.next.count;
             work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
@@ -354,7 +354,7 @@ impl<'a> Integrator<'a> {
         let trust = shine::trust(bsdf);
         for (i, hit) in work.rough[group].iter().enumerate() {
             let weight = at(&work.scattered.weight, i);
-            let wi = hit.frame.world(at(&work.scattered.wi, i));
+            let wi = hit.frame.to_world(at(&work.scattered.wi, i));
             if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
                 continue;
             }
@@ -387,7 +387,7 @@ impl Surface {
     #[inline]
     pub(super) fn frame(&self, wo: Vec3) -> Frame {
         let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
-        Frame::new(if same_side { self.shading } else { self.normal })
+        Frame::from_normal(if same_side { self.shading } else { self.normal })
     }
 
     /// Where a ray to `wi` starts.

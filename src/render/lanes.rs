@@ -1,7 +1,7 @@
 //! Many paths side by side, component by component, so that loops over them vectorize.
 
 use super::geometry::set;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::exposure::Word;
 use glam::Vec3;
 

@@ -6,9 +6,10 @@ use super::geometry::{at, set};
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
 use super::solids;
 use super::wide::{Wide, wide};
+use crate::errata::light::falloff_error;
 use crate::error::Result;
-use crate::raster::Rgb;
-use crate::sampling::circular::Circular;
+use crate::math::Rgb;
+use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
 use glam::Vec3;
@@ -109,8 +110,8 @@ pub struct Sampled {
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Panel(PanelLight),
-    /// [`super::Model::inverse_distance`].
-    ReportPanel(PanelLight),
+    /// By [`Conventions::inverse_distance`](crate::errata::Conventions::inverse_distance).
+    InverseDistancePanel(PanelLight),
     Ball(BallLight),
     Point {
         position: Vec3,
@@ -254,7 +255,11 @@ impl Sampled {
     pub fn all(scene: &Scene, settings: &Settings) -> Result<Vec<Self>> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
             let panel = PanelLight::new(rectangle, radiance, two_sided);
-            if settings.model.inverse_distance { Kind::ReportPanel(panel) } else { Kind::Panel(panel) }
+            if settings.model.conventions.inverse_distance {
+                Kind::InverseDistancePanel(panel)
+            } else {
+                Kind::Panel(panel)
+            }
         };
         let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
             let emission = object.emission.filter(|e| e.role == Role::Lamp && e.radiance != Rgb::ZERO)?;
@@ -321,9 +326,9 @@ impl SampleLight for Sampled {
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
             Kind::Panel(panel) => panel.sample(point, u),
-            Kind::ReportPanel(panel) => {
+            Kind::InverseDistancePanel(panel) => {
                 let sample = panel.sample(point, u);
-                LightSample { weight: sample.weight * sample.distance, ..sample }
+                LightSample { weight: sample.weight * falloff_error(sample.distance), ..sample }
             }
             Kind::Ball(ball) => ball.sample(point, u),
             Kind::Point { position, intensity, falloff } => {
@@ -351,7 +356,7 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Panel(panel) | Kind::ReportPanel(panel) => panel.pdf(point),
+            Kind::Panel(panel) | Kind::InverseDistancePanel(panel) => panel.pdf(point),
             Kind::Ball(ball) => ball.pdf(point),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }

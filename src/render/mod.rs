@@ -28,7 +28,7 @@ mod workspace;
 pub use exposure::Dropped;
 pub use job::{Control, Job, Silent};
 
-use crate::envmap::cut::Split;
+use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::{Image, Metadata};
 use crate::sampling::stream::StreamKind;
@@ -60,43 +60,16 @@ impl Sampling {
     }
 }
 
-/// What the directions towards the environment are drawn in proportion to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LightDensity {
-    /// The map's radiance times the cosine at the surface.
-    #[default]
-    Cosine,
-    /// The map's radiance.
-    Map,
-    /// The map's radiance less its mean; only [`Sampling::Mis`] can use it.
-    Compensated,
-    /// The energy of so many regions of a cut of the map, evenly within each.
-    Strata(RegionCount),
-    /// Nothing is drawn: so many fixed lights, one for each region of a cut, stand for the map. They miss part of the
-    /// picture for good, and light whatever [`Sampling::Light`] lights; camera rays, mirrors and glass see the map.
-    CutLights(RegionCount, Split),
-}
-
-/// Number of regions that a map is cut into.
-pub type RegionCount = u32;
-
-/// What light does at surfaces and on its way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Model {
-    pub scattering: ScatterModel,
-    /// The light of rectangles falls off with the distance, not its square: the course's renderer divides by the
-    /// length of a vector that it takes for a unit vector. In the report's room that is 0.9 to 1.8 times the light.
-    pub inverse_distance: bool,
-}
-
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
     pub sampling: Sampling,
     pub stream: StreamKind,
     pub seed: u64,
-    pub density: LightDensity,
-    pub model: Model,
+    /// How the environment map is sampled.
+    pub density: MapSampling,
+    /// What light does at surfaces and on its way.
+    pub model: ScatterModel,
     /// Keep the light apart by the class of its path, up to this many scatterings.
     pub paths: Option<u32>,
     /// Leave caustics to camera paths, too: every sample then belongs to its pixel alone, and some rows of a picture can be

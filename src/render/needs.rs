@@ -1,6 +1,6 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::{LightDensity, Settings};
+use super::Settings;
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// A part of the renderer that some scenes can do without, as a bit.
@@ -61,10 +61,10 @@ impl Needs {
             request.max_depth > 0
                 && scene.objects.iter().any(|object| match &object.material {
                     Material::Diffuse { .. } => false,
-                    other => other.bsdf(settings.model.scattering).is_delta() == delta,
+                    other => other.bsdf(settings.model).is_delta() == delta,
                 })
         };
-        let cut_lights = matches!(settings.density, LightDensity::CutLights(..)) && scene.environment.is_some();
+        let cut_lights = settings.density.has_fixed_lights() && scene.environment.is_some();
         let lamps =
             cut_lights || !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
         let bits = [

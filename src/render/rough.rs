@@ -4,7 +4,7 @@ use super::geometry::{at, set};
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
 use super::wide::{Wide, wide};
 use crate::bsdf::{Bsdf, BsdfSample, Conductor, Normals, Scatter};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 use pulp::Arch;

@@ -57,7 +57,7 @@ pub fn bend(
     for (i, hit) in hits.iter().enumerate().take(LANES) {
         set(&mut position, i, hit.surface.position);
         set(&mut normal, i, hit.frame.z);
-        set(&mut wo, i, hit.frame.world(hit.wo));
+        set(&mut wo, i, hit.frame.to_world(hit.wo));
     }
     let views = Views { count: hits.len(), position, normal, wo };
     let trust = TRUST * draws as f32;

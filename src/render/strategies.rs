@@ -1,23 +1,20 @@
 //! How directions towards the light are chosen: by the light, by the surface, or by both.
 
 use super::needs::Needs;
-use super::{LightDensity, Sampling, Settings};
+use super::{Sampling, Settings};
 use crate::bsdf::diffuse;
-use crate::envmap::cosine::CosineSampler;
-use crate::envmap::sampler::{CdfSampler, CompensatedSampler, Complete, SurfaceSampler};
-use crate::envmap::strata::StrataSampler;
+use crate::envmap::samplers::SurfaceSampler;
 use crate::error::{Error, Result};
-use crate::sampling::table::Table2;
 use crate::sampling::warp;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// The strategies of a render. That a light density which misses part of the light is never used alone is a matter of
-/// types: [`Strategies::Light`] takes only a [`Complete`] sampler.
+/// The strategies of a render.
 pub enum Strategies {
     /// Neither: there is no light to look for.
     None,
-    Light(Box<dyn Complete>),
+    /// By the light alone: the sampler is complete.
+    Light(Box<dyn SurfaceSampler>),
     Surface(Scatter),
     /// Combined by multiple importance sampling.
     Both(Box<dyn SurfaceSampler>, Scatter),
@@ -53,7 +50,7 @@ impl Scatter {
 impl Strategies {
     /// Builds what the settings ask for, as far as the scene needs it.
     ///
-    /// The density radiance × cosine already holds all of a diffuse surface's integrand. BSDF samples beside it would
+    /// A density that looks at the normal, radiance × cosine, already holds all of a diffuse surface's integrand. BSDF samples beside it would
     /// only add noise (almost three times the error on the first report's scene), so combining then means leaving
     /// them out.
     pub fn new(scene: &Scene, settings: &Settings, needs: &Needs) -> Result<Self> {
@@ -65,26 +62,18 @@ impl Strategies {
         if !needs.environment_table {
             return Ok(Strategies::None);
         }
-        let map = environment.map.clone();
-        if matches!(settings.density, LightDensity::Map | LightDensity::Compensated) {
-            map.request(Table2::BYTES, "the sampling table")?;
-        }
-        Ok(match (settings.sampling, settings.density) {
+        let by_light = settings.density;
+        if by_light.has_fixed_lights() {
             // They are among the scene's lights.
-            (_, LightDensity::CutLights(..)) => Strategies::None,
-            (Sampling::Mis, LightDensity::Strata(n)) => {
-                Strategies::Both(Box::new(StrataSampler::new(map, n as usize)?), scatter)
-            }
-            (_, LightDensity::Strata(n)) => Strategies::Light(Box::new(StrataSampler::new(map, n as usize)?)),
-            (_, LightDensity::Cosine) => Strategies::Light(Box::new(CosineSampler::new(map))),
-            (Sampling::Light, LightDensity::Map) => Strategies::Light(Box::new(CdfSampler::new(map))),
-            (Sampling::Light, LightDensity::Compensated) => {
-                return Err(Error::parameter("density", "the compensated density is 0 where the map is dim")
-                    .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
-            }
-            (_, LightDensity::Map) => Strategies::Both(Box::new(CdfSampler::new(map)), scatter),
-            (_, LightDensity::Compensated) => Strategies::Both(Box::new(CompensatedSampler::new(map)), scatter),
-        })
+            return Ok(Strategies::None);
+        }
+        let combined = settings.sampling == Sampling::Mis && !by_light.needs_normal();
+        if !combined && !by_light.entry().complete {
+            return Err(Error::parameter("density", format!("the density {by_light} misses part of the light"))
+                .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
+        }
+        let sampler = by_light.sampler(environment.map.clone())?;
+        Ok(if combined { Strategies::Both(sampler, scatter) } else { Strategies::Light(sampler) })
     }
 
     /// The strategy that draws by the light, if it is in use.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::envmap::EnvMap;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{
     Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Role, Shape, Sphere,
     builtin,
@@ -43,7 +43,7 @@ fn threads_and_leaving_out_change_no_bit() {
 fn a_white_sphere_in_a_white_furnace_is_invisible() {
     let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
     for sampling in [Sampling::Bsdf, Sampling::Mis] {
-        for density in [LightDensity::Cosine, LightDensity::Map, LightDensity::Compensated] {
+        for density in [MapSampling::COSINE, MapSampling::MAP, MapSampling::COMPENSATED] {
             let settings = Settings { sampling, density, ..Settings::default() };
             let image = render(&scene, &request, &settings, &Silent).unwrap().image;
             let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
@@ -82,7 +82,7 @@ fn impossible_requests_are_refused() {
     ] {
         assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
     }
-    let alone = Settings { density: LightDensity::Compensated, sampling: Sampling::Light, ..Settings::default() };
+    let alone = Settings { density: MapSampling::COMPENSATED, sampling: Sampling::Light, ..Settings::default() };
     assert!(render(&scene, &request, &alone, &Silent).is_err());
 }
 

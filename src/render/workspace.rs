@@ -2,13 +2,12 @@
 
 use super::Settings;
 use super::casters::Cone;
-use super::diffuse;
 use super::exposure::{Classes, Splat, Word};
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
 use super::numbers::Numbers;
 use super::rough::Scattered;
-use crate::raster::Rgb;
+use crate::math::{Frame, Rgb};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -64,32 +63,6 @@ impl RoughHit {
     /// Whether paths from the lamps bring all their light to here.
     pub fn lit(&self) -> bool {
         self.caustic && self.surface.is_flat()
-    }
-}
-
-/// A local frame: the normal at +z.
-#[derive(Clone, Copy)]
-pub struct Frame {
-    pub x: Vec3,
-    pub y: Vec3,
-    pub z: Vec3,
-}
-
-impl Frame {
-    #[inline(always)]
-    pub fn new(normal: Vec3) -> Self {
-        let (x, y) = diffuse::frame(normal);
-        Self { x, y, z: normal }
-    }
-
-    #[inline(always)]
-    pub fn local(&self, w: Vec3) -> Vec3 {
-        Vec3::new(self.x.dot(w), self.y.dot(w), self.z.dot(w))
-    }
-
-    #[inline(always)]
-    pub fn world(&self, w: Vec3) -> Vec3 {
-        self.x * w.x + self.y * w.y + self.z * w.z
     }
 }
 

@@ -2,7 +2,6 @@
 
 pub mod alias;
 pub mod batch;
-pub mod circular;
 mod direction;
 pub mod normals;
 pub(crate) mod prefetch;

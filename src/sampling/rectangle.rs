@@ -5,7 +5,7 @@
 //! product of two complex numbers, one for each of the rectangle's triangles (Van Oosterom & Strackee, "The Solid Angle
 //! of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983), whose relative error does not grow as it shrinks.
 
-use super::circular::Circular;
+use crate::math::circular::Circular;
 
 /// A rectangle seen from a point, which is the origin: x in \[`x0`, `x1`\], y in \[`y0`, `y1`\], z = −`depth` ≤ 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ impl<T: Circular> SphericalRectangle<T> {
         let (cos, sin) = (c2 * c3 - s2 * s3, s2 * c3 + c2 * s3);
         // 2π less that sum, which lies anywhere from 0 to 2π.
         let half = T::angle(sin.abs(), cos);
-        let k = if sin < zero { half } else { T::lit(std::f64::consts::TAU) - half };
+        let k = if sin < zero { half } else { T::from_f64(std::f64::consts::TAU) - half };
         Self { x0, x1, y0, y1, depth, solid_angle: solid_angle([x0, x1], [y0, y1], depth), b0, b1, k }
     }
 
@@ -59,16 +59,16 @@ impl<T: Circular> SphericalRectangle<T> {
     #[inline(always)]
     pub fn sample(&self, u: [T; 2]) -> [T; 2] {
         let (zero, one) = (T::zero(), T::one());
-        let turns = (u[0] * self.solid_angle + self.k) * T::lit(0.5 / std::f64::consts::PI);
+        let turns = (u[0] * self.solid_angle + self.k) * T::from_f64(0.5 / std::f64::consts::PI);
         let (sin, cos) = T::sin_cos_turns(turns);
         let fu = (cos * self.b0 - self.b1) / sin;
         let cu = (one / (fu * fu + self.b0 * self.b0).sqrt()).min(one);
         let cu = if fu > zero { cu } else { -cu };
         let x = -(cu * -self.depth) / (one - cu * cu).max(T::min_positive_value()).sqrt();
-        let middle = T::lit(0.5) * (self.y0 + self.y1);
+        let middle = T::from_f64(0.5) * (self.y0 + self.y1);
         let depth2 = self.depth * self.depth;
         let narrow = between([self.x0, self.x1], depth2 + middle * middle, u[0]);
-        let small = self.solid_angle < T::lit(SMALL) * T::epsilon();
+        let small = self.solid_angle < T::from_f64(SMALL) * T::epsilon();
         let x = if small { narrow } else { x.max(self.x0).min(self.x1) };
         [x, between([self.y0, self.y1], depth2 + x * x, u[1])]
     }
@@ -80,11 +80,11 @@ impl<T: Circular> SphericalRectangle<T> {
 /// without cancellation: h may be close to 1, and both ends to each other.
 #[inline(always)]
 fn between<T: Circular>([a, b]: [T; 2], d2: T, u: T) -> T {
-    let (one, two) = (T::one(), T::lit(2.0));
+    let (one, two) = (T::one(), T::from_f64(2.0));
     let (ra2, rb2) = (d2 + a * a, d2 + b * b);
     let (ha, hb) = (a / ra2.sqrt(), b / rb2.sqrt());
     let apart = if a * b > T::zero() { d2 * (b - a) * (b + a) / (ra2 * rb2 * (ha + hb)) } else { hb - ha };
-    let near_a = u < T::lit(0.5);
+    let near_a = u < T::from_f64(0.5);
     let (h, r2, part) = if near_a { (ha, ra2, u) } else { (hb, rb2, u - one) };
     let step = part * apart;
     let cos2 = (d2 / r2 - step * (two * h + step)).max(T::min_positive_value());
@@ -103,7 +103,7 @@ pub fn solid_angle<T: Circular>([x0, x1]: [T; 2], [y0, y1]: [T; 2], depth: T) ->
     let diagonal = x0 * x1 + y0 * y1 + z2;
     let lower = l00 * l10 * l11 + (x0 * x1 + y0 * y0 + z2) * l11 + (x1 * x1 + y0 * y1 + z2) * l00 + diagonal * l10;
     let upper = l00 * l11 * l01 + diagonal * l01 + (x0 * x1 + y1 * y1 + z2) * l00 + (x0 * x0 + y0 * y1 + z2) * l11;
-    let two = T::lit(2.0);
+    let two = T::from_f64(2.0);
     // Scaled by the lengths, so that nothing over- or underflows.
     let (a, b) = (lower / (l00 * l10 * l11), upper / (l00 * l11 * l01));
     let (ta, tb) = (triple / (l00 * l10 * l11), triple / (l00 * l11 * l01));

@@ -7,8 +7,9 @@ use super::{
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
+use crate::math::Rgb;
 use crate::optics::metals::{self, Metal};
-use crate::raster::{Image, Rgb};
+use crate::raster::Image;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -106,14 +107,13 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
         None => statue(),
     };
     let material = Material::Conductor(Conductor {
-        eta: Rgb::from_array(metal.eta.map(|x| x as f32)),
-        k: Rgb::from_array(metal.k.map(|x| x as f32)),
+        eta: metal.eta_rgb(),
+        k: metal.k_rgb(),
         alpha,
         distribution: Distribution::Beckmann,
         two_sided,
     });
-    let name = format!("cornell-statue-{}", metal.symbol.to_lowercase());
-    Ok(cornell(&name, vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
+    Ok(cornell(&statue_name(metal), vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
 }
 
 /// Where a statue stands, on the middle of the floor: width, height and depth.
@@ -151,42 +151,105 @@ pub fn furnace() -> (Scene, Request) {
     (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })
 }
 
-/// The name of every built-in scene, and what it shows.
-pub const SCENES: [(&str, &str); 7] = [
-    ("sphere-env", "white diffuse ball under an environment map (the first report)"),
-    ("cornell-spheres", "mirror and glass ball in a room with a lamp (the second report)"),
-    ("cornell-lambert", "the same with diffuse balls"),
-    ("cornell-statue-au", "golden statue of 98,976 triangles in the same room, alpha 0.25"),
-    ("cornell-statue-cu", "the statue in copper, alpha 0.05"),
-    ("cornell-statue-fe", "the statue in iron, alpha 0.5"),
-    (
+/// What makes a built-in scene.
+#[derive(Debug, Clone, Copy)]
+enum Maker {
+    /// It needs an environment map, which it brightens by this factor.
+    UnderMap(fn(Environment) -> (Scene, Request), f32),
+    Complete(fn() -> (Scene, Request)),
+    /// Of that metal, in the Cornell box.
+    Statue(&'static Metal),
+}
+
+/// A scene that is built in.
+#[derive(Debug, Clone)]
+pub struct BuiltIn {
+    /// How the command line calls it.
+    pub name: String,
+    /// What it shows, in one line.
+    pub doc: String,
+    maker: Maker,
+}
+
+/// The registry of built-in scenes: one entry each, and a statue of every metal.
+#[must_use]
+pub fn scenes() -> Vec<BuiltIn> {
+    let scene = |name: &str, doc: &str, maker| BuiltIn { name: name.into(), doc: doc.into(), maker };
+    let mut scenes = vec![
+        scene(
+            "sphere-env",
+            "white diffuse sphere under an environment map (the first report)",
+            Maker::UnderMap(sphere_env, SPHERE_ENV_SCALE),
+        ),
+        scene(
+            "cornell-spheres",
+            "mirror and glass sphere in a Cornell box with an area light (the second report)",
+            Maker::Complete(cornell_spheres),
+        ),
+        scene("cornell-lambert", "the same with diffuse spheres", Maker::Complete(cornell_lambert)),
+    ];
+    scenes.extend(metals::METALS.iter().map(|metal| BuiltIn {
+        name: statue_name(metal),
+        doc: format!("statue of {} in the same box, 98,976 triangles, alpha {}", metal.name, statue_alpha(metal)),
+        maker: Maker::Statue(metal),
+    }));
+    scenes.push(scene(
         "furnace",
         "diffuse, mirror, glass and metal spheres in light of radiance 1 from everywhere: diffuse and glass must vanish \
          (1); metal is darker (0.891), as single scattering loses energy; the mirror shows the metal (0.996)",
-    ),
-];
+        Maker::Complete(furnace),
+    ));
+    scenes
+}
 
-/// The built-in scene of that name, if there is one; `sphere-env`, which needs a map, is [`sphere_env`].
-///
-/// # Errors
-/// [`Error::Parameter`] when a mesh is given that the scene has no place for or that cannot be fitted.
-pub fn by_name(name: &str, mesh: Option<Mesh>) -> Result<Option<(Scene, Request)>> {
-    let statue = [("au", 0.25), ("cu", 0.05), ("fe", 0.5)].into_iter().find_map(|(symbol, alpha)| {
-        (name.strip_prefix("cornell-statue-")? == symbol).then_some((metals::by_name(symbol)?, alpha))
-    });
-    if let Some((metal, alpha)) = statue {
-        return cornell_statue(metal, alpha, mesh).map(Some);
+fn statue_name(metal: &Metal) -> String {
+    format!("cornell-statue-{}", metal.symbol.to_lowercase())
+}
+
+/// The roughness of a metal's statue: copper and iron as in the second report's pictures, all others as its gold.
+fn statue_alpha(metal: &Metal) -> f32 {
+    match metal.symbol {
+        "Cu" => 0.05,
+        "Fe" => 0.5,
+        _ => 0.25,
     }
-    if mesh.is_some() {
-        return Err(Error::parameter("mesh", format!("the scene {name} has no statue to replace"))
-            .with_hint("it takes the place of the statue in cornell-statue-au, -cu and -fe"));
+}
+
+/// The built-in scene of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<BuiltIn> {
+    scenes().into_iter().find(|scene| scene.name == name)
+}
+
+impl BuiltIn {
+    /// How much the scene brightens the environment map that [`BuiltIn::make`] needs; `None`: it needs none.
+    #[must_use]
+    pub fn map_scale(&self) -> Option<f32> {
+        match self.maker {
+            Maker::UnderMap(_, scale) => Some(scale),
+            Maker::Complete(_) | Maker::Statue(_) => None,
+        }
     }
-    Ok(match name {
-        "cornell-spheres" => Some(cornell_spheres()),
-        "cornell-lambert" => Some(cornell_lambert()),
-        "furnace" => Some(furnace()),
-        _ => None,
-    })
+
+    /// Makes the scene under the environment, if it needs one, and with the mesh in place of its statue.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when a map is missing, and when a mesh is given that the scene has no place for or that cannot
+    /// be fitted.
+    pub fn make(&self, environment: Option<Environment>, mesh: Option<Mesh>) -> Result<(Scene, Request)> {
+        if mesh.is_some() && !matches!(self.maker, Maker::Statue(_)) {
+            return Err(Error::parameter("mesh", format!("the scene {} has no statue to replace", self.name))
+                .with_hint("it takes the place of the statue in the cornell-statue scenes"));
+        }
+        match (self.maker, environment) {
+            (Maker::UnderMap(make, _), Some(environment)) => Ok(make(environment)),
+            (Maker::UnderMap(..), None) => {
+                Err(Error::parameter("envmap", format!("the scene {} needs an environment map", self.name)))
+            }
+            (Maker::Complete(make), _) => Ok(make()),
+            (Maker::Statue(metal), _) => cornell_statue(metal, statue_alpha(metal), mesh),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -194,13 +257,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_scene_of_the_list_can_be_had_by_name() {
-        for (name, _) in SCENES.iter().filter(|(name, _)| *name != "sphere-env") {
-            let (scene, request) = by_name(name, None).unwrap().unwrap();
-            assert_eq!(scene.name, *name);
+    fn every_scene_is_documented_and_can_be_made() {
+        for entry in scenes() {
+            assert!(entry.doc.len() > 10, "{}", entry.name);
+            let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
+            let environment = entry.map_scale().map(|scale| Environment::upright(map, "constant", scale));
+            let (scene, request) = entry.make(environment, None).unwrap();
+            assert_eq!((scene.name.as_str(), find(&entry.name).unwrap().name), (&*entry.name, entry.name.clone()));
             assert!(request.width * request.height > 0);
         }
-        assert!(by_name("cornell-box", None).unwrap().is_none());
-        assert!(by_name("furnace", Some(Mesh::default())).is_err());
+        assert!(find("cornell-box").is_none());
+        let make = |name: &str, mesh| find(name).unwrap().make(None, mesh);
+        assert!(make("furnace", Some(Mesh::default())).is_err() && make("sphere-env", None).is_err());
     }
 }

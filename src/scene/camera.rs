@@ -5,7 +5,9 @@ use glam::{DVec3, Vec3};
 /// A half-line. The direction has unit length.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Ray {
+    /// Where it starts.
     pub origin: Vec3,
+    /// Where it goes, of unit length.
     pub direction: Vec3,
 }
 
@@ -13,18 +15,33 @@ pub struct Ray {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// Parallel rays; the film shows ±`half_width` × ±`half_height` world units.
-    Orthographic { half_width: f64, half_height: f64 },
-    /// Rays through one point; the values are the tangents of half the fields of view.
-    Perspective { tan_half_width: f64, tan_half_height: f64 },
+    Orthographic {
+        /// Half of what the film shows across, in world units.
+        half_width: f64,
+        /// Half of what it shows from bottom to top.
+        half_height: f64,
+    },
+    /// Rays through one point.
+    Perspective {
+        /// Tangent of half the horizontal field of view.
+        tan_half_width: f64,
+        /// Tangent of half the vertical one.
+        tan_half_height: f64,
+    },
 }
 
 /// A camera in the world. `right`, `up` and `forward` are orthonormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
+    /// Where the rays start, or the middle of the film of parallel rays.
     pub position: DVec3,
+    /// Towards the right edge of the image.
     pub right: DVec3,
+    /// Towards its upper edge.
     pub up: DVec3,
+    /// Towards what is in its middle.
     pub forward: DVec3,
+    /// How film positions become rays.
     pub projection: Projection,
 }
 

@@ -1,13 +1,14 @@
 //! Light from infinity: a lat-long map, turned and scaled into the scene.
 
 use crate::envmap::EnvMap;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// An environment map in a scene.
 #[derive(Debug, Clone)]
 pub struct Environment {
+    /// Radiance by direction, in the map's own frame.
     pub map: Arc<EnvMap>,
     /// What the map is called: its file or built-in name.
     pub source: String,

@@ -1,20 +1,40 @@
 //! Lights without a visible surface.
 
 use super::Rectangle;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::Vec3;
 
 /// A light that nothing can hit: rays pass through it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// Radiance from the front of a rectangle.
-    Rectangle { rectangle: Rectangle, radiance: Rgb },
+    Rectangle {
+        /// Where it is.
+        rectangle: Rectangle,
+        /// W/(m² sr), the same in every direction.
+        radiance: Rgb,
+    },
     /// Intensity (power per solid angle) from a point.
-    Point { position: Vec3, intensity: Rgb, falloff: Falloff },
-    /// Irradiance, on surfaces that face it, from one direction; `direction` is the way that the light travels.
-    Directional { direction: Vec3, irradiance: Rgb },
+    Point {
+        /// In the world.
+        position: Vec3,
+        /// W/sr, the same in every direction.
+        intensity: Rgb,
+        /// How the irradiance depends on the distance.
+        falloff: Falloff,
+    },
+    /// Light from one direction.
+    Directional {
+        /// The way that the light travels, of unit length.
+        direction: Vec3,
+        /// W/m² on a surface that faces it.
+        irradiance: Rgb,
+    },
     /// The same radiance from everywhere above the horizon (+y).
-    Hemisphere { radiance: Rgb },
+    Hemisphere {
+        /// W/(m² sr).
+        radiance: Rgb,
+    },
 }
 
 /// How the light of a point grows weaker with distance.

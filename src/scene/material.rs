@@ -1,21 +1,38 @@
-//! How surfaces scatter light, and what lamps they are.
+//! How surfaces scatter and emit light.
 
+use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use glam::Vec3;
 
 /// How a surface scatters light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Material {
-    /// Lambertian reflection of the given albedo, on both sides.
-    Diffuse { albedo: Rgb },
+    /// Lambertian reflection, f = albedo/π, on both sides.
+    Diffuse {
+        /// The part of the light that is reflected, per channel.
+        albedo: Rgb,
+    },
     /// A perfect mirror, on both sides.
-    Mirror { reflectance: Rgb },
-    /// Refraction without reflection; beyond the critical angle no light passes. `eta` is the index of refraction of
-    /// the inside over that of the outside.
-    Refraction { transmittance: Rgb, eta: f32 },
+    Mirror {
+        /// The part of the light that is reflected, per channel.
+        reflectance: Rgb,
+    },
+    /// Refraction without reflection; beyond the critical angle no light passes.
+    Refraction {
+        /// Factor on what passes, per channel.
+        transmittance: Rgb,
+        /// Index of refraction of the inside over that of the outside.
+        eta: f32,
+    },
     /// A smooth dielectric boundary: reflection and refraction shared by Fresnel's equations.
-    Glass { reflectance: Rgb, transmittance: Rgb, eta: f32 },
+    Glass {
+        /// Factor on what is reflected, per channel.
+        reflectance: Rgb,
+        /// Factor on what passes, per channel.
+        transmittance: Rgb,
+        /// Index of refraction of the inside over that of the outside.
+        eta: f32,
+    },
     /// A conductor: rough, or smooth below [`Conductor::SMOOTH_ALPHA`].
     Conductor(Conductor),
 }
@@ -29,6 +46,7 @@ pub struct Conductor {
     pub k: Rgb,
     /// Width of the distribution of normals; below [`Conductor::SMOOTH_ALPHA`] the surface is a perfect mirror.
     pub alpha: f32,
+    /// The distribution of normals.
     pub distribution: Distribution,
     /// Whether the surface reflects on both sides, as in pbrt; else its back is black, as in the course's renderer.
     pub two_sided: bool,
@@ -42,14 +60,15 @@ impl Conductor {
 /// Light that a surface gives off, the same in every direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emission {
+    /// W/(m² sr).
     pub radiance: Rgb,
-    /// Whether the back glows as well as the front (the side of the normal).
+    /// Whether the back emits as well as the front (the side of the normal).
     pub two_sided: bool,
     pub role: Role,
 }
 
 impl Emission {
-    /// Whether a ray of that direction, where it meets a surface of that normal, sees it glow.
+    /// Whether a ray of that direction, where it meets a surface of that normal, sees its emission.
     #[inline]
     #[must_use]
     pub fn is_seen(&self, normal: Vec3, direction: Vec3) -> bool {
@@ -57,7 +76,7 @@ impl Emission {
     }
 }
 
-/// What a glowing surface does in the scene.
+/// What an emitting surface does in the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Role {
     /// It lights surfaces and is seen.

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// A triangle mesh in the world. Triangles are counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
+    /// The vertices.
     pub positions: Vec<Vec3>,
     /// Unit normals per vertex, interpolated for shading; empty for flat triangles.
     pub normals: Vec<Vec3>,
@@ -19,6 +20,7 @@ pub struct Mesh {
 /// A point on a triangle of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
+    /// In the world.
     pub point: Vec3,
     /// Unit normal of the triangle, to the side from which it is counter-clockwise.
     pub normal: Vec3,

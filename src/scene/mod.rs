@@ -31,8 +31,11 @@ use std::sync::Arc;
 /// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
 #[derive(Debug, Clone)]
 pub struct Scene {
+    /// What results and messages call it.
     pub name: String,
+    /// Where it is seen from.
     pub camera: Camera,
+    /// What rays can hit.
     pub objects: Vec<Object>,
     /// Lights that are not objects.
     pub lights: Vec<Light>,
@@ -48,7 +51,7 @@ impl Scene {
         self.environment.is_some() || !self.lights.is_empty() || self.objects.iter().any(emits)
     }
 
-    /// The scene for a picture of another size than `request` has; see [`Camera::fitted`].
+    /// The scene for an image of another size than `request` has; see [`Camera::fitted`].
     #[must_use]
     pub fn resized(self, request: Request, [width, height]: [usize; 2]) -> (Self, Request) {
         let camera = self.camera.fitted([request.width, request.height], [width, height]);
@@ -56,16 +59,19 @@ impl Scene {
     }
 }
 
-/// A shape, what it is made of, and whether it glows.
+/// A shape, its material, and whether it emits light.
 #[derive(Debug, Clone)]
 pub struct Object {
+    /// Its surface, in the world.
     pub shape: Shape,
+    /// How the surface scatters light.
     pub material: Material,
+    /// The light that the surface gives off; `None` for most.
     pub emission: Option<Emission>,
 }
 
 impl Object {
-    /// An object that does not glow.
+    /// An object that emits no light.
     #[must_use]
     pub fn new(shape: Shape, material: Material) -> Self {
         Self { shape, material, emission: None }
@@ -75,7 +81,10 @@ impl Object {
 /// A shape.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
+    /// A whole sphere.
     Sphere(Sphere),
+    /// A flat rectangle.
     Rectangle(Rectangle),
+    /// Triangles; a mesh may be shared by objects.
     Mesh(Arc<Mesh>),
 }

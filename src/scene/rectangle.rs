@@ -1,4 +1,4 @@
-//! The rectangle: walls and lamps.
+//! The rectangle: walls and area lights.
 
 use glam::Vec3;
 
@@ -35,6 +35,7 @@ impl Rectangle {
         if closed { Self::new((a + c) * 0.5, x, y) } else { None }
     }
 
+    /// The middle.
     #[must_use]
     pub fn centre(&self) -> Vec3 {
         self.centre
@@ -69,6 +70,7 @@ impl Rectangle {
         if t > 0.0 && within { t } else { f32::INFINITY }
     }
 
+    /// Product of its sides.
     #[must_use]
     pub fn area(&self) -> f32 {
         4.0 * self.half[0].length() * self.half[1].length()

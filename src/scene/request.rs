@@ -3,7 +3,9 @@
 /// Image size and sampling that a scene asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request {
+    /// In pixels.
     pub width: usize,
+    /// In pixels.
     pub height: usize,
     /// Camera samples per pixel.
     pub spp: u32,

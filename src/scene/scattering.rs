@@ -1,21 +1,22 @@
 //! A material's scattering functions, its constants computed once.
 
 use super::material::{Conductor, Material};
-use crate::bsdf::report_model::{ReportConductor, ReportConventions, ReportGlass};
 use crate::bsdf::{
-    self, Bsdf, DielectricFresnel, Diffuse, Glass, MetalFresnel, Mirror, Normals, Refraction, SmoothConductor,
+    self, Bsdf, ConventionalConductor, DielectricFresnel, Diffuse, Glass, MetalFresnel, Mirror, Normals, Refraction,
+    SmoothConductor,
 };
+use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 
 /// Which of several models and sampling strategies to use for the materials of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ScatterModel {
-    /// How rough conductors draw directions.
+    /// How rough conductors are sampled.
     pub normals: Normals,
     /// What glass reflects.
     pub dielectric: DielectricFresnel,
-    /// The reports' conventions, which where they apply take precedence over the above.
-    pub report: ReportConventions,
+    /// The conventions, which where they differ from the correct ones take precedence over the above.
+    pub conventions: Conventions,
 }
 
 impl Material {
@@ -26,11 +27,13 @@ impl Material {
             Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
             Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
             Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
-            Self::Glass { reflectance, transmittance, eta } if model.report.single_cosine_schlick => {
-                Bsdf::ReportGlass(ReportGlass { reflectance, transmittance, eta })
-            }
             Self::Glass { reflectance, transmittance, eta } => {
-                Bsdf::Glass(Glass { reflectance, transmittance, eta, fresnel: model.dielectric })
+                let fresnel = if model.conventions.single_cosine_schlick {
+                    DielectricFresnel::SingleCosineSchlick
+                } else {
+                    model.dielectric
+                };
+                Bsdf::Glass(Glass { reflectance, transmittance, eta, fresnel })
             }
             Self::Conductor(conductor) => conductor.bsdf(model),
         }
@@ -38,7 +41,7 @@ impl Material {
 }
 
 impl Conductor {
-    /// The reports know Beckmann's distribution only; their conventions leave the others alone.
+    /// Other conventions are of Beckmann's distribution only; they leave GGX alone.
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
         let fresnel = MetalFresnel::new(self.eta, self.k);
         let normals = model.normals;
@@ -48,8 +51,12 @@ impl Conductor {
         match self.distribution {
             Distribution::Beckmann => {
                 let distribution = Beckmann::new(self.alpha);
-                if model.report.change_metal() {
-                    return Bsdf::ReportConductor(ReportConductor { distribution, fresnel, conventions: model.report });
+                if model.conventions.change_metal() {
+                    return Bsdf::ConventionalConductor(ConventionalConductor {
+                        distribution,
+                        fresnel,
+                        conventions: model.conventions,
+                    });
                 }
                 Bsdf::Beckmann(bsdf::Conductor { distribution, fresnel, normals })
             }

@@ -5,7 +5,9 @@ use glam::Vec3;
 /// A sphere in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
+    /// In the world.
     pub centre: Vec3,
+    /// Above 0.
     pub radius: f32,
 }
 

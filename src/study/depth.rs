@@ -6,7 +6,8 @@
 use super::object_ids::{Kind, ObjectIds};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::raster::{Image, Metadata, Rgb};
+use crate::math::Rgb;
+use crate::raster::{Image, Metadata};
 use crate::render::exposure::{Classes, Exposure, Part};
 use crate::render::{Dropped, Job, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};

@@ -1,19 +1,10 @@
 //! Reflectance of a dielectric over the angle of incidence, exact and by Schlick.
 
+use crate::errata::Conventions;
+use crate::errata::fresnel::schlick_incident_cosine;
 use crate::error::{Error, Result};
 use crate::optics::{dielectric, interface, schlick};
 use serde::Serialize;
-
-/// Which formulas to use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Model {
-    /// The right ones.
-    #[default]
-    Exact,
-    /// The first report's: Schlick with the incident cosine on both sides, curves ended at the critical angle.
-    Report,
-}
 
 /// One angle of incidence. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -39,8 +30,8 @@ pub struct Curves {
     pub eta_i: f64,
     /// Index of refraction on the other side.
     pub eta_t: f64,
-    /// Which formulas were used.
-    pub model: Model,
+    /// "exact", or "report" for curves by the first report's conventions.
+    pub model: &'static str,
     /// Where no parallel light is reflected; `None` without an interface (equal indices).
     pub brewster_deg: Option<f64>,
     /// Beyond it all light is reflected; `None` when entering the denser side.
@@ -91,16 +82,22 @@ pub(super) fn cos_deg(theta_deg: f64) -> f64 {
 }
 
 /// Computes the curves for light that comes from index `eta_i` and meets index `eta_t`.
-pub fn curves(eta_i: f64, eta_t: f64, points: usize, model: Model) -> Result<Curves> {
+///
+/// Under [`Conventions::single_cosine_schlick`] Schlick's curve is that of the first report, and all end at the critical
+/// angle, as there.
+///
+/// # Errors
+/// [`Error::Parameter`] for impossible indices and numbers of points.
+pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<Curves> {
     check_index("eta_i", eta_i)?;
     check_index("eta_t", eta_t)?;
     let eta = eta_t / eta_i;
-    let approximate = |cos: f64| match model {
-        Model::Exact => schlick::schlick(cos, eta),
-        Model::Report => schlick::schlick_incident_cosine(cos, eta),
+    let single_cosine = conventions.single_cosine_schlick;
+    let approximate = |cos: f64| {
+        if single_cosine { schlick_incident_cosine(cos, eta) } else { schlick::schlick(cos, eta) }
     };
     let critical_deg = interface::critical(eta).map(f64::to_degrees);
-    let end = if model == Model::Report { critical_deg.unwrap_or(90.0) } else { 90.0 };
+    let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };
     let row = |theta_deg: f64| {
         let exact = dielectric::fresnel(cos_deg(theta_deg), eta);
         Row {
@@ -126,7 +123,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, model: Model) -> Result<Cur
     Ok(Curves {
         eta_i,
         eta_t,
-        model,
+        model: if single_cosine { "report" } else { "exact" },
         brewster_deg: (eta != 1.0).then(|| interface::brewster(eta).to_degrees()),
         critical_deg,
         r_normal: normal.unpolarized(),
@@ -162,15 +159,15 @@ mod tests {
 
     #[test]
     fn the_reports_glass() {
-        let enter = curves(1.0, 1.45, 91, Model::Exact).unwrap();
+        let enter = curves(1.0, 1.45, 91, Conventions::CORRECT).unwrap();
         assert!((enter.brewster_deg.unwrap() - 55.407_711_312_490_06).abs() < 1e-11);
         assert_eq!(enter.critical_deg, None);
         assert!((enter.r_normal - 0.033_735_943_356_934).abs() < 1e-15);
         assert_eq!(enter.rows.len(), 91);
-        let exit = curves(1.45, 1.0, 91, Model::Exact).unwrap();
+        let exit = curves(1.45, 1.0, 91, Conventions::CORRECT).unwrap();
         assert!((exit.critical_deg.unwrap() - 43.602_818_972_703_62).abs() < 1e-11);
         assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.r_parallel == 1.0 && r.r_schlick == 1.0));
-        let report = curves(1.45, 1.0, 91, Model::Report).unwrap();
+        let report = curves(1.45, 1.0, 91, Conventions::FIRST_REPORT).unwrap();
         assert_eq!(
             report.rows.last().unwrap().theta_deg,
             report.critical_deg.unwrap(),
@@ -182,14 +179,14 @@ mod tests {
     #[test]
     fn schlicks_published_error_for_glass() {
         // numerics of eta 1.5: 0.036 at about 85°; relative 23 % somewhere.
-        let c = curves(1.0, 1.5, 2, Model::Exact).unwrap();
+        let c = curves(1.0, 1.5, 2, Conventions::CORRECT).unwrap();
         assert!((c.schlick_max_abs_error - 0.036).abs() < 1e-3 && (c.schlick_max_abs_error_deg - 85.0).abs() < 1.0);
         assert!((c.schlick_max_rel_error - 0.23).abs() < 0.01);
     }
 
     #[test]
     fn equal_indices_reflect_nothing() {
-        let c = curves(1.3, 1.3, 5, Model::Exact).unwrap();
+        let c = curves(1.3, 1.3, 5, Conventions::CORRECT).unwrap();
         assert!(c.rows.iter().all(|r| r.r_unpolarized == 0.0 && r.r_schlick == 0.0 && r.transmittance == 1.0));
         assert_eq!((c.brewster_deg, c.critical_deg, c.r_normal), (None, None, 0.0));
     }
@@ -197,10 +194,13 @@ mod tests {
     #[test]
     fn bad_input_is_refused() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(curves(bad, 1.5, 10, Model::Exact).is_err() && curves(1.0, bad, 10, Model::Exact).is_err());
+            assert!(
+                curves(bad, 1.5, 10, Conventions::CORRECT).is_err()
+                    && curves(1.0, bad, 10, Conventions::CORRECT).is_err()
+            );
         }
         for points in [0, 1, usize::MAX] {
-            assert!(curves(1.0, 1.5, points, Model::Exact).is_err());
+            assert!(curves(1.0, 1.5, points, Conventions::CORRECT).is_err());
         }
     }
 }

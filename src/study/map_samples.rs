@@ -1,30 +1,12 @@
 //! Samples of an environment map: direction, pdf, radiance.
 
 use crate::envmap::EnvMap;
-use crate::envmap::batch::EnvSamples;
-use crate::envmap::latlong::intensity;
-use crate::envmap::report_model::ReportSampler;
-use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, EnvSample};
+use crate::envmap::samplers::{EnvSample, EnvSamples, SurfaceSampler};
 use crate::error::{Error, Result};
-use crate::sampling::alias::AliasTable;
+use crate::math::mean_rgb;
 use crate::sampling::stream::{Independent, Stream};
-use crate::sampling::table::Table2;
+use glam::DVec3;
 use serde::Serialize;
-use std::sync::Arc;
-
-/// How to sample the map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
-    /// Row CDF, then column CDF.
-    #[default]
-    Cdf,
-    /// One alias table over all texels.
-    Alias,
-    /// The MIS-compensated pdf, by CDF.
-    Compensated,
-    /// As the first report does it: weights of 0 at the poles, texel corners.
-    Report,
-}
 
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -63,29 +45,22 @@ pub struct MapSamples {
 /// Largest number of samples that can be asked for at once.
 pub const MAX_SAMPLES: usize = 1 << 16;
 
-/// Takes `n` samples with independent random numbers.
+/// Takes `n` samples of the map by one of its samplers, for a surface of that normal (in the map's frame; samplers of all
+/// directions ignore it), with independent random numbers.
 ///
 /// # Errors
-/// No sample or too many, or too little memory.
-pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<MapSamples> {
+/// [`Error::Parameter`] for 0 samples and for more than [`MAX_SAMPLES`].
+pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize, seed: u64) -> Result<MapSamples> {
     if n == 0 || n > MAX_SAMPLES {
         return Err(
             Error::parameter("n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
-    let bytes = if method == Method::Alias { AliasTable::BYTES } else { Table2::BYTES };
-    map.request(bytes, "the sampling table")?;
-    let sampler: Box<dyn DirectionSampler> = match method {
-        Method::Cdf => Box::new(CdfSampler::new(map.clone())),
-        Method::Alias => Box::new(AliasSampler::new(map.clone())),
-        Method::Compensated => Box::new(CompensatedSampler::new(map.clone())),
-        Method::Report => Box::new(ReportSampler::new(map.clone())),
-    };
     let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
     let mut sampled = EnvSamples::default();
-    sampler.sample_many(&numbers, &mut sampled);
+    sampler.sample_many_for(&numbers, normal, &mut sampled);
     let samples: Vec<EnvSample> = sampled.iter().collect();
-    let estimate = |s: &EnvSample| intensity(s.radiance) / s.pdf;
+    let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
         Row {
@@ -102,7 +77,7 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
     };
     Ok(MapSamples {
         flux_estimate: samples.iter().map(estimate).sum::<f64>() / n as f64,
-        pdf_mismatches: samples.iter().filter(|s| s.pdf.to_bits() != sampler.pdf(s.wi).to_bits()).count(),
+        pdf_mismatches: samples.iter().filter(|s| s.pdf.to_bits() != sampler.pdf_for(s.wi, normal).to_bits()).count(),
         rows: samples.iter().map(row).collect(),
     })
 }
@@ -110,18 +85,30 @@ pub fn draw(map: &Arc<EnvMap>, method: Method, n: usize, seed: u64) -> Result<Ma
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envmap::samplers::{ALL, ConventionalSampler, MapSampling};
     use crate::envmap::synthetic::Synthetic;
+    use crate::errata::Conventions;
+    use std::sync::Arc;
+
+    fn draw_by(sampling: MapSampling, map: &Arc<EnvMap>, n: usize, seed: u64) -> Result<MapSamples> {
+        draw(map, &*sampling.sampler(map.clone())?, DVec3::Y, n, seed)
+    }
 
     #[test]
-    fn every_method_takes_as_many_samples_as_asked() {
+    fn every_sampler_takes_as_many_samples_as_asked() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
-        for method in [Method::Cdf, Method::Alias, Method::Compensated, Method::Report] {
-            let samples = draw(&map, method, 256, 1).unwrap();
-            assert_eq!(samples.rows.len(), 256);
-            assert_eq!(samples.rows, draw(&map, method, 256, 1).unwrap().rows);
-            assert!(method == Method::Report || samples.pdf_mismatches == 0);
+        for sampling in ALL.iter().map(|entry| MapSampling::with_regions(entry, 16)) {
+            if sampling.has_fixed_lights() {
+                continue;
+            }
+            let samples = draw_by(sampling, &map, 256, 1).unwrap();
+            assert!(samples.rows.len() == 256 || sampling.needs_normal());
+            assert_eq!(samples.rows, draw_by(sampling, &map, 256, 1).unwrap().rows);
+            assert_eq!(samples.pdf_mismatches, 0, "{sampling}");
         }
-        assert!(draw(&map, Method::Cdf, 0, 1).is_err());
+        let corners = ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT);
+        assert!(draw(&map, &corners, DVec3::Y, 256, 1).unwrap().pdf_mismatches > 0);
+        assert!(draw_by(MapSampling::MAP, &map, 0, 1).is_err());
     }
 
     #[test]
@@ -129,13 +116,13 @@ mod tests {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let info = crate::envmap::info::Info::of(&map);
         let flux = info.flux_rgb.iter().sum::<f64>() / 3.0;
-        let estimate = draw(&map, Method::Cdf, 16, 7).unwrap().flux_estimate;
+        let estimate = draw_by(MapSampling::MAP, &map, 16, 7).unwrap().flux_estimate;
         assert!((estimate / flux - 1.0).abs() < 1e-6, "{estimate} against {flux}");
     }
 
     #[test]
     fn a_black_map_has_no_samples() {
         let map = Arc::new(EnvMap::new(Synthetic::Black.make()));
-        assert!(draw(&map, Method::Cdf, 64, 1).unwrap().rows.is_empty());
+        assert!(draw_by(MapSampling::MAP, &map, 64, 1).unwrap().rows.is_empty());
     }
 }

@@ -90,7 +90,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 pub fn table(points: usize) -> Result<Table> {
     let mut rows = Vec::new();
     let mut all_curves = Vec::new();
-    for known in &metals::METALS {
+    for known in metals::METALS {
         let curves = metal::by_name(known.symbol, points)?;
         for (channel, wavelength_nm) in curves.channels.iter().zip(metals::WAVELENGTHS_NM) {
             let (eta, k) = (channel.eta, channel.k);

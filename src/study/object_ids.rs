@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(at(240, 150), Some(Kind::Diffuse));
         assert_eq!(at(0, 180), None, "beside the box");
         assert!(ids.pixels.iter().all(|k| *k != Some(Kind::Metal)));
-        let (scene, request) = builtin::by_name("cornell-statue-fe", None).unwrap().unwrap();
+        let (scene, request) = builtin::find("cornell-statue-fe").unwrap().make(None, None).unwrap();
         let statue = ObjectIds::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
         assert!((10_000..25_000).contains(&statue), "{statue}");
     }

@@ -54,7 +54,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     }
     let g = map.geometry();
     let energies: Vec<f64> =
-        (0..g.height()).map(|y| (0..g.width()).map(|x| map.intensity(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
+        (0..g.height()).map(|y| (0..g.width()).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
     let table = Table1::new(&energies);
     let count = |number: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
         let mut counts = vec![0; energies.len()];

@@ -5,6 +5,7 @@ use super::object_ids::Kind;
 use super::pixel_mean::Mean;
 use super::roughness::{Shot, shoot};
 use crate::bsdf::Normals;
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::render::Settings;
@@ -84,7 +85,7 @@ impl Comparison {
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
     let shot = |normals: Normals, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
-        settings.model.scattering.normals = normals;
+        settings.model.normals = normals;
         shoot(scene, request, &settings)
     };
     let (importance, hemisphere) = (shot(Normals::Visible, 0)?, shot(Normals::Hemisphere, 1)?);
@@ -158,7 +159,8 @@ impl Side {
         if values.is_empty() {
             return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };
         }
-        let shown = to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::Report);
+        let shown =
+            to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));
         let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
         light.sort_unstable_by(f64::total_cmp);
         Self {
@@ -177,7 +179,7 @@ mod tests {
 
     #[test]
     fn both_agree_and_one_is_noisier() {
-        let (scene, request) = builtin::by_name("cornell-statue-cu", None).unwrap().unwrap();
+        let (scene, request) = builtin::find("cornell-statue-cu").unwrap().make(None, None).unwrap();
         let request = Request { width: 64, height: 48, spp: 16, light_samples: 1, ..request };
         let result = compare(&scene, &request, &Settings::default()).unwrap();
         assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0 && result.z_rim.abs() < 4.0);

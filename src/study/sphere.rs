@@ -1,9 +1,10 @@
 //! The first report's sphere under an environment map: renders of it against its exact image, by sampling strategy.
 
 use crate::envmap::irradiance::IrradianceTree;
+use crate::envmap::samplers::MapSampling;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::Result;
-use crate::render::{LightDensity, Rendered, Sampling, Settings, Silent, render};
+use crate::render::{Rendered, Sampling, Settings, Silent, render};
 use crate::scene::{Environment, Request, builtin};
 use crate::study::fit;
 use etalon_stats::estimate::Estimate;
@@ -135,11 +136,11 @@ pub struct Series {
 }
 
 /// The strategies that are compared: label, sampling, pdf of light samples.
-const STRATEGIES: [(&str, Sampling, LightDensity); 4] = [
-    ("radiance × cosine (default)", Sampling::Mis, LightDensity::Cosine),
-    ("MIS, compensated map", Sampling::Mis, LightDensity::Compensated),
-    ("MIS, map", Sampling::Mis, LightDensity::Map),
-    ("map alone, as the report", Sampling::Light, LightDensity::Map),
+const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
+    ("radiance × cosine (default)", Sampling::Mis, MapSampling::COSINE),
+    ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED),
+    ("MIS, map", Sampling::Mis, MapSampling::MAP),
+    ("map alone, as the report", Sampling::Light, MapSampling::MAP),
 ];
 
 /// Renders the sphere by every strategy at each number of samples per pixel.
@@ -212,7 +213,9 @@ fn in_ring(x: usize, y: usize, size: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envmap::samplers::MapSampling;
     use crate::envmap::synthetic::Synthetic;
+    use crate::render::Sampling;
     use std::sync::Arc;
 
     #[test]
@@ -228,10 +231,10 @@ mod tests {
         let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Sun.make())), name: "sun".into() };
         let exact = Exact::new(&map.map, 8.0, 41);
         for (sampling, density, tolerance) in [
-            (Sampling::Light, LightDensity::Cosine, 0.01),
-            (Sampling::Light, LightDensity::Map, 0.02),
-            (Sampling::Mis, LightDensity::Map, 0.02),
-            (Sampling::Mis, LightDensity::Compensated, 0.02),
+            (Sampling::Light, MapSampling::COSINE, 0.01),
+            (Sampling::Light, MapSampling::MAP, 0.02),
+            (Sampling::Mis, MapSampling::MAP, 0.02),
+            (Sampling::Mis, MapSampling::COMPENSATED, 0.02),
         ] {
             let settings = Settings { sampling, density, ..Settings::default() };
             let shot = shoot(&map, 64, &exact, &settings).unwrap();

@@ -1,5 +1,6 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class.
 
+use crate::errata::Conventions;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
@@ -7,7 +8,7 @@ use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 /// An image as the second report shows its own.
 #[must_use]
 pub fn as_the_report(image: &Image) -> Rgb8 {
-    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Report))
+    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 /// How [`as_the_report`] shows radiance, for captions.

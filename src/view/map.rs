@@ -2,7 +2,8 @@
 
 use crate::envmap::EnvMap;
 use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, overlay, theme};
-use crate::raster::{Image, Rgb, ToneMap, auto_exposure, to_rgb8};
+use crate::math::Rgb;
+use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::{map_samples, median_cut};
 
 /// How radiance becomes colour.

@@ -6,6 +6,7 @@ use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
 use etalon::import::sampler::program::{Answer, Client, Peer};
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
+use etalon::optics::metals::GOLD;
 use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::exposure::Part;
 use etalon::render::{Settings, Silent, render};
@@ -35,7 +36,7 @@ pub fn png(path: &Path) -> Result<()> {
         *sum = crc.sum().to_be_bytes();
         rest = tail;
     }
-    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))?;
+    std::fs::remove_file(path).and_then(|()| std::fs::write(path, bytes)).map_err(|e| Error::io(path, e))?;
     image(path)
 }
 
@@ -57,13 +58,9 @@ pub fn mesh(path: &Path) -> Result<()> {
     if mesh.normals.is_empty() {
         mesh.smooth();
     }
-    match builtin::by_name("cornell-statue-au", Some(mesh))? {
-        Some((scene, request)) => {
-            let (scene, request) = scene.resized(request, SIZE);
-            picture(&scene, &request)
-        }
-        None => Ok(()),
-    }
+    let (scene, request) = builtin::cornell_statue(GOLD, 0.25, Some(mesh))?;
+    let (scene, request) = scene.resized(request, SIZE);
+    picture(&scene, &request)
 }
 
 pub fn scene(path: &Path) -> Result<()> {

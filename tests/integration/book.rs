@@ -38,3 +38,27 @@ fn examples_run() {
     }
     assert!(count > 10, "{count} examples");
 }
+
+/// Of all that `reproduce` writes, the repository keeps the checks and what the pages show.
+#[test]
+fn pictures_shown_are_kept_and_no_others() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let pages = std::fs::read_dir(root.join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
+    let mut shown: Vec<String> = pages
+        .chain([root.join("README.md")])
+        .flat_map(|page| {
+            let text = std::fs::read_to_string(page).unwrap();
+            let names = text.split("](").skip(1).filter_map(|link| link.split_once(')')?.0.rsplit_once("figures/"));
+            names.map(|(_, name)| name.to_owned()).filter(|name| !name.is_empty()).collect::<Vec<_>>()
+        })
+        .chain(["checks.csv".into()])
+        .collect();
+    shown.sort();
+    shown.dedup();
+    let ignored = std::fs::read_to_string(root.join(".gitignore")).unwrap();
+    let kept: Vec<&str> = ignored.lines().filter_map(|line| line.strip_prefix("!/figures/")).collect();
+    assert_eq!(kept, shown);
+    // A package has no figures.
+    let folder = root.join("figures");
+    assert!(!folder.is_dir() || shown.iter().all(|name| folder.join(name).is_file()), "{shown:?}");
+}

@@ -1,7 +1,8 @@
 //! The command line as a script relies on it: JSON keys, files, exit codes, determinism.
 
 use crate::program::{etalon, json};
-use etalon::raster::{Image, Metadata, ReadOptions, Rgb, read, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, ReadOptions, read, write};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;

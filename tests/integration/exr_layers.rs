@@ -1,8 +1,9 @@
 //! OpenEXR layers, text attributes and integer channels: what is written is read, by others' conventions too.
 
 use etalon::Error;
+use etalon::math::Rgb;
 use etalon::raster::{
-    Channel, ExrFile, Image, Layer, Metadata, Precision, ReadOptions, Rgb, Samples, read, write_exr, write_exr_channels,
+    Channel, ExrFile, Image, Layer, Metadata, Precision, ReadOptions, Samples, read, write_exr, write_exr_channels,
 };
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, IntegerBounds, LayerAttributes, LineOrder,

@@ -1,7 +1,8 @@
 //! Limits of memory and of file sizes, and the end by Ctrl-C of every command that may take long.
 
 use crate::program::{Ran, etalon, json};
-use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

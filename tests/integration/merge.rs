@@ -2,7 +2,8 @@
 
 use crate::program::{etalon, json};
 use etalon::Error;
-use etalon::raster::{ExrFile, Image, Metadata, ReadOptions, Rgb, read};
+use etalon::math::Rgb;
+use etalon::raster::{ExrFile, Image, Metadata, ReadOptions, read};
 use etalon::render::exposure::{Classes, Exposure, Part, Row, merge_files, shard};
 use etalon::sampling::stream::{Independent, Stream};
 use std::ops::Range;

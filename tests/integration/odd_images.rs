@@ -2,7 +2,8 @@
 //! says what was guessed.
 
 use crate::program::{etalon, json};
-use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, write};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, SmallVec, Vec2, WritableImage,

@@ -1,7 +1,8 @@
 //! Image files: every writer against every reader, odd and damaged OpenEXR files, and real maps.
 
+use etalon::math::Rgb;
 use etalon::raster::{
-    Image, Layer, Metadata, Precision, ReadOptions, Rgb, WriteOptions, read, write, write_exr, write_with,
+    Image, Layer, Metadata, Precision, ReadOptions, WriteOptions, read, write, write_exr, write_with,
 };
 use etalon::{Error, Result};
 use exr::prelude::{

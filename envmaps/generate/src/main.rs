@@ -38,15 +38,14 @@ mod stone;
 mod sun;
 mod vault;
 
-use etalon::raster::{self, Image, Metadata, Precision, WriteOptions};
-use glam::DVec3;
-use std::path::{Path, PathBuf};
-
 use self::film::{HEIGHT, Lens, Seen, WIDTH};
 use self::irradiance::Irradiance;
 use self::light::Lamp;
 use self::ray::{Hit, Ray, Surface};
 use self::sun::Sun;
+use etalon::raster::{self, Image, Metadata, Precision, WriteOptions};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
 
 /// Brings the map to the mean radiance of the measured cathedral that it stands in for.
 const EXPOSURE: f32 = 0.70;

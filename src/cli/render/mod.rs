@@ -8,11 +8,12 @@ mod work;
 
 use super::console::Console;
 use super::scene_file::{Loaded, SceneArgs};
-use super::{Global, Verdict, command_line};
+use super::{Global, Verdict, command_line, map_samplers, map_sampling};
+use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use crate::render::exposure::{Part, shard};
-use crate::render::{self, Job, LightDensity, Settings};
+use crate::render::{self, Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
 use clap::{Args, ValueEnum};
@@ -48,10 +49,8 @@ pub struct Render {
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
     hemisphere: bool,
-    /// What directions towards the environment are drawn in proportion to: radiance times cosine, radiance, or radiance
-    /// less its mean (for MIS only)
-    #[arg(long, value_enum, default_value_t = DensityName::Cosine)]
-    light_density: DensityName,
+    #[arg(long, value_name = "NAME", help = density_help(), default_value = "cosine", value_parser = map_sampling)]
+    light_density: MapSampling,
     /// Owen-scrambled Sobol' or independent random numbers
     #[arg(long, value_enum, default_value_t = StreamName::Sobol)]
     stream: StreamName,
@@ -73,6 +72,10 @@ pub struct Render {
     /// Run the kernel with nothing left out: the same picture, for comparison
     #[arg(long)]
     general: bool,
+}
+
+fn density_help() -> String {
+    format!("How directions towards the environment are sampled. {}", map_samplers())
 }
 
 const AFTER_HELP: &str = "\
@@ -101,13 +104,6 @@ enum SamplingName {
     Bsdf,
     Mis,
     Hemisphere,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DensityName {
-    Cosine,
-    Map,
-    Compensated,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -233,11 +229,7 @@ impl Render {
                 SamplingName::Mis => render::Sampling::Mis,
                 SamplingName::Hemisphere => render::Sampling::Hemisphere,
             },
-            density: match self.light_density {
-                DensityName::Cosine => LightDensity::Cosine,
-                DensityName::Map => LightDensity::Map,
-                DensityName::Compensated => LightDensity::Compensated,
-            },
+            density: self.light_density,
             stream: match self.stream {
                 StreamName::Sobol => StreamKind::Sobol,
                 StreamName::Independent => StreamKind::Independent,
@@ -259,11 +251,11 @@ impl Render {
             .with("lightSamples", request.light_samples)
             .with("maxDepth", request.max_depth)
             .with("sampling", lower(settings.sampling))
-            .with("lightDensity", lower(settings.density))
+            .with("lightDensity", settings.density.density())
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
-            .with("fresnel", lower(settings.model.scattering.dielectric))
-            .with("normals", lower(settings.model.scattering.normals))
+            .with("fresnel", lower(settings.model.dielectric))
+            .with("normals", lower(settings.model.normals))
     }
 }
 

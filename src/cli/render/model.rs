@@ -1,8 +1,8 @@
 //! Flags for what light does at surfaces: the right formulas, approximations, the reports' conventions.
 
 use crate::bsdf::{DielectricFresnel, Normals};
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
-use crate::render::Model;
 use crate::scene::ScatterModel;
 use clap::{ArgAction, Args, ValueEnum};
 
@@ -58,38 +58,38 @@ enum ModelName {
 
 impl ModelArgs {
     /// The model that the flags ask for; an error where two of them exclude each other.
-    pub fn model(&self) -> Result<Model> {
-        let mut model = Model {
-            scattering: ScatterModel {
-                normals: match self.normals.unwrap_or(NormalsName::Visible) {
-                    NormalsName::Visible => Normals::Visible,
-                    NormalsName::All => Normals::All,
-                    NormalsName::Hemisphere => Normals::Hemisphere,
-                },
-                dielectric: match self.fresnel.unwrap_or(FresnelName::Exact) {
-                    FresnelName::Exact => DielectricFresnel::Exact,
-                    FresnelName::Schlick => DielectricFresnel::Schlick,
-                },
-                ..ScatterModel::default()
+    pub fn model(&self) -> Result<ScatterModel> {
+        let mut model = ScatterModel {
+            normals: match self.normals.unwrap_or(NormalsName::Visible) {
+                NormalsName::Visible => Normals::Visible,
+                NormalsName::All => Normals::All,
+                NormalsName::Hemisphere => Normals::Hemisphere,
             },
-            inverse_distance: false,
+            dielectric: match self.fresnel.unwrap_or(FresnelName::Exact) {
+                FresnelName::Exact => DielectricFresnel::Exact,
+                FresnelName::Schlick => DielectricFresnel::Schlick,
+            },
+            ..ScatterModel::default()
         };
         if self.model.contains(&ModelName::Exact) && self.model.iter().any(|name| *name != ModelName::Exact) {
             return Err(Error::parameter("model", "exact excludes the reports' conventions"));
         }
         let all = self.model.contains(&ModelName::Report);
         let has = |name| all || self.model.contains(&name);
-        let report = &mut model.scattering.report;
-        report.fresnel_at_normal = has(ModelName::FresnelAtNormal);
-        report.approximate_fresnel = has(ModelName::ApproximateFresnel);
-        report.single_cosine_schlick = has(ModelName::SingleCosineSchlick);
-        report.lambda_pi = has(ModelName::LambdaPi);
-        model.inverse_distance = has(ModelName::InverseDistance);
-        if report.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
+        let conventions = Conventions {
+            fresnel_at_normal: has(ModelName::FresnelAtNormal),
+            approximate_fresnel: has(ModelName::ApproximateFresnel),
+            single_cosine_schlick: has(ModelName::SingleCosineSchlick),
+            lambda_with_pi: has(ModelName::LambdaPi),
+            inverse_distance: has(ModelName::InverseDistance),
+            ..Conventions::CORRECT
+        };
+        model.conventions = conventions;
+        if conventions.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
             return Err(Error::parameter("normals", "the report's metal draws directions by all facets")
                 .with_hint("leave out `normals`, or the conventions for metal"));
         }
-        if report.single_cosine_schlick && self.fresnel.is_some() {
+        if conventions.single_cosine_schlick && self.fresnel.is_some() {
             return Err(Error::parameter("fresnel", "the report's glass has its own reflectance")
                 .with_hint("leave out `fresnel`, or single-cosine-schlick"));
         }

@@ -1,5 +1,6 @@
 //! The files that a render leaves: pictures, or what to go on from.
 
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
 use crate::output::{self, Target, Written};
@@ -92,7 +93,7 @@ impl Pictures {
 
     fn tone(&self, format: &str) -> ToneMap {
         match self.tone {
-            Some(ToneName::Report) => ToneMap::Report,
+            Some(ToneName::Report) => ToneMap::By(Conventions::SECOND_REPORT),
             None if format == "ppm" => ToneMap::LinearMax,
             None | Some(ToneName::Srgb) => ToneMap::default(),
         }

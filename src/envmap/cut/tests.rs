@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::envmap::info::Info;
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 
 fn maps() -> Vec<EnvMap> {
     let busy = |x: usize, y: usize| Rgb::new(((x * 31 + y * 17) % 11) as f32, (x % 3) as f32, 0.1);

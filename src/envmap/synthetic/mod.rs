@@ -8,7 +8,8 @@
 mod stress;
 mod sun;
 
-use crate::raster::{self, Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::{self, Image};
 use std::path::Path;
 
 pub use self::stress::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL};
@@ -19,14 +20,20 @@ const NAVE: &[u8] = include_bytes!("../../../envmaps/nave.exr");
 /// A built-in environment map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Synthetic {
+    /// The inside of a Gothic church.
     Nave,
+    /// A clear sky with a small sun.
     Sun,
+    /// Radiance 1 everywhere.
     Constant,
+    /// One texel.
     Onehot,
+    /// Nothing.
     Black,
 }
 
 impl Synthetic {
+    /// Every built-in map, the default one first.
     pub const ALL: [Self; 5] = [Self::Nave, Self::Sun, Self::Constant, Self::Onehot, Self::Black];
 
     /// The name on the command line.

@@ -1,6 +1,7 @@
 //! Maps that find bugs: constant, a single texel, black.
 
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 
 const WIDTH: usize = 64;
 const HEIGHT: usize = 32;

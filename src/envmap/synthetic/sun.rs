@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 
 const WIDTH: usize = 1024;
 const HEIGHT: usize = 512;

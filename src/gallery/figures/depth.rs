@@ -1,5 +1,6 @@
 //! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`.
 
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
@@ -121,7 +122,8 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     }
     let image = &result.images[place];
     let rows: Vec<Row> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
-    Ok(Content::new(view::image(&result, place), &rows, checks)?.with_image(image, ToneMap::Report))
+    Ok(Content::new(view::image(&result, place), &rows, checks)?
+        .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 /// What the report sees appear at each depth, by path class and by the share of an object's pixels that it lights. The

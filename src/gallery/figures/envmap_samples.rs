@@ -1,13 +1,15 @@
 //! Importance samples of the environment map: `envmap-samples-64`, `-256`, `-1024` and `-only-256`.
 
 use crate::envmap::info::Info;
+use crate::envmap::samplers::CdfSampler;
 use crate::error::Result;
 use crate::figure::Drawing;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
-use crate::study::map_samples::{self, Method, Row};
+use crate::study::map_samples::{self, Row};
 use crate::view::map::{Display, Look};
+use glam::DVec3;
 
 /// Side of a marker in texels, as in the report.
 const MARKER: usize = 5;
@@ -61,7 +63,7 @@ pub fn figures() -> Vec<Figure> {
 
 fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[Row], usize) -> Drawing) -> Result<Content> {
     let map = &inputs.map.map;
-    let result = map_samples::draw(map, Method::Cdf, n, inputs.seed)?;
+    let result = map_samples::draw(map, &CdfSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
     let flux = Info::of(map).flux_rgb.iter().sum::<f64>() / 3.0;
     let checks = vec![
         Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),

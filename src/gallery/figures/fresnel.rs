@@ -1,9 +1,10 @@
 //! Reflectance of glass from either side: `fresnel-enter`, `fresnel-exit`.
 
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
-use crate::study::fresnel::{self, Model};
+use crate::study::fresnel;
 use crate::view::fresnel as view;
 
 /// Index of refraction of the report's glass.
@@ -45,7 +46,7 @@ pub fn figures() -> Vec<Figure> {
 }
 
 fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
-    let curves = fresnel::curves(eta_i, eta_t, POINTS, Model::Exact)?;
+    let curves = fresnel::curves(eta_i, eta_t, POINTS, Conventions::CORRECT)?;
     // From inside, Brewster's angle is the complement.
     let brewster = if eta_t > eta_i { BREWSTER_DEG } else { 90.0 - BREWSTER_DEG };
     let mut checks = vec![

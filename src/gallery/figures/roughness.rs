@@ -1,5 +1,6 @@
 //! A golden statue of increasing roughness: `roughness-0.005`, `-0.05`, `-0.25`, `-0.5`.
 
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
@@ -101,7 +102,7 @@ pub fn content(inputs: &Inputs, studies: &mut Studies, statue: Statue, metal: &s
         Check::within("statue by visible normals minus by all normals (standard errors)", 0.0, z, SIGMAS),
     ];
     let content = Content::new(view::image(&shot, metal), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::Report))
+    Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 /// Rougher metal has dimmer highlights.

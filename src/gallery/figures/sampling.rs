@@ -1,5 +1,6 @@
 //! Importance sampling against hemisphere sampling: `sampling-importance`, `sampling-hemisphere`, `sampling-error`.
 
+use crate::errata::Conventions;
 use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
@@ -77,7 +78,7 @@ fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Co
         Check::within(name("statue"), 0.0, result.z_statue, SIGMAS),
     ];
     let content = Content::new(view::strategy(shot, how), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::Report))
+    Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

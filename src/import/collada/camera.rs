@@ -6,7 +6,7 @@ use crate::import::transform::in_range;
 use crate::scene::{Camera, Projection};
 use glam::{DMat4, DVec3};
 
-/// The window that fields of view are fitted to before the picture's size is known, in pixels.
+/// The window that fields of view are fitted to before the image's size is known, in pixels.
 pub const WINDOW: [usize; 2] = [800, 600];
 const DEFAULT_XFOV: f64 = 50.0;
 
@@ -42,9 +42,9 @@ impl<'a> View<'a> {
         Ok(Self { node, ahead: to_world.transform_point3(DVec3::NEG_Z), tan_half: [x, y] })
     }
 
-    /// The camera for a picture of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
+    /// The camera for a image of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
     ///
-    /// The fields of view are widened to fill the [`WINDOW`]; a picture of another size shows more or less at the same
+    /// The fields of view are widened to fill the [`WINDOW`]; a image of another size shows more or less at the same
     /// scale in pixels. Such is the course's renderer.
     pub fn place(&self, document: &Document<'a>, bounds: [DVec3; 2], size: [usize; 2]) -> Result<Camera> {
         let [low, high] = bounds;

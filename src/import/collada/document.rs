@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;

@@ -3,11 +3,11 @@
 use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
 use crate::import::transform::in_range;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Emission, Falloff, Light, Material, Object, Rectangle, Role, Shape};
 use glam::{DMat4, DVec3, Vec3};
 
-/// How near a glowing mesh must come to an area light to be its picture, as a part of the light's diagonal.
+/// How near an emitting mesh must come to an area light to be what is seen of it, as a part of the light's diagonal.
 const OVERLAP: f32 = 0.05;
 /// Largest cosine between an area light's sides, or between its normal and its direction, that is no shear.
 const SHEAR: f64 = 1e-4;

@@ -2,10 +2,10 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::scene::{Conductor, Distribution, Emission, Material, Role};
 
-/// What a surface is made of, and whether it glows.
+/// The material of a surface, and its emission.
 pub type Surface = (Material, Option<Emission>);
 
 const GREY: Surface = (Material::Diffuse { albedo: Rgb::splat(0.5) }, None);

@@ -36,7 +36,7 @@ const MAX_BYTES: u64 = 128 << 20;
 /// What the reader needs beside the file.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ColladaOptions<'a> {
-    /// Width and height of the picture, on which the field of view depends. Without it: the settings file's window,
+    /// Width and height of the image, on which the field of view depends. Without it: the settings file's window,
     /// else 800 x 600.
     pub resolution: Option<[usize; 2]>,
     /// A file of camera settings, in place of the scene's own camera.

@@ -3,15 +3,15 @@
 //! Polygons are cut into fans around their first corner. Normals and texture coordinates come from the file where it
 //! has them for all corners, and are otherwise left out: [`Mesh::smooth`](crate::scene::Mesh::smooth) makes normals.
 //!
-//! The readers are our own because the crates for these formats did not stand the tests of ours (November 2026):
+//! The readers are our own because the crates for these formats fail the tests of `tests/integration/mesh_files.rs`
+//! (November 2026):
 //!
-//! - `tobj` 4.0.5 panics on `f 1//-6148914691236517207 …` (in release builds, too); its errors have no line; it takes
-//!   `f 1/0/1`, faces of two corners, NaN and binary files for sound, and refuses comments behind a statement,
-//!   continued lines and vertices of which only some have a colour; `g` and `o` split a mesh, and with it its smooth
-//!   normals.
-//! - `ply-rs-bw` 4.0.1 reads a header that names a property twice, or an element, without a word into a wrong mesh;
-//!   takes 17 bytes of memory for each byte of a text's longest line; refuses `1.`, `.5`, rows over several lines and
-//!   files whose lines end in CR. Behind a header checked by ourselves it would replace 60 lines by as many.
+//! - `tobj` 4.0.5 panics on `f 1//-6148914691236517207 2//1 3//1`, in release builds, too. Its errors have no line. It
+//!   accepts `f 1/0/1`, faces of two corners, NaN and binary files; it refuses comments behind a statement, continued
+//!   lines, and colours on only some vertices; it splits vertices at `g` and `o`, and so breaks smooth normals.
+//! - `ply-rs-bw` 4.0.1 reads a header that names a property or an element twice into a wrong mesh, without an error. It
+//!   needs 17 bytes of memory for each byte of a text's longest line. It refuses `1.`, `.5`, rows over several lines
+//!   and files whose lines end in CR. Once the header is checked here, it would replace 60 lines and need as many.
 
 mod obj;
 mod ply;

@@ -16,7 +16,7 @@ impl Reader<'_> {
     pub(super) fn directive(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
         if self.stage == Stage::Done {
             return Err(at
-                .unsupported(format!("{} after WorldEnd: only one picture per file is supported", quote(name)))
+                .unsupported(format!("{} after WorldEnd: only one image per file is supported", quote(name)))
                 .with_hint("split the file at its WorldEnd"));
         }
         match name {
@@ -76,7 +76,7 @@ impl Reader<'_> {
             "Integrator" => self.setup.integrator(params, false, warnings),
             "Renderer" if params.kind != "sampler" => Err(params.unsupported_kind("sampler")),
             _ => {
-                warnings.push(params.at.warning(&format!("{} cannot change this picture: left out", params.owner)));
+                warnings.push(params.at.warning(&format!("{} cannot change this image: left out", params.owner)));
                 Ok(())
             }
         }

@@ -3,8 +3,8 @@
 use super::params::Params;
 use crate::error::Result;
 use crate::import::place::quote;
+use crate::math::Rgb;
 use crate::optics::metals;
-use crate::raster::Rgb;
 use crate::scene::{Conductor, Distribution, Material};
 
 /// The material of shapes before the file sets one.

@@ -3,7 +3,7 @@
 use super::lexer::{Lexer, Token};
 use crate::error::Result;
 use crate::import::place::{At, quote};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 

@@ -8,7 +8,7 @@ use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;
 
-/// Largest side of a picture, and most pixels in it.
+/// Largest side of a image, and most pixels in it.
 const MAX_SIDE: u32 = 1 << 16;
 const MAX_PIXELS: usize = 1 << 28;
 /// Most samples of any kind, and the deepest path.
@@ -112,7 +112,7 @@ impl Setup {
         p.finish(&["diagonal", "display", "savefp16"], warnings)
     }
 
-    /// `PixelFilter`: the picture is the plain mean over each pixel, so any other filter would change it.
+    /// `PixelFilter`: the image is the plain mean over each pixel, so any other filter would change it.
     pub fn filter(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
         if p.kind != "box" {
             return Err(p

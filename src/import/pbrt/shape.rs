@@ -47,7 +47,9 @@ fn sphere(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -> Resul
             .with_hint("scale all three axes alike"));
     };
     if setting.reversed {
-        return Err(p.at.unsupported("ReverseOrientation of a sphere that glows or is of glass is not supported"));
+        return Err(p
+            .at
+            .unsupported("ReverseOrientation of a sphere that emits light or is of glass is not supported"));
     }
     let (centre, radius) = (setting.to_world.w_axis.truncate(), radius * scale);
     if !in_range(centre) || !in_size_range(radius) {

@@ -1,7 +1,7 @@
 //! Beckmann's distribution: normally distributed slopes.
 
 use super::{Microfacet, sin2};
-use crate::optics::Real;
+use crate::math::Real;
 
 /// Slopes of the facets are normally distributed with variance α²/2 in x and in y.
 ///
@@ -32,12 +32,12 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
         let az = self.alpha * z;
         // A last place of the exponent is up to 100 of D: it is computed in f64, and what of it does not fit is one of
         // the factors.
-        let wide_az = self.alpha.wide() * z.wide();
-        let wide = -0.5 * sin2(wm.map(T::wide)) / (wide_az * wide_az);
-        let exponent = T::lit(wide);
-        let rest = T::one() + T::lit(wide - exponent.wide());
+        let wide_az = self.alpha.to_f64() * z.to_f64();
+        let wide = -0.5 * sin2(wm.map(Real::to_f64)) / (wide_az * wide_az);
+        let exponent = T::from_f64(wide);
+        let rest = T::one() + T::from_f64(wide - exponent.to_f64());
         let e = exponent.max(T::LEAST_EXPONENT).exponential() * rest;
-        let root = e * T::FRAC_2_SQRT_PI() * T::lit(0.5) / (az * z);
+        let root = e * T::FRAC_2_SQRT_PI() * T::from_f64(0.5) / (az * z);
         // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
         if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root } else { T::zero() }
     }
@@ -48,7 +48,7 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
         let slope = self.alpha * sin2(w).sqrt();
         // ½ exp(−A²) (α sin/√π − z exp(A²) erfc A): A may be infinite, and is 0 on the horizon.
         let a = z / slope;
-        let half = T::lit(0.5);
+        let half = T::from_f64(0.5);
         let hidden =
             (-a * a).max(T::LEAST_EXPONENT).exponential() * half * (slope * T::FRAC_2_SQRT_PI() * half - z * a.erfcx());
         // For A ≫ 1 the difference is rounding, of either sign.

@@ -1,7 +1,7 @@
 //! The GGX distribution: the normals of an ellipsoid, with wide tails.
 
 use super::{Microfacet, sin2};
-use crate::optics::Real;
+use crate::math::Real;
 
 /// Normals are distributed as on an ellipsoid flattened to height α.
 ///
@@ -35,6 +35,6 @@ impl<T: Real> Microfacet<T> for Ggx<T> {
         // ½ (√(z² + α² s²) − z), without the difference.
         let z = w[2].abs();
         let slope2 = self.alpha * self.alpha * sin2(w);
-        T::lit(0.5) * slope2 / (z + (z * z + slope2).sqrt())
+        T::from_f64(0.5) * slope2 / (z + (z * z + slope2).sqrt())
     }
 }

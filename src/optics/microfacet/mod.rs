@@ -15,7 +15,7 @@ pub mod variants;
 pub use beckmann::Beckmann;
 pub use ggx::Ggx;
 
-use super::Real;
+use crate::math::Real;
 
 /// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

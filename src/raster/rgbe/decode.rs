@@ -3,8 +3,9 @@
 use super::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
 use crate::interrupt;
+use crate::math::Rgb;
+use crate::raster::primaries;
 use crate::raster::read::{Decoded, blank, check_size, cut_off};
-use crate::raster::{Rgb, primaries};
 use std::path::Path;
 
 /// Reads a Radiance picture. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the

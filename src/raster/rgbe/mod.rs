@@ -6,7 +6,7 @@ mod encode;
 pub(super) use self::decode::decode;
 pub(super) use self::encode::encode;
 
-use super::Rgb;
+use crate::math::Rgb;
 
 /// Widths that the newer run lengths can have; others are stored flat.
 const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;

@@ -1,7 +1,7 @@
 //! Samples that did not count: how many, why, and where the first one was.
 
 use super::fixed::LIMIT;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use serde::Serialize;
 
 /// Samples that did not count because their radiance was impossible.

@@ -3,7 +3,8 @@
 use super::Exposure;
 use super::pixel::mean;
 use super::splats;
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use rayon::prelude::*;
 
 impl Exposure {

@@ -1,7 +1,7 @@
 //! One pixel of the film: how many samples it had, their sums and the sums of their squares.
 
 use super::fixed::{Fixed, spread};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 
 /// The samples of one pixel, as sums that lose nothing and hence depend on no order; 104 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

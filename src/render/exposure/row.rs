@@ -2,7 +2,7 @@
 
 use super::fixed::{Fixed, LIMIT};
 use super::{Dropped, Pixel, Splat};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 
 /// A row of the film, to add samples to.
 #[derive(Debug)]

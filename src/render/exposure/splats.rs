@@ -5,8 +5,8 @@
 
 use super::fixed::Fixed;
 use crate::error::Result;
+use crate::math::Rgb;
 use crate::memory;
-use crate::raster::Rgb;
 use crate::sampling::prefetch::prefetch;
 
 /// What one path brings to a pixel.

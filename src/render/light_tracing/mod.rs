@@ -21,7 +21,7 @@ use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
 use super::lanes::{LANES, NOTHING};
 use super::lens::Lens;
 use super::workspace::{Dimensions, Workspace};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use glam::Vec3;
 use plan::EVERY;
 pub use plan::LightTracing;
@@ -158,8 +158,8 @@ impl Integrator<'_> {
             let wo = -at(&work.paths.rays.direction, i);
             let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
             let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
-            let Some(sample) = bsdf.sample_adjoint(frame.local(wo), uc, [0.0; 2]) else { continue };
-            let wi = frame.world(sample.wi);
+            let Some(sample) = bsdf.sample_adjoint(frame.to_local(wo), uc, [0.0; 2]) else { continue };
+            let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
             work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
         }
@@ -172,11 +172,11 @@ impl Integrator<'_> {
             self.draw_rough(work, group.clone(), bsdf, dimensions);
             for (i, hit) in work.rough[group].iter().enumerate() {
                 let weight = at(&work.scattered.weight, i);
-                let wi = hit.frame.world(at(&work.scattered.wi, i));
+                let wi = hit.frame.to_world(at(&work.scattered.wi, i));
                 if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
                     continue;
                 }
-                let Some(factor) = adjoint_of_shading(&hit.surface, hit.frame.world(hit.wo), wi) else { continue };
+                let Some(factor) = adjoint_of_shading(&hit.surface, hit.frame.to_world(hit.wo), wi) else { continue };
                 work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight * factor, hit.slot, hit.word);
             }
         }

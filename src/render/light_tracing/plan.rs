@@ -1,12 +1,11 @@
 //! Where paths from the lamps start, what they aim at, and where they are worth it.
 
-use crate::bsdf::Bsdf;
-use crate::raster::Rgb;
+use crate::math::Rgb;
+use crate::math::circular::Circular;
 use crate::render::faces::{Face, Kind};
 use crate::render::geometry::Geometry;
 use crate::render::lights::Sampled;
 use crate::render::{Sampling, Settings, solids};
-use crate::sampling::circular::Circular;
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 use glam::Vec3;
@@ -147,14 +146,13 @@ impl Target {
 }
 
 /// Whether paths from the lamps scatter at a face: at rough metal of any shape; in mirrors and glass only where the normal
-/// for shading is that of the surface, which is the same from either end of a path. The reports' materials are not the same
-/// from both ends.
+/// for shading is that of the surface, which is the same from either end of a path. Materials that are not reciprocal must be
+/// met by camera paths.
 fn casts(face: &Face, shape: &Shape) -> bool {
     match face.kind {
-        Kind::Rough(Bsdf::ReportConductor(_)) | Kind::Delta(Bsdf::ReportGlass(_)) => false,
         Kind::Black | Kind::Diffuse { .. } => false,
-        Kind::Rough(_) => true,
-        Kind::Delta(_) => !matches!(shape, Shape::Mesh(_)),
+        Kind::Rough(bsdf) => bsdf.is_reciprocal(),
+        Kind::Delta(bsdf) => bsdf.is_reciprocal() && !matches!(shape, Shape::Mesh(_)),
     }
 }
 

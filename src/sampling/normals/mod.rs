@@ -2,9 +2,9 @@
 
 mod slope;
 
-use crate::optics::Real;
+use crate::math::Real;
+use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
-use crate::sampling::warp::sin_cos_turns;
 
 /// A distribution that normals can be drawn from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
 pub trait SampleNormals<T: Real>: Microfacet<T> {
@@ -33,9 +33,9 @@ pub trait SampleNormals<T: Real>: Microfacet<T> {
 impl<T: Real> SampleNormals<T> for Beckmann<T> {
     #[inline(always)]
     fn sample_all(&self, u: [T; 2]) -> [T; 3] {
-        let alpha = self.alpha.wide();
+        let alpha = self.alpha.to_f64();
         // 1 − u is exact in f64, and u = 1 is kept from the logarithm.
-        polar_normal(-alpha * alpha * (1.0 - u[0].wide()).max(slope::LEAST).ln(), u[1])
+        polar_normal(-alpha * alpha * (1.0 - u[0].to_f64()).max(slope::LEAST).ln(), u[1])
     }
 
     /// Slopes of the surface stretched to α = 1 are independent along and across `wo`: the one across is normally
@@ -43,22 +43,22 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
     /// Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014.
     #[inline(always)]
     fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
-        let alpha = self.alpha.wide();
-        let [x, y, z] = wo.map(T::wide);
+        let alpha = self.alpha.to_f64();
+        let [x, y, z] = wo.map(Real::to_f64);
         let sin = (x * x + y * y).sqrt();
         let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
-        let along = alpha * slope::visible(z, alpha * sin, u[0].wide());
-        let across = alpha * slope::normal(u[1]).wide();
+        let along = alpha * slope::visible(z, alpha * sin, u[0].to_f64());
+        let across = alpha * slope::normal(u[1]).to_f64();
         let (sx, sy) = (along * cos_phi - across * sin_phi, along * sin_phi + across * cos_phi);
         let inverse = 1.0 / (sx * sx + sy * sy + 1.0).sqrt();
-        [T::lit(-sx * inverse), T::lit(-sy * inverse), T::lit(inverse)]
+        [T::from_f64(-sx * inverse), T::from_f64(-sy * inverse), T::from_f64(inverse)]
     }
 }
 
 impl<T: Real> SampleNormals<T> for Ggx<T> {
     #[inline(always)]
     fn sample_all(&self, u: [T; 2]) -> [T; 3] {
-        let (alpha, u0) = (self.alpha.wide(), u[0].wide());
+        let (alpha, u0) = (self.alpha.to_f64(), u[0].to_f64());
         polar_normal(alpha * alpha * u0 / (1.0 - u0).max(slope::LEAST), u[1])
     }
 
@@ -71,11 +71,11 @@ impl<T: Real> SampleNormals<T> for Ggx<T> {
     fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let one = T::one();
         let v = normalize([self.alpha * wo[0], self.alpha * wo[1], wo[2]]);
-        let (sin_phi, cos_phi) = sin_cos_turns(u[1].wide());
+        let (sin_phi, cos_phi) = sin_cos_turns(u[1].to_f64());
         let below_pole = u[0] * (one + v[2]);
         let sin = (below_pole * (one + one - below_pole)).max(T::zero()).sqrt();
-        let x = sin * T::lit(cos_phi) + v[0];
-        let y = sin * T::lit(sin_phi) + v[1];
+        let x = sin * T::from_f64(cos_phi) + v[0];
+        let y = sin * T::from_f64(sin_phi) + v[1];
         normalize([self.alpha * x, self.alpha * y, (one - u[0]) * (one + v[2])])
     }
 }
@@ -85,8 +85,8 @@ impl<T: Real> SampleNormals<T> for Ggx<T> {
 fn polar_normal<T: Real>(tan2: f64, turns: T) -> [T; 3] {
     let cos = 1.0 / (1.0 + tan2).sqrt();
     let sin = tan2.sqrt() * cos;
-    let (sin_phi, cos_phi) = sin_cos_turns(turns.wide());
-    [T::lit(sin * cos_phi), T::lit(sin * sin_phi), T::lit(cos)]
+    let (sin_phi, cos_phi) = sin_cos_turns(turns.to_f64());
+    [T::from_f64(sin * cos_phi), T::from_f64(sin * sin_phi), T::from_f64(cos)]
 }
 
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
 
-use crate::optics::Real;
-use crate::optics::error_function::polynomial;
+use crate::math::Real;
+use crate::math::error_function::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.
@@ -14,7 +14,7 @@ pub(super) const LEAST: f64 = 1e-30;
 /// function", GPU Computing Gems 2, 2012.
 #[inline(always)]
 pub(super) fn normal<T: Real>(u: T) -> T {
-    let lit = T::lit;
+    let lit = T::from_f64;
     let (below, above) = (u.max(lit(LEAST)), (T::one() - u).max(lit(LEAST)));
     let w = -(lit(4.0) * below * above).logarithm();
     let x = below - above;
@@ -73,7 +73,7 @@ impl<T: Real> Target<T> {
     /// A better estimate than `s`.
     #[inline(always)]
     fn step(self, s: T) -> T {
-        let lit = T::lit;
+        let lit = T::from_f64;
         // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
         let gauss = (-s * s).exponential();
         let tail = erfcx(s.abs()) * gauss;
@@ -139,8 +139,8 @@ const TAILS: [f64; 12] = [
 /// exp(x²) erfc(x) for x ≥ 0, to 10⁻⁸: enough here, and with one division less than [`Real::erfcx`].
 #[inline(always)]
 fn erfcx<T: Real>(x: T) -> T {
-    let y = T::one() / (x + T::lit(3.0));
-    polynomial(&SCALED_TAIL.map(T::lit), T::one() - T::lit(6.0) * y) * y
+    let y = T::one() / (x + T::from_f64(3.0));
+    polynomial(&SCALED_TAIL.map(T::from_f64), T::one() - T::from_f64(6.0) * y) * y
 }
 
 /// Ascending coefficients of (x + 3) exp(x²) erfc(x) in (x − 3)/(x + 3).

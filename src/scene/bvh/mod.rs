@@ -24,14 +24,16 @@ pub struct MeshHit {
     pub triangle: u32,
     /// Where the tree keeps it, for [`MeshBvh::surface`].
     pub place: u32,
-    /// Barycentric weights of the triangle's second and third corner.
+    /// Barycentric weight of the triangle's second corner.
     pub u: f32,
+    /// That of its third corner.
     pub v: f32,
 }
 
 /// Rays, component by component. The slices are of one length.
 #[derive(Debug, Clone, Copy)]
 pub struct Rays<'a> {
+    /// Where they start.
     pub origin: [&'a [f32]; 3],
     /// Unit directions.
     pub direction: [&'a [f32]; 3],

@@ -1,10 +1,10 @@
 //! Both reports' glass: Schlick's polynomial of the incident cosine, inside as outside.
 
 use super::{Curves, Suspect, curve};
-use crate::bsdf::report_model::ReportGlass;
 use crate::bsdf::{DielectricFresnel, Glass, Scatter};
-use crate::optics::{dielectric, schlick};
-use crate::raster::Rgb;
+use crate::errata::fresnel::schlick_incident_cosine;
+use crate::math::Rgb;
+use crate::optics::dielectric;
 use crate::study::validation::Case;
 use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
@@ -18,13 +18,11 @@ pub fn suspect() -> Suspect {
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
             let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);
-            let report = ReportGlass { reflectance, transmittance, eta };
-            let right = Glass { reflectance, transmittance, eta, fresnel: DielectricFresnel::Exact };
+            let fresnel = if printed { DielectricFresnel::SingleCosineSchlick } else { DielectricFresnel::Exact };
+            let glass = Glass { reflectance, transmittance, eta, fresnel };
             let wo = DVec3::new(sin, 0.0, -cos).as_vec3();
             let draw = move |u: &[f64]| {
-                let uc = u[0] as f32;
-                let sample = if printed { report.sample(wo, uc, [0.5; 2]) } else { right.sample(wo, uc, [0.5; 2]) };
-                sample.map(|sample| Sample::atom(sample.wi.as_dvec3().to_array()))
+                glass.sample(wo, u[0] as f32, [0.5; 2]).map(|sample| Sample::atom(sample.wi.as_dvec3().to_array()))
             };
             let truth = dielectric::fresnel(cos, 1.0 / ETA);
             let reflected = truth.unpolarized();
@@ -36,7 +34,7 @@ pub fn suspect() -> Suspect {
             (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
         })
     };
-    let printed = |cos: f64| schlick::schlick_incident_cosine(cos, 1.0 / ETA);
+    let printed = |cos: f64| schlick_incident_cosine(cos, 1.0 / ETA);
     let right = |cos: f64| dielectric::fresnel(cos, 1.0 / ETA).unpolarized();
     Suspect {
         title: "Schlick's cosine inside glass",

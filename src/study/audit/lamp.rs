@@ -1,9 +1,10 @@
 //! The course's panel light: it falls off with the distance, not its square, because a vector is taken for a unit vector.
 
 use super::{Curves, Suspect, curve};
-use crate::raster::Rgb;
-use crate::render::{Model, Sampling, Settings};
-use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, Scene, Shape};
+use crate::errata::{Conventions, light::falloff_error};
+use crate::math::Rgb;
+use crate::render::{Sampling, Settings};
+use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape};
 use crate::study::validation::suite::renders::{Picture, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -23,7 +24,7 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     for i in 0..STEPS {
         for k in 0..STEPS {
             let d2 = (at(i, HALF[0]) - x).powi(2) + HEIGHT * HEIGHT + (at(k, HALF[1]) - z).powi(2);
-            sum += HEIGHT * HEIGHT / (d2 * d2) * if too_bright { d2.sqrt() } else { 1.0 };
+            sum += HEIGHT * HEIGHT / (d2 * d2) * if too_bright { falloff_error(d2.sqrt()) } else { 1.0 };
         }
     }
     sum * area
@@ -48,7 +49,8 @@ fn picture(inverse_distance: bool) -> Picture {
         lights: vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }],
         environment: None,
     };
-    let model = Model { inverse_distance, ..Model::default() };
+    let conventions = Conventions { inverse_distance, ..Conventions::CORRECT };
+    let model = ScatterModel { conventions, ..ScatterModel::default() };
     Picture {
         scene,
         request: Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: 1 },

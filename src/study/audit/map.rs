@@ -3,11 +3,13 @@
 //! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The picture is a floor under an even sky.
 
 use super::{Curves, Suspect};
-use crate::envmap::report_model::ReportSampler;
-use crate::envmap::sampler::{CdfSampler, DirectionSampler};
+use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
 use crate::envmap::{EnvMap, LatLong};
+use crate::errata::Conventions;
+use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
 use crate::error::{Error, Result};
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use crate::sampling::direction_density;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::{Table1, Table2};
@@ -24,11 +26,6 @@ const HEIGHT: usize = 16;
 
 fn even_sky() -> Arc<EnvMap> {
     Arc::new(EnvMap::new(Image::from_fn(WIDTH, HEIGHT, |_, _| Rgb::ONE)))
-}
-
-/// sin(hπ/(H−1)), with the zero at both ends that it means.
-fn report_weight(y: usize) -> f64 {
-    if y == 0 || y + 1 == HEIGHT { 0.0 } else { (PI * y as f64 / (HEIGHT - 1) as f64).sin() }
 }
 
 /// cos θ at the edge of a row.
@@ -83,7 +80,7 @@ fn right_share(y: usize) -> f64 {
 }
 
 pub fn pole_rows() -> Suspect {
-    let total: f64 = (0..HEIGHT).map(report_weight).sum();
+    let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
     Suspect {
         title: "rows at the poles",
         report: "first report",
@@ -91,7 +88,7 @@ pub fn pole_rows() -> Suspect {
         right: "row h weighs cos θₕ − cos θₕ₊₁",
         test: "chi-square of the directions, even sky of 32×16",
         cases: vec![
-            case("audit/pole-rows/printed".into(), by_rows(|_, y| report_weight(y))),
+            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
             case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
         ],
         error_in_picture: -of_floor(0),
@@ -100,7 +97,7 @@ pub fn pole_rows() -> Suspect {
             x: "row",
             every: 4.0,
             y: "share of the draws",
-            printed: steps(|y| report_weight(y) / total),
+            printed: steps(|y| row_weight(y, HEIGHT) / total),
             right: steps(right_share),
             scattered: false,
         },
@@ -109,9 +106,9 @@ pub fn pole_rows() -> Suspect {
 
 pub fn corners() -> Suspect {
     // What the report's estimator is on average: Σ L cos θ/p over the corners, each drawn with its probability.
-    let corners: f64 = (0..HEIGHT / 2).map(|y| report_weight(y) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
+    let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
-        let draw = ReportSampler::new(even_sky());
+        let draw = ConventionalSampler::new(even_sky(), Conventions::FIRST_REPORT);
         let claim = CdfSampler::new(even_sky());
         let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Sample::new(sample.wi.to_array()));
         (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
@@ -137,7 +134,7 @@ pub fn corners() -> Suspect {
             x: "column",
             every: 1.0,
             y: "row",
-            printed: shown(|_| [0.0, 0.0]),
+            printed: shown(|_| PLACE_IN_TEXEL),
             right: shown(|i| Independent::new(1, 0, i).pair(0)),
             scattered: true,
         },

@@ -1,27 +1,23 @@
 //! The second report's metal: the density that it prints, its Fresnel term, its shadowing.
 
 use super::{Curves, Suspect, curve, exact};
-use crate::bsdf::report_model::{ReportConductor, ReportConventions, printed_pdf};
-use crate::bsdf::{MetalFresnel, Scatter};
+use crate::bsdf::{ConventionalConductor, MetalFresnel, Scatter, pdf_without_cosine};
+use crate::errata::Conventions;
+use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
 use crate::optics::conductor::fresnel;
-use crate::optics::metals::{METALS, Metal};
-use crate::optics::microfacet::variants::lambda_with_pi;
+use crate::optics::metals::COPPER;
 use crate::optics::microfacet::{Beckmann, Microfacet};
-use crate::raster::Rgb;
-use crate::sampling::direction_density;
-use crate::sampling::hash;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::stream::{Independent, Stream};
-use crate::sampling::warp;
+use crate::sampling::{direction_density, hash, warp};
 use crate::study::validation::Case;
 use etalon_stats::cubature::integrate;
 use etalon_stats::{Directions, Grid, Mass, Pole, Protocol, Sample, sampler};
 use glam::DVec3;
 
 const ALPHA: f64 = 0.5;
-/// Copper, whose blue varies most with the angle.
-const COPPER: &Metal = &METALS[3];
+/// The channel in which copper varies most with the angle.
 const BLUE: usize = 2;
 /// Pairs of directions that reciprocity is tried on.
 const PAIRS: u32 = 1 << 14;
@@ -62,10 +58,9 @@ fn brdf(wo: DVec3, wi: DVec3) -> f64 {
     0.25 * facets.d(facet(wo, wi).to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array())
 }
 
-fn metal(conventions: ReportConventions) -> ReportConductor {
-    let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
-    let fresnel = MetalFresnel::new(rgb(COPPER.eta), rgb(COPPER.k));
-    ReportConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
+fn metal(conventions: Conventions) -> ConventionalConductor {
+    let fresnel = MetalFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
+    ConventionalConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
 }
 
 fn printed_density() -> Result<Suspect> {
@@ -73,14 +68,14 @@ fn printed_density() -> Result<Suspect> {
     let wo = viewer(SEEN_AT);
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/density/{name}"), Directions::hemisphere(Pole::Z), move || {
-            let metal = metal(ReportConventions::ALL);
+            let metal = metal(Conventions::SECOND_REPORT);
             let draw = move |u: &[f64]| {
                 let sample = metal.sample(wo.as_vec3(), 0.0, [u[0] as f32, u[1] as f32])?;
                 Some(Sample::new(sample.wi.as_dvec3().to_array()))
             };
             let pdf = move |wi: DVec3| {
                 let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
-                f64::from(if printed { printed_pdf(metal.distribution, wo, wi) } else { metal.pdf(wo, wi) })
+                f64::from(if printed { pdf_without_cosine(metal.distribution, wo, wi) } else { metal.pdf(wo, wi) })
             };
             (sampler(2, draw), direction_density(pdf).with_mass(Mass::AtMostOne))
         })
@@ -115,7 +110,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
     const SEEN_AT: f64 = 60.0;
     let wo = viewer(SEEN_AT);
     let case = |name: &str, at_normal: bool| {
-        let metal = metal(ReportConventions { fresnel_at_normal: at_normal, ..ReportConventions::default() });
+        let metal = metal(Conventions { fresnel_at_normal: at_normal, ..Conventions::default() });
         Case::new(format!("audit/reciprocity/{name}"), move |protocol: &Protocol, round| {
             let asymmetry = largest_asymmetry(&metal, hash::key([protocol.seed, round, 0]));
             let violation = (asymmetry > ROUNDING)
@@ -147,7 +142,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
 }
 
 /// The largest relative difference of f(wo, wi) and f(wi, wo) over random pairs.
-fn largest_asymmetry(metal: &ReportConductor, seed: u64) -> f64 {
+fn largest_asymmetry(metal: &ConventionalConductor, seed: u64) -> f64 {
     let pair = |i: u32| {
         let stream = Independent::new(seed, 0, i);
         let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());

@@ -25,7 +25,7 @@ pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Rgb;
+    use crate::math::Rgb;
 
     #[test]
     fn nothing_for_equal_pictures_and_more_for_more_noise() {

@@ -3,11 +3,12 @@
 use super::reference::Reference;
 use super::strategy::Strategy;
 use super::{Convergence, Plan, measure};
+use crate::envmap::samplers::cut_lights;
 use crate::error::Result;
 use crate::scene::{Request, Scene};
 
 /// The ways of cutting a map, by the beginning of their strategies' names.
-pub const CUTS: [&str; 2] = ["median-cut", "variance-cut"];
+pub const CUTS: [&str; 2] = [cut_lights::MEDIAN_CUT.name, cut_lights::VARIANCE_CUT.name];
 
 /// Samples per pixel: some, because radiance varies within a pixel.
 const SPP: u32 = 4;

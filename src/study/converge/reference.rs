@@ -3,7 +3,8 @@
 use super::ladder::{Deadline, Ladder};
 use crate::envmap::irradiance::IrradianceTree;
 use crate::error::Result;
-use crate::raster::{Comparison, Image, Rgb, compare, compare_with_halves};
+use crate::math::Rgb;
+use crate::raster::{Comparison, Image, compare, compare_with_halves};
 use crate::render::Settings;
 use crate::scene::{Environment, Material, Object, Projection, Request, Scene, Shape};
 use glam::DVec3;

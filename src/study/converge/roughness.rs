@@ -59,7 +59,7 @@ pub fn measure(
         }
         let job = |(_, normals): (&str, Normals)| {
             let mut settings = Settings { seed, stream: StreamKind::Independent, ..Settings::default() };
-            settings.model.scattering.normals = normals;
+            settings.model.normals = normals;
             Job::new(&scene, &request, &settings)
         };
         let jobs = NORMALS.into_iter().map(job).collect::<Result<Vec<_>>>()?;
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn all_ways_agree_and_one_is_best() {
-        let (scene, request) = builtin::by_name("cornell-statue-au", None).unwrap().unwrap();
+        let (scene, request) = builtin::find("cornell-statue-au").unwrap().make(None, None).unwrap();
         let request = Request { width: 32, height: 24, spp: 16, light_samples: 1, ..request };
         let levels = measure(&scene, &request, &[0.05, 0.25, 1.0], 2, 1, &Deadline::after(60.0)).unwrap();
         assert_eq!(levels.len(), 3 * NORMALS.len());

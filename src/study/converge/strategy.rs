@@ -1,9 +1,9 @@
 //! Names of sampling strategies, and what each asks of the renderer.
 
 use crate::bsdf::Normals;
-use crate::envmap::cut::Split;
+use crate::envmap::samplers::{self, MapSampling};
 use crate::error::{Error, Result};
-use crate::render::{LightDensity, RegionCount, Sampling, Settings};
+use crate::render::{Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Scene;
 use serde::Serialize;
@@ -16,7 +16,7 @@ use std::str::FromStr;
 pub struct Strategy {
     pub name: String,
     sampling: Sampling,
-    density: LightDensity,
+    density: MapSampling,
     stream: StreamKind,
     normals: Normals,
 }
@@ -27,19 +27,36 @@ impl From<Strategy> for String {
     }
 }
 
-/// Every way of choosing directions, and what it does. `K` stands for a number of regions.
-pub const NAMES: [(&str, &str); 10] = [
-    ("light", "by the light: the environment's radiance, the lamps' solid angles"),
-    ("light-cosine", "the same, the environment's radiance times the cosine"),
-    ("bsdf", "by the material (cosine at diffuse surfaces)"),
-    ("hemisphere", "evenly over the hemisphere"),
-    ("mis", "light and bsdf by multiple importance sampling"),
-    ("mis-cosine", "light-cosine and bsdf; at diffuse surfaces, light-cosine alone"),
-    ("mis-compensated", "the same as mis, the environment's radiance less its mean"),
-    ("strata-K", "an environment's region by its energy, evenly within: without bias"),
-    ("median-cut-K", "K fixed lights in place of the environment, by energy: with bias"),
-    ("variance-cut-K", "the same, by variance"),
-];
+/// The name of every way of choosing directions, and what it does; `K` stands for a number of regions.
+///
+/// They are made of the registry of environment-map samplers: `light` and `mis` are by its first density; `light-NAME` and
+/// `mis-NAME` by another; a sampler of regions stands for light sampling by its own name.
+#[must_use]
+pub fn names() -> Vec<(String, String)> {
+    let fixed = [
+        ("light", "by the light: the environment's radiance, the area lights' solid angles"),
+        ("bsdf", "by the material (cosine at diffuse surfaces)"),
+        ("hemisphere", "uniformly over the hemisphere"),
+        ("mis", "light and bsdf by multiple importance sampling"),
+    ];
+    let mut names: Vec<(String, String)> = fixed.map(|(name, doc)| (name.into(), doc.into())).into();
+    for entry in samplers::ALL.iter().skip(1) {
+        let sampling = MapSampling::new(entry);
+        let (name, doc) = (entry.name, entry.doc);
+        if entry.has_regions {
+            names.push((format!("{name}-K"), format!("light, the environment by {doc}")));
+        } else if entry.complete {
+            names.push((format!("light-{name}"), format!("light, the environment by {doc}")));
+        }
+        if sampling.has_fixed_lights() {
+            continue;
+        }
+        let suffix = if entry.has_regions { "-K" } else { "" };
+        let note = if sampling.needs_normal() { "; at diffuse surfaces, light alone" } else { "" };
+        names.push((format!("mis-{name}{suffix}"), format!("mis, the environment by {doc}{note}")));
+    }
+    names
+}
 
 impl FromStr for Strategy {
     type Err = Error;
@@ -47,7 +64,7 @@ impl FromStr for Strategy {
     fn from_str(name: &str) -> Result<Self> {
         let mut parts = name.split('+');
         let (sampling, density) = directions(parts.next().unwrap_or_default()).ok_or_else(|| {
-            let known: Vec<_> = NAMES.iter().map(|(name, _)| *name).collect();
+            let known: Vec<String> = names().into_iter().map(|(name, _)| name).collect();
             Error::parameter("strategies", format!("there is no strategy \"{name}\""))
                 .with_hint(format!("strategies: {}; then +independent, +all-normals", known.join(", ")))
         })?;
@@ -67,26 +84,27 @@ impl FromStr for Strategy {
     }
 }
 
-fn directions(name: &str) -> Option<(Sampling, LightDensity)> {
-    let regions = |prefix: &str| name.strip_prefix(prefix)?.parse::<RegionCount>().ok();
-    if let Some(n) = regions("strata-") {
-        return Some((Sampling::Light, LightDensity::Strata(n)));
+fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
+    match name {
+        "light" => return Some((Sampling::Light, MapSampling::MAP)),
+        "bsdf" => return Some((Sampling::Bsdf, MapSampling::MAP)),
+        "hemisphere" => return Some((Sampling::Hemisphere, MapSampling::MAP)),
+        "mis" => return Some((Sampling::Mis, MapSampling::MAP)),
+        _ => {}
     }
-    for (prefix, split) in [("median-cut-", Split::Energy), ("variance-cut-", Split::Variance)] {
-        if let Some(n) = regions(prefix) {
-            return Some((Sampling::Light, LightDensity::CutLights(n, split)));
-        }
-    }
-    Some(match name {
-        "light" => (Sampling::Light, LightDensity::Map),
-        "light-cosine" => (Sampling::Light, LightDensity::Cosine),
-        "bsdf" => (Sampling::Bsdf, LightDensity::Map),
-        "hemisphere" => (Sampling::Hemisphere, LightDensity::Map),
-        "mis" => (Sampling::Mis, LightDensity::Map),
-        "mis-cosine" => (Sampling::Mis, LightDensity::Cosine),
-        "mis-compensated" => (Sampling::Mis, LightDensity::Compensated),
-        _ => return None,
-    })
+    let (sampling, density) = [("light-", Sampling::Light), ("mis-", Sampling::Mis)]
+        .into_iter()
+        .find_map(|(prefix, sampling)| Some((sampling, name.strip_prefix(prefix)?)))
+        .map_or_else(
+            || {
+                let density: MapSampling = name.parse().ok()?;
+                density.entry().has_regions.then_some((Sampling::Light, density))
+            },
+            |(sampling, density)| Some((sampling, density.parse().ok()?)),
+        )?;
+    let alone = sampling == Sampling::Light;
+    let possible = if density.has_fixed_lights() { alone } else { !alone || density.entry().complete };
+    possible.then_some((sampling, density))
 }
 
 impl Strategy {
@@ -124,7 +142,7 @@ impl Strategy {
     pub fn settings(&self, seed: u64) -> Settings {
         let Self { sampling, density, stream, normals, .. } = *self;
         let mut settings = Settings { sampling, density, stream, seed, ..Settings::default() };
-        settings.model.scattering.normals = normals;
+        settings.model.normals = normals;
         settings
     }
 
@@ -137,12 +155,12 @@ impl Strategy {
     /// Whether fixed lights stand for the environment.
     #[must_use]
     pub fn has_fixed_lights(&self) -> bool {
-        matches!(self.density, LightDensity::CutLights(..))
+        self.density.has_fixed_lights()
     }
 
     /// An error if the scene has no environment to sample as the strategy says.
     pub fn check(&self, scene: &Scene) -> Result<()> {
-        if scene.environment.is_some() || self.density == LightDensity::Map {
+        if scene.environment.is_some() || self.density == MapSampling::MAP {
             return Ok(());
         }
         let message = format!("{} needs an environment map, and the scene {} has none", self.name, scene.name);
@@ -157,17 +175,29 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        for (name, _) in NAMES {
+        for (name, _) in names() {
             for suffix in ["", "+independent", "+all-normals", "+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
-                let normals = strategy.settings(1).model.scattering.normals;
+                let normals = strategy.settings(1).model.normals;
                 assert_eq!(normals == Normals::All, suffix.contains("all-normals"), "{name}");
             }
         }
-        for wrong in ["", "ligth", "light+", "light+sobol", "strata-", "strata--1", "median-cut-1e3", "K"] {
+        for wrong in [
+            "",
+            "ligth",
+            "light+",
+            "light+sobol",
+            "strata-",
+            "strata--1",
+            "median-cut-1e3",
+            "K",
+            "cosine",
+            "light-compensated",
+            "mis-median-cut-4",
+        ] {
             assert!(wrong.parse::<Strategy>().is_err(), "{wrong}");
         }
     }

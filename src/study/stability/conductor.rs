@@ -5,8 +5,8 @@ use super::family::{Family, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Val
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use crate::bsdf::MetalFresnel;
+use crate::math::Rgb;
 use crate::optics::conductor;
-use crate::raster::Rgb;
 
 pub const FAMILY: Family = Family {
     name: "conductor",

@@ -182,8 +182,8 @@ impl Variant {
 }
 
 fn run<T: Machine>(variant: fn(&[T]) -> Value<T>, inputs: &[f64]) -> Value<f64> {
-    let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::optics::Real>::lit(x)).collect();
-    variant(&inputs).map(|answer| answer.map(crate::optics::Real::wide))
+    let inputs: Vec<T> = inputs.iter().map(|&x| <T as crate::math::Real>::from_f64(x)).collect();
+    variant(&inputs).map(|value| value.map(crate::math::Real::to_f64))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::number::Number;
 use super::precise::Precise;
 use super::row::Row;
 use crate::error::Result;
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::exposure::Exposure;
 
 pub const EXPERIMENT: Experiment = Experiment {

@@ -5,7 +5,8 @@ use super::family::{
     Family, INDEX, Precision, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar,
 };
 use super::number::{Machine, Number};
-use crate::optics::{dielectric, schlick};
+use crate::errata::fresnel::schlick_incident_cosine;
+use crate::optics::dielectric;
 
 pub const FAMILY: Family = Family {
     name: "fresnel",
@@ -87,7 +88,7 @@ fn textbook<T: Number>(x: &[T]) -> Value<T> {
 
 /// The first report's Schlick, which takes the incident cosine on both sides.
 fn report<T: Machine>(x: &[T]) -> Value<T> {
-    scalar(schlick::schlick_incident_cosine(x[1], x[0]))
+    scalar(schlick_incident_cosine(x[1], x[0]))
 }
 
 /// Whether a direction is a degree or more from the critical angle.

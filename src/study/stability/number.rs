@@ -1,6 +1,6 @@
 //! What a textbook formula is written in: `f32`, `f64`, and the arbitrary precision that judges both.
 
-use crate::optics::Real;
+use crate::math::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number that a formula can be written in once and evaluated in any precision.

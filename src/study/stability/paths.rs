@@ -6,7 +6,7 @@ use super::family::{Precision, STABLE};
 use super::row::Row;
 use crate::bsdf::Scatter;
 use crate::error::{Error, Result};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{

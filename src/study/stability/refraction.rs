@@ -6,8 +6,8 @@ use super::fresnel::{COSINE, critical_cosine};
 use super::number::{Number, normalized};
 use super::sweep::Case;
 use crate::bsdf::{Refraction, Scatter};
+use crate::math::Rgb;
 use crate::optics::dielectric;
-use crate::raster::Rgb;
 use glam::Vec3;
 
 pub const FAMILY: Family = Family {

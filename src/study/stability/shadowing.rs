@@ -6,7 +6,8 @@ use super::family::{Family, POSITIVE, REPORT, Range, STABLE, Section, TEXTBOOK, 
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
 use super::refraction::direction;
-use crate::optics::microfacet::{Beckmann, Ggx, Microfacet, variants};
+use crate::errata::microfacet::lambda_with_pi;
+use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
 pub const BECKMANN: Family = Family {
     name: "beckmann-g",
@@ -84,7 +85,7 @@ fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
 /// The second report's Λ, with π in place of its root.
 fn beckmann_report<T: Machine>(x: &[T]) -> Value<T> {
     let tan = Number::sqrt(T::of(1.0) - x[3].square()) / x[3];
-    scalar(T::of(1.0) / (T::of(1.0) + variants::lambda_with_pi(T::of(1.0) / (x[0] * tan))))
+    scalar(T::of(1.0) / (T::of(1.0) + lambda_with_pi(T::of(1.0) / (x[0] * tan))))
 }
 
 /// 1/(1 + Λ) with Λ = ½ (exp(−A²)/(A√π) − erfc A), A = 1/(α tan θ).

@@ -8,7 +8,7 @@ mod surface;
 
 use etalon::import::Imported;
 use etalon::import::collada::{ColladaOptions, read};
-use etalon::raster::Rgb;
+use etalon::math::Rgb;
 use etalon::scene::{
     Conductor, Distribution, Emission, Falloff, Light, Material, Object, Projection, Rectangle, Request, Role, Shape,
 };

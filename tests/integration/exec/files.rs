@@ -2,7 +2,8 @@
 
 use crate::program::{etalon, json};
 use etalon::envmap::LatLong;
-use etalon::raster::{Image, Metadata, Rgb, write};
+use etalon::math::Rgb;
+use etalon::raster::{Image, Metadata, write};
 use etalon::sampling::stream::CounterRng;
 use rand::RngExt;
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! What stands in the world: shapes, materials and lights.
 
 use super::*;
+use glam::Vec2;
 
 #[test]
 fn lights_lie_as_pbrt_lays_them() {
@@ -86,8 +87,13 @@ fn meshes_have_their_outside_where_pbrt_has_it() {
     // (1, 1, 0) turned to (-1, 1, 0); stretched in y, surfaces lean the other way.
     assert!(mesh.normals[0].abs_diff_eq(Vec3::new(-2.0, 1.0, 0.0).normalize(), 1e-6), "{}", mesh.normals[0]);
     assert_eq!(mesh.normals[1], Vec3::Z);
-    let one = objects("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]");
-    assert!(matches!(&one[0].shape, Shape::Mesh(mesh) if mesh.triangles == [[0, 1, 2]]));
+    for (turned, corners) in [("", [0, 1, 2]), ("ReverseOrientation ", [0, 2, 1])] {
+        let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]";
+        let one = objects(&format!("{turned}{shape}"));
+        let Shape::Mesh(mesh) = &one[0].shape else { panic!("{one:?}") };
+        let uv = corners.map(|i| [Vec2::ZERO, Vec2::X, Vec2::Y][i as usize]);
+        assert_eq!((&mesh.triangles[..], &mesh.uv[..], mesh.tangent(0)), (&[corners][..], &[uv][..], Some(Vec3::X)));
+    }
 }
 
 #[test]

@@ -5,7 +5,8 @@ mod refusals;
 
 use etalon::envmap::EnvMap;
 use etalon::import::{Imported, pbrt};
-use etalon::raster::{Image, Rgb};
+use etalon::math::Rgb;
+use etalon::raster::Image;
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
 use etalon::scene::{
     Camera, Conductor, Distribution, Emission, Environment, Falloff, Light, Material, Object, Projection, Request,
@@ -243,7 +244,7 @@ fn what_a_file_leaves_open_is_said() {
         let warnings = with_options(text).unwrap().warnings;
         assert!(warnings.iter().any(|w| w.contains(message)), "{warnings:?}");
     };
-    warned("Accelerator \"kdtree\" \"integer intersectcost\" 80", "Accelerator \"kdtree\" cannot change this picture");
+    warned("Accelerator \"kdtree\" \"integer intersectcost\" 80", "Accelerator \"kdtree\" cannot change this image");
     warned("\nSampler \"halton\"", "scene.pbrt:2:1: Sampler \"halton\" sets no number of samples: 16 per pixel");
     warned("Film \"rgb\"", "no PixelFilter");
     warned("\"float shutteropen\" 0", "has no effect here");

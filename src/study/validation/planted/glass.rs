@@ -1,6 +1,7 @@
 //! Mistakes at a smooth boundary of glass, whose directions are two: reflected and refracted.
 
 use super::Planted;
+use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::{dielectric, schlick};
 use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
@@ -59,7 +60,7 @@ pub fn faults() -> Vec<Planted> {
             "Schlick's polynomial of the incident cosine also inside the glass, 0.04 for 0.25 at 40°: both reports",
             40.0,
             1.0 / ETA,
-            |boundary| boundary.share = schlick::schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA),
+            |boundary| boundary.share = schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA),
         ),
         planted(
             "glass/schlick-for-fresnel",

@@ -1,8 +1,9 @@
 //! Mistakes in drawing directions over a hemisphere.
 
 use super::Planted;
+use crate::math::circular::sin_cos_turns;
 use crate::sampling::direction_density;
-use crate::sampling::warp::{self, sin_cos_turns};
+use crate::sampling::warp;
 use etalon_stats::{Directions, Mass, Pole, Sample, density, sampler};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -2,7 +2,8 @@
 
 use super::Planted;
 use crate::envmap::{EnvMap, LatLong};
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use crate::sampling::direction_density;
 use crate::sampling::table::Table2;
 use etalon_stats::{Density, Directions, Pole, Sample, Sampler, sampler};
@@ -101,7 +102,7 @@ pub fn faults() -> Vec<Planted> {
         planted(
             "maps/without-sine",
             "texels drawn by radiance alone, as if those at the poles were as large as the others",
-            |scheme| scheme.weight = |map, x, y| map.intensity(x, y),
+            |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y),
         ),
         planted(
             "maps/sine-at-the-edge",
@@ -120,7 +121,7 @@ pub fn faults() -> Vec<Planted> {
                 scheme.weight = |map, x, y| {
                     let last = map.geometry().height() - 1;
                     let inside = y > 0 && y < last;
-                    if inside { map.intensity(x, y) * (PI * y as f64 / last as f64).sin() } else { 0.0 }
+                    if inside { map.mean_rgb(x, y) * (PI * y as f64 / last as f64).sin() } else { 0.0 }
                 };
             },
         ),

@@ -1,12 +1,12 @@
 //! Mistakes in drawing microfacet normals.
 
 use super::Planted;
-use crate::bsdf::report_model::normal_pdf_by_angles;
+use crate::errata::microfacet::normal_pdf_by_angles;
+use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::variants::g1_rational;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 use crate::sampling::direction_density;
 use crate::sampling::normals::SampleNormals;
-use crate::sampling::warp::sin_cos_turns;
 use etalon_stats::{Directions, Pole, Sample, sampler};
 use glam::DVec3;
 

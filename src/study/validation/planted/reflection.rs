@@ -1,10 +1,10 @@
 //! Mistakes in turning normals into reflected directions.
 
 use super::Planted;
+use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Ggx, Microfacet};
 use crate::sampling::direction_density;
 use crate::sampling::normals::SampleNormals;
-use crate::sampling::warp::sin_cos_turns;
 use etalon_stats::{Density, Directions, Mass, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 

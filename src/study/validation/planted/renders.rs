@@ -2,7 +2,8 @@
 
 use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
 use super::{Case, Planted};
-use crate::render::{LightDensity, Sampling, Settings};
+use crate::envmap::samplers::MapSampling;
+use crate::render::{Sampling, Settings};
 use etalon_stats::welch::Mean;
 use etalon_stats::{Protocol, SampleCount};
 
@@ -30,11 +31,11 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
 }
 
 pub fn faults() -> Vec<Planted> {
-    let settings = Settings { sampling: Sampling::Mis, density: LightDensity::Map, ..Settings::default() };
+    let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
     let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;
-    shadowing.model.scattering.report.lambda_pi = true;
+    shadowing.model.conventions.lambda_with_pi = true;
     let series = inside(1000, blind);
     let cut = Picture { truth: Truth::Even(2.0), ..inside(5, blind) };
     vec![

@@ -3,11 +3,11 @@
 //! Everything in f32 as renders do it, with numbers of 24 bits; the densities are those that renders weigh samples with.
 
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
-use crate::bsdf::report_model::ReportConventions;
 use crate::bsdf::{Bsdf, Normals, Scatter};
-use crate::optics::metals::METALS;
+use crate::errata::Conventions;
+use crate::math::Rgb;
+use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use crate::sampling::direction_density;
 use crate::scene::{Conductor, Material, ScatterModel};
 use etalon_stats::{Directions, Mass, Pole, Sample, sampler};
@@ -15,9 +15,7 @@ use glam::{DVec3, Vec3};
 
 /// A rough metal; which one does not matter to its directions.
 fn metal(alpha: f64, distribution: Distribution) -> Material {
-    let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
-    let [first, ..] = METALS;
-    let (eta, k) = (rgb(first.eta), rgb(first.k));
+    let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
 
@@ -42,10 +40,10 @@ pub fn cases() -> Vec<Case> {
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
         }
     }
-    let report = ScatterModel { report: ReportConventions::ALL, ..ScatterModel::default() };
+    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     for alpha in [0.005, 0.05, 0.25, 0.5] {
         for degrees in [0.0, 40.0, 80.0] {
-            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(report);
+            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(conventional);
             let name = format!("bsdf/report-metal/{alpha}/{degrees}");
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
         }

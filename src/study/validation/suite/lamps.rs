@@ -1,7 +1,7 @@
 //! Lamps as the renderer draws directions towards them: panels, balls, and the even sky.
 
 use super::{Case, short};
-use crate::raster::Rgb;
+use crate::math::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
 use crate::scene::{Emission, Light, Material, Object, Rectangle, Role, Scene, Shape, Sphere, builtin};
@@ -31,7 +31,7 @@ pub fn cases() -> Vec<Case> {
 
 /// The only light of a scene, as the renderer has it.
 fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
-    let (scene, _) = builtin::by_name("furnace", None).ok()??;
+    let (scene, _) = builtin::furnace();
     let lights = light.into_iter().collect();
     let scene = Scene { objects: object.into_iter().collect(), lights, environment: None, ..scene };
     Sampled::all(&scene, &Settings::default()).ok()?.pop()

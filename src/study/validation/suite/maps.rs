@@ -3,13 +3,12 @@
 use super::super::shared::Shared;
 use super::Case;
 use crate::envmap::EnvMap;
-use crate::envmap::cosine::CosineSampler;
-use crate::envmap::sampler::{AliasSampler, CdfSampler, CompensatedSampler, DirectionSampler, SurfaceSampler};
+use crate::envmap::samplers::{self, Entry, MapSampling, Method, cosine};
 use crate::envmap::synthetic::Synthetic;
-use crate::raster::{Image, Rgb};
-use crate::sampling::alias::AliasTable;
+use crate::math::Rgb;
+use crate::raster::Image;
 use crate::sampling::direction_density;
-use etalon_stats::{Directions, Mass, Pole, Sample, sampler};
+use etalon_stats::{Directions, Mass, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -40,10 +39,10 @@ pub fn cases() -> Vec<Case> {
     for (place, hot) in [("corner", [0, 0]), ("seam", [15, 4]), ("pole", [7, 7]), ("centre", [8, 4])] {
         sources.push(source(format!("onehot-{place}"), move || one_hot(hot)));
     }
-    let mut cases: Vec<Case> = sources.iter().flat_map(of).collect();
+    let mut cases: Vec<Case> = sources.iter().flat_map(of).map(|(_, case)| case).collect();
     // Larger than the finest level of the pyramid, whose blocks are then of several texels.
     let large = source("1024x1024", || Image::from_fn(1024, 1024, contrasts));
-    cases.push(cosine(&large, "up", DVec3::Y));
+    cases.push(case(&large, cosine::ENTRY, "cosine-up".into(), DVec3::Y));
     cases
 }
 
@@ -52,9 +51,10 @@ pub fn cases() -> Vec<Case> {
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
     let texels = map.image().pixels().len();
     let known = Lazy { map: Shared::from(map), make: Box::new(|| Image::new(1, 1)) };
-    let cases = of(&(name.to_owned(), Arc::new(known)));
-    // No sampler's table takes more than the alias table.
-    cases.into_iter().map(|case| case.with_memory(texels * AliasTable::BYTES)).collect()
+    of(&(name.to_owned(), Arc::new(known)))
+        .into_iter()
+        .map(|(entry, case)| case.with_memory(texels * entry.bytes_per_texel))
+        .collect()
 }
 
 /// Dark texels beside bright ones, and one that outshines all.
@@ -72,72 +72,58 @@ fn one_hot([x, y]: [usize; 2]) -> Image {
     image
 }
 
-fn of(source: &Source) -> Vec<Case> {
+/// Normals of surfaces, by a name.
+const NORMALS: [(&str, DVec3); 3] =
+    [("up", DVec3::Y), ("down", DVec3::NEG_Y), ("slanted", DVec3::new(0.48, -0.6, 0.64))];
+
+/// Regions of samplers that cut the map, if it has as many texels.
+const REGIONS: usize = 16;
+
+/// A case for every sampler of directions in the registry, for each normal if it looks at that.
+fn of(source: &Source) -> Vec<(&'static Entry, Case)> {
+    let mut cases = Vec::new();
+    for &entry in samplers::ALL {
+        match entry.method {
+            Method::Directions(_) => {
+                let number = if entry.has_regions { format!("-{REGIONS}") } else { String::new() };
+                cases.push((entry, case(source, entry, format!("{}{number}", entry.name), DVec3::Y)));
+            }
+            Method::ForNormal(_) => cases.extend(
+                NORMALS.map(|(towards, n)| (entry, case(source, entry, format!("{}-{towards}", entry.name), n))),
+            ),
+            // There are no samples to test.
+            Method::FixedLights(_) => {}
+        }
+    }
+    cases
+}
+
+/// The directions of one sampler for a surface of that normal.
+fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> Case {
     let (name, lazy) = source;
-    let sphere = Directions::sphere(Pole::Y);
-    let inverting = {
-        let lazy = lazy.clone();
-        Case::of(format!("map/{name}/cdf"), sphere, move || {
-            let cdf = Arc::new(CdfSampler::new(lazy.get()));
-            let (of, back) = (cdf.clone(), cdf.clone());
-            let draw = move |u: &[f64]| cdf.sample([u[0], u[1]]).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
-            let sampler = sampler(2, draw).with_inverse(move |wi: [f64; 3]| back.invert(wi.into()).to_vec());
-            (
-                sampler,
-                direction_density(move |wi| of.pdf(wi))
-                    .with_mass(mass(&lazy.get()))
-                    .with_steps(lazy.get().geometry().edges()),
-            )
-        })
+    let (name, preparation, lazy) = (format!("map/{name}/{how}"), lazy.clone(), lazy.clone());
+    let test = move |protocol: &Protocol, round| {
+        let map = lazy.get();
+        let regions = REGIONS.min(map.image().pixels().len()) as u32;
+        let by = MapSampling::with_regions(entry, regions).sampler(map.clone())?;
+        // A black map has nothing to draw. By the normal, there is no sample where a block's estimate promises light that
+        // its parts do not hold.
+        let mass = match entry.method {
+            Method::Directions(_) => Mass::Exactly(if is_black(&map) { 0.0 } else { 1.0 }),
+            _ => Mass::AtMostOne,
+        };
+        let pdf = direction_density(|wi| by.pdf_for(wi, normal)).with_mass(mass).with_steps(map.geometry().edges());
+        let draw = |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
+        let (sphere, drawn) = (Directions::sphere(Pole::Y), sampler(2, draw));
+        if !entry.invertible {
+            return Ok(examine(&sphere, &drawn, &pdf, protocol, round)?);
+        }
+        let invert = |wi: [f64; 3]| by.invert_for(wi.into(), normal).map_or_else(Vec::new, |u| u.to_vec());
+        Ok(examine(&sphere, &drawn.with_inverse(invert), &pdf, protocol, round)?)
     };
-    let slanted = DVec3::new(0.48, -0.6, 0.64);
-    vec![
-        inverting.with_preparation(preparing(lazy)),
-        by_light(source, "alias", AliasSampler::new),
-        by_light(source, "compensated", CompensatedSampler::new),
-        cosine(source, "up", DVec3::Y),
-        cosine(source, "down", -DVec3::Y),
-        cosine(source, "slanted", slanted),
-    ]
+    Case::new(name, test).with_preparation(move || drop(preparation.get()))
 }
 
-fn preparing(lazy: &Arc<Lazy>) -> impl Fn() + Send + Sync + use<> {
-    let lazy = lazy.clone();
-    move || drop(lazy.get())
-}
-
-/// A black map has nothing to draw.
-fn mass(map: &EnvMap) -> Mass {
-    Mass::Exactly(if map.image().pixels().iter().any(|p| *p != Rgb::ZERO) { 1.0 } else { 0.0 })
-}
-
-fn by_light<S: DirectionSampler + 'static>(source: &Source, how: &str, new: fn(Arc<EnvMap>) -> S) -> Case {
-    let (name, lazy) = source;
-    let preparation = preparing(lazy);
-    let lazy = lazy.clone();
-    let case = Case::of(format!("map/{name}/{how}"), Directions::sphere(Pole::Y), move || {
-        let by = Arc::new(new(lazy.get()));
-        let of = by.clone();
-        let draw = move |u: &[f64]| by.sample([u[0], u[1]]).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
-        let density = direction_density(move |wi| of.pdf(wi)).with_mass(mass(&lazy.get()));
-        (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
-    });
-    case.with_preparation(preparation)
-}
-
-/// Radiance × cosine, for a surface of that normal. Where its estimate of a block promises light that its parts do not
-/// hold there is no sample.
-fn cosine(source: &Source, towards: &str, normal: DVec3) -> Case {
-    let (name, lazy) = source;
-    let preparation = preparing(lazy);
-    let lazy = lazy.clone();
-    let case = Case::of(format!("map/{name}/cosine-{towards}"), Directions::sphere(Pole::Y), move || {
-        let by = Arc::new(CosineSampler::new(lazy.get()));
-        let of = by.clone();
-        let draw =
-            move |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
-        let density = direction_density(move |wi| of.pdf_for(wi, normal)).with_mass(Mass::AtMostOne);
-        (sampler(2, draw), density.with_steps(lazy.get().geometry().edges()))
-    });
-    case.with_preparation(preparation)
+fn is_black(map: &EnvMap) -> bool {
+    map.image().pixels().iter().all(|p| *p == Rgb::ZERO)
 }

@@ -1,7 +1,8 @@
 //! Rectangles by their solid angle, seen from a point.
 
 use super::{Case, short};
-use crate::sampling::circular::Circular;
+use crate::math::Real;
+use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use etalon_stats::{Sample, Square, density, sampler};
 
@@ -36,9 +37,9 @@ fn rectangle<T: Circular + Send + Sync + 'static>(
     Case::of(name, Square, move || {
         let [x0, x1] = xs;
         let [y0, y1] = ys;
-        let seen = SphericalRectangle::new(xs.map(T::lit), ys.map(T::lit), T::lit(depth));
+        let seen = SphericalRectangle::new(xs.map(T::from_f64), ys.map(T::from_f64), T::from_f64(depth));
         let draw = move |u: &[f64]| {
-            let [x, y] = seen.sample([T::lit(number(u[0])), T::lit(number(u[1]))]).map(T::wide);
+            let [x, y] = seen.sample([T::from_f64(number(u[0])), T::from_f64(number(u[1]))]).map(Real::to_f64);
             let place = [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
             // In f32 the sides themselves are rounded.
             Some(Sample::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))

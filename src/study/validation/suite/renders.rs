@@ -8,15 +8,16 @@ use super::super::Case;
 use super::super::shared::Shared;
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
+use crate::envmap::samplers::MapSampling;
 use crate::envmap::synthetic::Synthetic;
 use crate::error::Result;
+use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Microfacet};
-use crate::raster::{Image, Rgb};
+use crate::raster::Image;
 use crate::render::exposure::Exposure;
-use crate::render::{LightDensity, Sampling, Settings, Silent, render};
-use crate::sampling::direction_density;
-use crate::sampling::hash;
+use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
+use crate::sampling::{direction_density, hash};
 use crate::scene::{
     Camera, Conductor, Distribution, Emission, Environment, Material, Object, Projection, Rectangle, Request, Role,
     Scene, Shape, builtin,
@@ -283,26 +284,26 @@ fn room(settings: Settings, other: Settings) -> Picture {
 /// The pictures of the suite.
 pub fn cases() -> Vec<Case> {
     let by = |sampling, density| Settings { sampling, density, ..Settings::default() };
-    let bsdf = by(Sampling::Bsdf, LightDensity::Cosine);
+    let bsdf = by(Sampling::Bsdf, MapSampling::COSINE);
     let white = Material::Diffuse { albedo: Rgb::ONE };
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
     let mut pictures = vec![
-        ("furnace/diffuse/light".to_owned(), ball(white, by(Sampling::Light, LightDensity::Map), 1)),
-        ("furnace/diffuse/mis".into(), ball(white, by(Sampling::Mis, LightDensity::Map), 1)),
-        ("furnace/diffuse/hemisphere".into(), ball(white, by(Sampling::Hemisphere, LightDensity::Map), 1)),
+        ("furnace/diffuse/light".to_owned(), ball(white, by(Sampling::Light, MapSampling::MAP), 1)),
+        ("furnace/diffuse/mis".into(), ball(white, by(Sampling::Mis, MapSampling::MAP), 1)),
+        ("furnace/diffuse/hemisphere".into(), ball(white, by(Sampling::Hemisphere, MapSampling::MAP), 1)),
         ("furnace/glass".into(), ball(glass, bsdf, 1000)),
         ("furnace/metal/bsdf".into(), metal(bsdf)),
-        ("furnace/metal/mis".into(), metal(by(Sampling::Mis, LightDensity::Map))),
+        ("furnace/metal/mis".into(), metal(by(Sampling::Mis, MapSampling::MAP))),
     ];
     for depth in [1, 3, 100] {
-        let settings = by(Sampling::Hemisphere, LightDensity::Cosine);
+        let settings = by(Sampling::Hemisphere, MapSampling::COSINE);
         pictures.push((format!("furnace/inside/{depth}"), inside(depth, settings)));
     }
     for (name, sampling, density) in [
-        ("cosine", Sampling::Light, LightDensity::Cosine),
-        ("map", Sampling::Light, LightDensity::Map),
-        ("mis", Sampling::Mis, LightDensity::Map),
-        ("compensated", Sampling::Mis, LightDensity::Compensated),
+        ("cosine", Sampling::Light, MapSampling::COSINE),
+        ("map", Sampling::Light, MapSampling::MAP),
+        ("mis", Sampling::Mis, MapSampling::MAP),
+        ("compensated", Sampling::Mis, MapSampling::COMPENSATED),
     ] {
         pictures.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
     }
@@ -328,8 +329,8 @@ mod tests {
     }
 
     #[test]
-    fn p_values_of_right_images_are_uniform() {
-        let mis = Settings { density: LightDensity::Map, ..Settings::default() };
+    fn p_values_of_right_pictures_are_even() {
+        let mis = Settings { density: MapSampling::MAP, ..Settings::default() };
         let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
         let white = Material::Diffuse { albedo: Rgb::ONE };
         for (name, picture) in

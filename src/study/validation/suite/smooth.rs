@@ -5,8 +5,8 @@
 
 use super::{Case, short, towards};
 use crate::bsdf::{Bsdf, Scatter};
+use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;
-use crate::raster::Rgb;
 use crate::sampling::direction_density;
 use crate::scene::{Conductor, Material, ScatterModel};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};

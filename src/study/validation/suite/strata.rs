@@ -6,7 +6,8 @@ use super::Case;
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
-use crate::raster::{Image, Rgb};
+use crate::math::Rgb;
+use crate::raster::Image;
 use crate::sampling::direction_density;
 use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
@@ -50,7 +51,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
     let pdf = |wi: DVec3| {
         let (x, y) = g.texel(wi);
-        map.intensity(x, y) / total
+        map.mean_rgb(x, y) / total
     };
     let sphere = Directions::sphere(Pole::Y);
     Ok(examine(&sphere, &sampler(3, draw), &direction_density(pdf).with_steps(g.edges()), protocol, round)?)

@@ -1,9 +1,8 @@
 //! Maps from the unit square to directions, and the circular functions that they are made of.
 
 use super::{Case, short};
-use crate::sampling::circular::Circular;
-use crate::sampling::direction_density;
-use crate::sampling::warp;
+use crate::math::circular::Circular;
+use crate::sampling::{direction_density, warp};
 use etalon_stats::{Directions, Line, Pole, Sample, density, sampler};
 use glam::DVec3;
 

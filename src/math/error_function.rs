@@ -54,7 +54,7 @@ pub(super) const DOUBLE: [f64; 24] = [
 /// exp(x²) erfc(x) for `x` ≥ 0, infinity included, from the coefficients of its type.
 #[inline(always)]
 pub(super) fn erfcx<T: Real, const N: usize>(x: T, coefficients: &[T; N]) -> T {
-    let three = T::lit(3.0);
+    let three = T::from_f64(3.0);
     // (x − 3)/(x + 3), in a form that knows x = ∞.
     let t = T::one() - (three + three) / (x + three);
     polynomial(coefficients, t) / (T::one() + x + x)

@@ -1,8 +1,8 @@
 //! Many samples at once: drawn in small batches whose memory accesses overlap and whose arithmetic vectorizes.
 
-use super::latlong::EnvMap;
-use super::sampler::EnvSample;
-use crate::raster::Rgb;
+use super::EnvSample;
+use crate::envmap::EnvMap;
+use crate::math::Rgb;
 use crate::sampling::batch::{BATCH, Batch};
 use glam::DVec3;
 

@@ -8,10 +8,10 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     const LEAST_EXPONENT: Self;
 
     /// A literal of the formula, rounded to the type.
-    fn lit(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 
     /// The value in f64, exactly.
-    fn wide(self) -> f64;
+    fn to_f64(self) -> f64;
 
     /// exp(x) for x from [`Real::LEAST_EXPONENT`] to 88; see [`elementary`].
     fn exponential(self) -> Self;
@@ -27,12 +27,12 @@ impl Real for f32 {
     const LEAST_EXPONENT: Self = -87.3;
 
     #[inline(always)]
-    fn lit(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value as f32
     }
 
     #[inline(always)]
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         f64::from(self)
     }
 
@@ -56,12 +56,12 @@ impl Real for f64 {
     const LEAST_EXPONENT: Self = -708.0;
 
     #[inline(always)]
-    fn lit(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value
     }
 
     #[inline(always)]
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self
     }
 

@@ -3,14 +3,26 @@
 //! Unlike the lights of a cut, which stand at fixed places, such directions reach all of the map, so the estimate has
 //! no bias. Regions of equal energy are chosen equally often: with stratified numbers every one of them in turn.
 
-use super::cut::{MedianCut, SideRule, Split};
-use super::latlong::{Block, EnvMap};
-use super::sampler::{Complete, DirectionSampler, EnvSample};
+use super::{DirectionSampler, Entry, EnvSample, Method};
+use crate::envmap::cut::{MedianCut, SideRule, Split};
+use crate::envmap::{Block, EnvMap};
 use crate::error::Result;
 use crate::sampling::table::Table1;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
+
+/// Its entry in the registry. It is complete: a region of no energy is never drawn, and has no light.
+pub const ENTRY: &Entry = &Entry {
+    name: "strata",
+    density: "strata",
+    doc: "a region of a median cut by its energy, uniformly within it",
+    has_regions: true,
+    complete: true,
+    invertible: false,
+    bytes_per_texel: MedianCut::bytes(Split::Energy) + size_of::<u32>(),
+    method: Method::Directions(|map, regions| Ok(Box::new(StrataSampler::new(map, regions as usize)?))),
+};
 
 /// Draws directions by the regions of a median cut.
 pub struct StrataSampler {
@@ -37,7 +49,6 @@ impl StrataSampler {
     /// # Errors
     /// As [`MedianCut::regions`].
     pub fn new(map: Arc<EnvMap>, count: usize) -> Result<Self> {
-        map.request(MedianCut::bytes(Split::Energy) + size_of::<u32>(), "the table of regions")?;
         let regions = MedianCut::new(&map, Split::Energy, SideRule::default()).regions(count)?;
         let (width, rows) = (map.geometry().width(), map.geometry().height());
         let energies: Vec<f64> = regions.iter().map(|region| region.energy).collect();
@@ -77,9 +88,6 @@ impl DirectionSampler for StrataSampler {
         self.strata[self.of_texel[y * self.map.geometry().width() + x] as usize].pdf
     }
 }
-
-// A region of no energy is never drawn, and has no light.
-impl Complete for StrataSampler {}
 
 #[cfg(test)]
 mod tests {

@@ -1,10 +1,9 @@
-//! Circular functions as straight-line arithmetic in f32: a loop over them vectorizes, and every machine gets the
-//! same bits.
+//! Circular functions as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same bits.
 
-use super::warp;
-use crate::optics::Real;
-use crate::optics::error_function::polynomial;
-use std::f32::consts::PI;
+use super::Real;
+use super::error_function::polynomial;
+use std::f32::consts::PI as PI32;
+use std::f64::consts::PI;
 
 /// The circular functions that samplers need, in the precision of the type.
 pub trait Circular: Real {
@@ -24,7 +23,7 @@ impl Circular for f32 {
         let rounded = 4.0 * turns + ROUND;
         let quarter = rounded.to_bits();
         // The difference is exact, so that small angles keep their relative precision.
-        let x = (turns - 0.25 * (rounded - ROUND)) * (2.0 * PI);
+        let x = (turns - 0.25 * (rounded - ROUND)) * (2.0 * PI32);
         let x2 = x * x;
         // Taylor series, |x| ≤ π/4; the first terms left out are below 4 · 10⁻⁸.
         let sin = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0)))));
@@ -42,8 +41,8 @@ impl Circular for f32 {
         let (low, high) = if y <= ax { (y, ax) } else { (ax, y) };
         let ratio = if high > 0.0 { low / high } else { 0.0 };
         let atan = ratio * polynomial(&ARC_TANGENT, ratio * ratio);
-        let octant = if y <= ax { atan } else { 0.5 * PI - atan };
-        if x < 0.0 { PI - octant } else { octant }
+        let octant = if y <= ax { atan } else { 0.5 * PI32 - atan };
+        if x < 0.0 { PI32 - octant } else { octant }
     }
 }
 
@@ -66,12 +65,59 @@ const ARC_TANGENT: [f32; 12] = [
 impl Circular for f64 {
     #[inline(always)]
     fn sin_cos_turns(turns: f64) -> (f64, f64) {
-        warp::sin_cos_turns(turns)
+        sin_cos_turns(turns)
     }
 
     #[inline(always)]
     fn angle(y: f64, x: f64) -> f64 {
         y.atan2(x)
+    }
+}
+
+/// Sine and cosine of `turns` · 2π for `turns` in \[0, 1\], to about 10⁻¹⁶.
+///
+/// Straight-line arithmetic: a loop over it vectorizes, and it gives the same bits on every machine.
+#[inline(always)]
+#[must_use]
+pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
+    // Adding 1.5 · 2⁵² rounds to an integer, which then stands in the lowest bits of the sum.
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    let rounded = 4.0 * turns + ROUND;
+    let quarter = rounded.to_bits();
+    let x = (turns - 0.25 * (rounded - ROUND)) * (2.0 * PI);
+    // Taylor series, |x| ≤ π/4; the first terms left out are below 10⁻¹⁶. Summed by halves (Estrin's scheme), which
+    // leaves the processor more to do at once than Horner's chain.
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let x8 = x4 * x4;
+    let term = |even: f64, odd: f64| 1.0 / even + x2 * (1.0 / odd);
+    let sin = (term(1.0, -6.0) + x4 * term(120.0, -5040.0))
+        + x8 * (term(362_880.0, -39_916_800.0) + x4 * term(6_227_020_800.0, -1_307_674_368_000.0));
+    let sin = sin * x;
+    let cos = (term(1.0, -2.0) + x4 * term(24.0, -720.0))
+        + x8 * (term(40_320.0, -3_628_800.0)
+            + x4 * (term(479_001_600.0, -87_178_291_200.0) + x4 * (1.0 / 20_922_789_888_000.0)));
+    // Turn by the quarters: swap the two in odd ones, change the signs as they go round.
+    let swap = 0u64.wrapping_sub(quarter & 1);
+    let (s, c) = (sin.to_bits(), cos.to_bits());
+    let (s, c) = ((s & !swap) | (c & swap), (c & !swap) | (s & swap));
+    let sign_s = (quarter & 2) << 62;
+    let sign_c = ((quarter + 1) & 2) << 62;
+    (f64::from_bits(s ^ sign_s), f64::from_bits(c ^ sign_c))
+}
+
+/// The angle of (x, y) in turns, in \[0, 1).
+#[inline]
+#[must_use]
+pub fn turns(y: f64, x: f64) -> f64 {
+    let t = y.atan2(x) * (0.5 / PI);
+    // Adding 1 to a tiny negative angle rounds to 1, which is the seam: 0.
+    if t >= 0.0 {
+        t
+    } else if t + 1.0 < 1.0 {
+        t + 1.0
+    } else {
+        0.0
     }
 }
 
@@ -101,5 +147,22 @@ mod tests {
         for (y, x) in [(0.0, 0.0), (0.0, 1.0), (1e-30, 1.0), (1.0, 0.0), (0.0, -1.0), (1e30, -1e-30)] {
             assert!((f32::angle(y, x) - y.atan2(x)).abs() <= 4e-7 * y.atan2(x), "{y} {x}");
         }
+    }
+
+    #[test]
+    fn sin_cos_is_exact_to_rounding() {
+        for i in 0..=100_000 {
+            let t = f64::from(i) / 100_000.0;
+            let (s, c) = sin_cos_turns(t);
+            let (es, ec) = (t * 2.0 * PI).sin_cos();
+            assert!((s - es).abs() < 1e-15 && (c - ec).abs() < 1e-15, "{t}: {s} {es}, {c} {ec}");
+        }
+    }
+
+    #[test]
+    fn the_seam_is_zero() {
+        assert_eq!(turns(-1e-30, 1.0), 0.0);
+        assert_eq!(turns(0.0, 1.0), 0.0);
+        assert!(turns(-1e-10, 1.0) > 0.999);
     }
 }

@@ -10,11 +10,23 @@
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
 //! moments in place of wavelet products are this project's own.
 
-use super::latlong::{Block, EnvMap};
-use super::sampler::{Complete, EnvSample, SurfaceSampler};
+use super::{Entry, EnvSample, Method, SurfaceSampler};
+use crate::envmap::{Block, EnvMap};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Its entry in the registry.
+pub const ENTRY: &Entry = &Entry {
+    name: "cosine",
+    density: "cosine",
+    doc: "radiance times the cosine at the surface",
+    has_regions: false,
+    complete: true,
+    invertible: false,
+    bytes_per_texel: 0,
+    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::new(map)))),
+};
 
 /// The finest level has at most so many blocks; in larger maps they are of several texels.
 const FINEST: usize = 1 << 19;
@@ -265,8 +277,6 @@ impl SurfaceSampler for CosineSampler {
     }
 }
 
-impl Complete for CosineSampler {}
-
 /// Sums blocks two by two in both directions; the new number of columns and the blocks.
 fn halved(columns: usize, blocks: &[Vec4]) -> (usize, Vec<Vec4>) {
     let (width, height) = (columns.div_ceil(2), (blocks.len() / columns).div_ceil(2));
@@ -285,9 +295,9 @@ fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
     blocks.par_chunks_mut(columns).enumerate().for_each(|(by, row)| {
         for y in by * side..((by + 1) * side).min(g.height()) {
             for x in 0..g.width() {
-                let intensity = map.intensity(x, y);
-                let moment = g.moment(x, y) * intensity;
-                row[x / side] += moment.as_vec3().extend((intensity * g.solid_angle(y)) as f32);
+                let radiance = map.mean_rgb(x, y);
+                let moment = g.moment(x, y) * radiance;
+                row[x / side] += moment.as_vec3().extend((radiance * g.solid_angle(y)) as f32);
             }
         }
     });
@@ -297,7 +307,8 @@ fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Image, Rgb};
+    use crate::math::Rgb;
+    use crate::raster::Image;
 
     fn maps() -> Vec<Arc<EnvMap>> {
         let value = |x: usize, y: usize| match (x * 7 + y * 13) % 5 {
@@ -343,7 +354,7 @@ mod tests {
                         let above = [0.01, 0.5, 0.99].iter().any(|&fx| {
                             [0.01, 0.5, 0.99].iter().any(|&fy| n.dot(g.direction_in_texel(x, y, fx, fy)) > 0.0)
                         });
-                        assert!(!above || map.intensity(x, y) == 0.0 || pdf > 0.0, "light at {x},{y} is missed");
+                        assert!(!above || map.mean_rgb(x, y) == 0.0 || pdf > 0.0, "light at {x},{y} is missed");
                     }
                 }
                 // What is missing are descents that ended among blocks without light above the horizon.

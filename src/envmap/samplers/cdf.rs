@@ -1,0 +1,85 @@
+//! Radiance by inversion: the row by its marginal distribution, then the column by the row's own.
+
+use super::batch::{self, Batched, EnvSamples};
+use super::{DirectionSampler, Entry, EnvSample, Method};
+use crate::envmap::EnvMap;
+use crate::sampling::batch::Batch;
+use crate::sampling::table::Table2;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Its entry in the registry.
+pub const ENTRY: &Entry = &Entry {
+    name: "cdf",
+    density: "map",
+    doc: "radiance, by inversion: a row, then a column of it",
+    has_regions: false,
+    complete: true,
+    invertible: true,
+    bytes_per_texel: Table2::BYTES,
+    method: Method::Directions(|map, _| Ok(Box::new(CdfSampler::new(map)))),
+};
+
+/// Inversion: the row by the marginal table, the column by the row's own, a uniform position
+/// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.
+#[derive(Debug, Clone)]
+pub struct CdfSampler {
+    pub(super) map: Arc<EnvMap>,
+    pub(super) table: Table2,
+}
+
+impl CdfSampler {
+    /// The tables of a map.
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>) -> Self {
+        let m = &map;
+        let table = Table2::new(m.geometry().width(), m.geometry().height(), |x, y| m.energy(x, y));
+        Self { map, table }
+    }
+
+    #[inline]
+    fn texel_pdf(&self, x: usize, y: usize) -> f64 {
+        self.table.probability(x, y) * self.map.geometry().inverse_solid_angle(y)
+    }
+}
+
+impl Batched for CdfSampler {
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    fn total(&self) -> f64 {
+        self.table.total()
+    }
+
+    #[inline(always)]
+    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
+        self.table.draw_batch(u, self.map.image().pixels(), draws);
+    }
+}
+
+impl DirectionSampler for CdfSampler {
+    #[inline]
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        let draw = self.table.draw(u)?;
+        let (x, y) = (draw.x.cell, draw.y.cell);
+        let g = self.map.geometry();
+        let wi = g.direction_in_texel(x, y, draw.x.offset, draw.y.offset);
+        Some(EnvSample { wi, pdf: draw.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
+    }
+
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+        batch::fill(self, u, out);
+    }
+
+    fn invert(&self, wi: DVec3) -> Option<[f64; 2]> {
+        let (x, y, fx, fy) = self.map.geometry().texel_position(wi);
+        Some(self.table.invert((x, y), (fx, fy)))
+    }
+
+    #[inline]
+    fn pdf(&self, wi: DVec3) -> f64 {
+        let (x, y) = self.map.geometry().texel(wi);
+        self.texel_pdf(x, y)
+    }
+}

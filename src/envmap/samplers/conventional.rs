@@ -1,0 +1,101 @@
+//! Radiance by inversion, by whichever [`Conventions`]: to show and test what the first report's do.
+//!
+//! It is not in the registry: with the report's conventions it is wrong, and with the correct ones slower than `cdf`.
+
+use super::{DirectionSampler, EnvSample};
+use crate::envmap::EnvMap;
+use crate::errata::{Conventions, maps};
+use crate::sampling::table::Table2;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A row by the marginal distribution, a texel of it, and a direction in the texel. Under
+/// [`Conventions::rows_without_poles`] the rows at the poles are missed.
+#[derive(Debug, Clone)]
+pub struct ConventionalSampler {
+    map: Arc<EnvMap>,
+    table: Table2,
+    conventions: Conventions,
+}
+
+impl ConventionalSampler {
+    /// The tables of a map.
+    #[must_use]
+    pub fn new(map: Arc<EnvMap>, conventions: Conventions) -> Self {
+        let (width, height) = (map.geometry().width(), map.geometry().height());
+        let weight = |x: usize, y: usize| {
+            if conventions.rows_without_poles {
+                map.mean_rgb(x, y) * maps::row_weight(y, height)
+            } else {
+                map.energy(x, y)
+            }
+        };
+        let table = Table2::new(width, height, weight);
+        Self { map, table, conventions }
+    }
+
+    /// The density that goes with the conventions, per solid angle as they have it.
+    fn texel_pdf(&self, x: usize, y: usize) -> f64 {
+        let (probability, g) = (self.table.probability(x, y), self.map.geometry());
+        if self.conventions.rows_without_poles {
+            maps::texel_pdf(probability, maps::row_weight(y, g.height()), [g.width(), g.height()])
+        } else {
+            probability * g.inverse_solid_angle(y)
+        }
+    }
+}
+
+impl DirectionSampler for ConventionalSampler {
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+        let draw = self.table.draw(u)?;
+        let (x, y) = (draw.x.cell, draw.y.cell);
+        let wi = if self.conventions.texel_corners {
+            let [fx, fy] = maps::PLACE_IN_TEXEL;
+            self.map.geometry().direction(x as f64 + fx, y as f64 + fy)
+        } else {
+            self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset)
+        };
+        Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
+    }
+
+    fn pdf(&self, wi: DVec3) -> f64 {
+        let (x, y) = self.map.geometry().texel(wi);
+        self.texel_pdf(x, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::samplers::CdfSampler;
+    use crate::math::Rgb;
+    use crate::raster::Image;
+
+    #[test]
+    fn pole_rows_are_never_drawn_and_positions_are_corners() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |_, y| Rgb::splat(if y == 0 { 1e6 } else { 1.0 }))));
+        let sampler = ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT);
+        for i in 0..1000 {
+            let s = sampler.sample([(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()]).unwrap();
+            let (x, y) = map.geometry().position(s.wi);
+            assert!((0.5..6.5).contains(&y), "the bright zenith is lost");
+            assert!((x - x.round()).abs() < 1e-9 && (y - y.round()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn maps_of_two_rows_have_nothing_to_draw() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
+        assert_eq!(ConventionalSampler::new(map, Conventions::FIRST_REPORT).sample([0.5, 0.5]), None);
+    }
+
+    #[test]
+    fn correct_conventions_are_the_sampler_by_inversion() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32))));
+        let (by, right) = (ConventionalSampler::new(map.clone(), Conventions::CORRECT), CdfSampler::new(map));
+        for i in 0..1000 {
+            let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()];
+            assert_eq!(by.sample(u), right.sample(u));
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What every sampler of the registry must do, and its entry say.
+
+use super::*;
+use crate::raster::Image;
+
+/// Maps with dark texels, strong contrast and every size of trouble.
+fn maps() -> Vec<Arc<EnvMap>> {
+    let value = |x: usize, y: usize| match (x * 7 + y * 13) % 5 {
+        0 => Rgb::ZERO,
+        4 if x == 1 => Rgb::splat(1e5),
+        k => Rgb::new(k as f32, 0.5, 0.1),
+    };
+    [(1, 1), (2, 1), (3, 2), (10, 10), (64, 32)]
+        .map(|(w, h)| Arc::new(EnvMap::new(Image::from_fn(w, h, |x, y| value(x + usize::from(w == 1), y)))))
+        .into()
+}
+
+fn grid(n: u32) -> impl Iterator<Item = [f64; 2]> {
+    (0..n * n).map(move |i| [(f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n)])
+}
+
+const NORMALS: [DVec3; 2] = [DVec3::Y, DVec3::new(0.48, -0.6, 0.64)];
+
+/// Every sampler of directions on a map, with its entry.
+fn samplers(map: &Arc<EnvMap>) -> Vec<(&'static Entry, Box<dyn SurfaceSampler>)> {
+    let regions = map.image().pixels().len().min(6) as u32;
+    let all = ALL.iter().map(|&entry| MapSampling::with_regions(entry, regions));
+    let sampled = all.filter(|sampling| !sampling.has_fixed_lights());
+    sampled.map(|sampling| (sampling.entry(), sampling.sampler(map.clone()).unwrap())).collect()
+}
+
+#[test]
+fn entries_are_documented_and_found_by_their_names() {
+    for &entry in ALL {
+        assert!(entry.doc.len() > 10, "{}", entry.name);
+        let sampling = MapSampling::with_regions(entry, 7);
+        assert_eq!(sampling.to_string().parse::<MapSampling>().unwrap(), sampling);
+        let by_density: MapSampling = sampling.density().parse().unwrap();
+        assert_eq!(by_density.entry().density, entry.density);
+    }
+    assert_eq!("map".parse::<MapSampling>().unwrap(), MapSampling::MAP);
+    for wrong in ["", "cosin", "strata", "strata-", "strata--1", "cdf-4", "median-cut-1e3", "K"] {
+        assert!(wrong.parse::<MapSampling>().is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn samples_carry_the_pdf_of_their_direction_to_the_last_bit() {
+    for map in maps() {
+        for (entry, sampler) in samplers(&map) {
+            for normal in NORMALS {
+                let mut drawn = 0;
+                for u in grid(60).chain([[0.0, 0.0], [1.0f64.next_down(); 2]]) {
+                    let Some(s) = sampler.sample_for(u, normal) else { continue };
+                    drawn += 1;
+                    assert_eq!(s.pdf.to_bits(), sampler.pdf_for(s.wi, normal).to_bits(), "{}", entry.name);
+                    assert!(s.pdf > 0.0 && s.pdf.is_finite());
+                    assert_eq!(s.radiance, map.radiance(s.wi));
+                }
+                let all = matches!(entry.method, Method::Directions(_));
+                assert!(drawn == 3602 || !all && drawn > 1000, "{}: {drawn}", entry.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn many_samples_are_the_single_ones_to_the_last_bit() {
+    let numbers: Vec<[f64; 2]> = grid(60).chain([[0.0, 0.0], [1.0f64.next_down(); 2]]).collect();
+    let mut out = EnvSamples::default();
+    for map in maps() {
+        for (_, sampler) in samplers(&map) {
+            for n in [1, 7, 64, 65, numbers.len()] {
+                let normal = NORMALS[1];
+                sampler.sample_many_for(&numbers[..n], normal, &mut out);
+                let singly: Vec<EnvSample> =
+                    numbers[..n].iter().filter_map(|&u| sampler.sample_for(u, normal)).collect();
+                assert_eq!(out.iter().collect::<Vec<_>>(), singly);
+            }
+        }
+    }
+}
+
+#[test]
+fn densities_integrate_to_one_and_are_complete_where_they_say_so() {
+    for map in maps() {
+        let g = map.geometry();
+        for (entry, sampler) in samplers(&map) {
+            for normal in NORMALS {
+                let (mut mass, mut missed) = (0.0, 0);
+                for (x, y) in (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))) {
+                    let wi = g.direction_in_texel(x, y, 0.5, 0.5);
+                    let pdf = sampler.pdf_for(wi, normal);
+                    mass += pdf * g.solid_angle(y);
+                    let received = matches!(entry.method, Method::Directions(_)) || wi.dot(normal) > 0.0;
+                    missed += i32::from(received && map.mean_rgb(x, y) > 0.0 && pdf == 0.0);
+                }
+                match entry.method {
+                    Method::Directions(_) => assert!((mass - 1.0).abs() < 1e-9, "{}: {mass}", entry.name),
+                    // What is missing are descents that ended among blocks without light above the horizon.
+                    _ => assert!(mass > 0.5 && mass < 1.0 + 1e-6, "{}: {mass}", entry.name),
+                }
+                let has_contrast = map.image().pixels().len() > 2;
+                assert_eq!(missed == 0, entry.complete || !has_contrast, "{}: {missed}", entry.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn inverses_give_the_numbers_back_where_there_are_any() {
+    for map in maps() {
+        for (entry, sampler) in samplers(&map) {
+            for u in grid(40) {
+                let Some(s) = sampler.sample_for(u, DVec3::Y) else { continue };
+                let back = sampler.invert_for(s.wi, DVec3::Y);
+                assert_eq!(back.is_some(), entry.invertible, "{}", entry.name);
+                if let Some(back) = back {
+                    assert!((back[0] - u[0]).abs() < 1e-8 && (back[1] - u[1]).abs() < 1e-8, "{u:?} came back {back:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_black_map_has_no_samples() {
+    let map = Arc::new(EnvMap::new(Image::new(4, 2)));
+    for (entry, sampler) in samplers(&map) {
+        assert_eq!(sampler.sample_for([0.5, 0.5], DVec3::Y), None, "{}", entry.name);
+        assert_eq!(sampler.pdf_for(DVec3::Y, DVec3::Y), 0.0, "{}", entry.name);
+        let mut out = EnvSamples::default();
+        out.push(EnvSample { wi: DVec3::X, pdf: 1.0, radiance: Rgb::ONE });
+        sampler.sample_many_for(&[[0.5, 0.5]], DVec3::Y, &mut out);
+        assert!(out.is_empty());
+    }
+}
+
+#[test]
+fn a_constant_map_is_sampled_all_over() {
+    let map = Arc::new(EnvMap::new(Image::from_fn(32, 16, |_, _| Rgb::ONE)));
+    for sampling in [MapSampling::MAP, MapSampling::COMPENSATED] {
+        let sampler = sampling.sampler(map.clone()).unwrap();
+        for u in grid(20) {
+            let s = sampler.sample_for(u, DVec3::Y).unwrap();
+            assert!((s.pdf * 4.0 * std::f64::consts::PI - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn fixed_lights_have_the_flux_of_the_map() {
+    for map in maps() {
+        let flux: DVec3 = (0..map.geometry().height())
+            .map(|y| map.image().row(y).iter().map(|p| p.as_dvec3()).sum::<DVec3>() * map.geometry().solid_angle(y))
+            .sum();
+        let regions = map.image().pixels().len().min(6) as u32;
+        for sampling in ALL.iter().map(|&entry| MapSampling::with_regions(entry, regions)) {
+            let Some(lights) = sampling.fixed_lights(&map).unwrap() else { continue };
+            assert_eq!(lights.len(), regions as usize);
+            let sum: DVec3 = lights.iter().map(|light| light.irradiance).sum();
+            assert!((sum - flux).length() < 1e-9 * flux.length(), "{sampling}: {sum} {flux}");
+            assert!(sampling.sampler(map.clone()).is_err());
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Environment maps: the first report's rows, and its course's texels.
+
+use std::f64::consts::PI;
+
+/// The first report's weight of row h of H, sin(hπ/(H−1)), with the exact zero at both ends that the formula means.
+///
+/// Right is the row's solid angle, cos(hπ/H) − cos((h+1)π/H). The first and the last row are never sampled, whatever
+/// shines there, and every other weight has an error of up to 1/(2h+1).
+#[must_use]
+pub fn row_weight(row: usize, rows: usize) -> f64 {
+    if row == 0 || row + 1 == rows { 0.0 } else { (row as f64 * PI / (rows - 1) as f64).sin() }
+}
+
+/// The density per solid angle that goes with [`row_weight`]: the texel's probability over its solid angle as the weight has
+/// it, 2π² w/(width · height); 0 where the weight is.
+#[must_use]
+pub fn texel_pdf(probability: f64, weight: f64, [width, height]: [usize; 2]) -> f64 {
+    if weight == 0.0 { 0.0 } else { probability * width as f64 * height as f64 / (2.0 * PI * PI * weight) }
+}
+
+/// Where in a texel the course's renderer takes the direction, in texels from the upper left corner: the corner itself, half
+/// a texel from the centre, and one of finitely many directions.
+pub const PLACE_IN_TEXEL: [f64; 2] = [0.0, 0.0];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_poles_have_no_weight_and_the_others_nearly_theirs() {
+        assert_eq!([row_weight(0, 8), row_weight(7, 8)], [0.0, 0.0]);
+        assert_eq!(texel_pdf(0.1, 0.0, [16, 8]), 0.0);
+        // A uniform map of many rows: nearly 1/4π away from the poles.
+        let (width, height) = (16, 2000);
+        let total: f64 = (0..height).map(|y| row_weight(y, height)).sum::<f64>() * width as f64;
+        let weight = row_weight(700, height);
+        let pdf = texel_pdf(weight / total, weight, [width, height]);
+        assert!((pdf * 4.0 * PI - 1.0).abs() < 1e-3, "{pdf}");
+    }
+}

@@ -1,0 +1,12 @@
+//! Mathematics below every other module: colours, local frames, the float type of the formulas, elementary functions.
+
+pub mod circular;
+pub mod elementary;
+pub mod error_function;
+mod frame;
+mod real;
+mod rgb;
+
+pub use frame::Frame;
+pub use real::Real;
+pub use rgb::{Rgb, mean_rgb};
