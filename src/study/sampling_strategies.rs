@@ -107,12 +107,15 @@ fn from_silhouette(depth: f64) -> f64 {
 
 /// Both images at each distance from the silhouette.
 fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
-    let room: Vec<bool> =
+    let shown: Vec<bool> =
         importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
-        let mask: Vec<bool> =
-            depth.iter().zip(&room).map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d))).collect();
+        let mask: Vec<bool> = depth
+            .iter()
+            .zip(&shown)
+            .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
+            .collect();
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
         Bin {
             from_px,

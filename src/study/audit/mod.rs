@@ -133,7 +133,7 @@ fn exact(violation: Option<String>, samples: u64) -> Outcome {
     Outcome { violation, ..Outcome::open(samples) }
 }
 
-/// A function at even steps from `from` to `to`, ends included.
+/// A function at equal steps from `from` to `to`, ends included.
 fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     const STEPS: u32 = 180;
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
