@@ -9,7 +9,7 @@
 //! | 6 | [`study`] | one file per experiment, each computing a plain result |
 //! | 5 | [`render`], [`import`] | the integrator and its film; scene files and samplers of others |
 //! | 4 | [`scene`] | camera, shapes, lights, built-in scenes |
-//! | 3 | [`bsdf`], [`envmap`] | tests and errors; materials; environment maps |
+//! | 3 | [`bsdf`], [`envmap`] | materials; environment maps |
 //! | 2 | [`sampling`], [`figure`], [`output`] | random streams, warps and tables; drawing; result files |
 //! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
 //! | 0 | [`error`], [`files`], [`interrupt`], [`memory`] | what every room needs |

@@ -1,4 +1,4 @@
-//! Where results go: tables as CSV, drawings as SVG, PNG and PDF, under one name.
+//! Files of results: tables as CSV, drawings as SVG, PNG and PDF, under one name.
 
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
@@ -13,7 +13,7 @@ pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
     name: Option<OsString>,
-    /// What default names end with, to tell results of other parameters apart.
+    /// What default names end with, so that results of other parameters have other names.
     variant: String,
     /// Files that must not be replaced.
     inputs: Vec<PathBuf>,
@@ -64,7 +64,7 @@ impl Target {
         self.name.is_some()
     }
 
-    /// The path of the result called `name`, without extension; `suffix` tells several results of one command apart. A
+    /// The path of the result called `name`, without extension; `suffix` distinguishes several results of one command. A
     /// default name that is too long is cut and ends with a checksum of the whole.
     ///
     /// # Errors
@@ -94,6 +94,7 @@ impl Target {
 /// The files that a command has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
+    /// All of them.
     #[serde(serialize_with = "lossy")]
     pub files: Vec<PathBuf>,
     /// Those under default names that took the place of older ones.
@@ -183,7 +184,10 @@ pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
 /// Formats that images are written in.
 const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
 
-/// Rows as CSV text, with the field names of `T` as header, which stands there even without rows.
+/// Rows as CSV text, with the field names of `T` as header, also without rows.
+///
+/// # Errors
+/// Rows that CSV cannot hold, such as nested lists.
 pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
     if rows.is_empty() {
         let mut text = table(&[T::default()])?;

@@ -188,3 +188,20 @@ fn human(output: &Output<'_>, folder: &Path) -> String {
         output.seconds
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Cli;
+    use clap::CommandFactory;
+
+    #[test]
+    fn commands_of_figures_are_commands_of_the_program() {
+        for figure in gallery::registry() {
+            let Some(command) = figure.command else { continue };
+            let command = command.replace("{map}", "nave");
+            let parsed = Cli::command().try_get_matches_from(command.split_whitespace());
+            assert!(parsed.is_ok(), "{}: {command}: {}", figure.id, parsed.unwrap_err());
+        }
+    }
+}

@@ -5,6 +5,7 @@ use super::ticks::{self, Ticks};
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
+    /// Equal steps of the value.
     Linear,
     /// Equal factors are equally long; values that are not positive have no place.
     Log10,
@@ -134,11 +135,13 @@ impl Span {
         }
     }
 
+    /// Lower end of the range.
     #[must_use]
     pub fn lo(&self) -> f64 {
         self.from.min(self.to)
     }
 
+    /// Upper end of the range.
     #[must_use]
     pub fn hi(&self) -> f64 {
         self.from.max(self.to)

@@ -25,6 +25,7 @@ pub struct Canvas<'a> {
 type Outcome = Result<(), DrawingErrorKind<Infallible>>;
 
 impl<'a> Canvas<'a> {
+    /// A back end that draws on `drawing` with dashes of this pattern.
     #[must_use]
     pub fn new(drawing: &'a mut Drawing, dash: &'static [f64]) -> Self {
         Self { drawing, dash }

@@ -13,23 +13,36 @@ use std::path::{Path, PathBuf};
 pub enum Item {
     /// A line through the points, back to the first one when `closed`.
     Path {
+        /// The corners, in order.
         points: Vec<Point>,
+        /// Whether the last corner joins the first.
         closed: bool,
+        /// Inside and outline.
         paint: Paint,
     },
+    /// A rectangle.
     Rect {
+        /// Its place.
         rect: Rect,
+        /// Inside and outline.
         paint: Paint,
     },
+    /// A circle.
     Circle {
+        /// Its centre.
         centre: Point,
+        /// Its radius.
         radius: f64,
+        /// Inside and outline.
         paint: Paint,
     },
+    /// A line of text.
     Text(Text),
     /// An image stretched over `rect`; enlarged pixels stay sharp squares.
     Image {
+        /// Its place.
         rect: Rect,
+        /// Its pixels.
         image: Rgb8,
     },
 }
@@ -79,11 +92,13 @@ impl Drawing {
         page
     }
 
+    /// In drawing units.
     #[must_use]
     pub fn width(&self) -> f64 {
         self.width
     }
 
+    /// In drawing units.
     #[must_use]
     pub fn height(&self) -> f64 {
         self.height
@@ -95,6 +110,7 @@ impl Drawing {
         self.scale
     }
 
+    /// All items, from the lowest to the topmost.
     #[must_use]
     pub fn items(&self) -> &[Item] {
         &self.items
@@ -119,22 +135,27 @@ impl Drawing {
         self.add(Item::Path { points: points.into(), closed: false, paint: stroke.into() });
     }
 
+    /// Adds a closed polygon.
     pub fn polygon(&mut self, points: impl Into<Vec<Point>>, paint: impl Into<Paint>) {
         self.add(Item::Path { points: points.into(), closed: true, paint: paint.into() });
     }
 
+    /// Adds a rectangle.
     pub fn rect(&mut self, rect: Rect, paint: impl Into<Paint>) {
         self.add(Item::Rect { rect, paint: paint.into() });
     }
 
+    /// Adds a circle.
     pub fn circle(&mut self, centre: Point, radius: f64, paint: impl Into<Paint>) {
         self.add(Item::Circle { centre, radius, paint: paint.into() });
     }
 
+    /// Adds a line of text.
     pub fn text(&mut self, text: Text) {
         self.add(Item::Text(text));
     }
 
+    /// Adds an image that fills `rect`.
     pub fn image(&mut self, rect: Rect, image: Rgb8) {
         self.add(Item::Image { rect, image });
     }

@@ -53,11 +53,13 @@ impl Heatmap {
         Self { range: Some((lo, hi)), ..self }
     }
 
+    /// Cells in a row.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.columns
     }
 
+    /// Rows of cells.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.values.len() / self.columns

@@ -28,6 +28,7 @@ pub struct Panel {
 }
 
 impl Panel {
+    /// An empty panel between two axes.
     #[must_use]
     pub fn new(x: Axis, y: Axis) -> Self {
         Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None }

@@ -42,11 +42,13 @@ impl Rgb8 {
         Self::new(width, height, data)
     }
 
+    /// In pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// In pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height

@@ -8,15 +8,20 @@ pub type Point = [f64; 2];
 /// An sRGB colour with opacity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Colour {
+    /// Red.
     pub r: u8,
+    /// Green.
     pub g: u8,
+    /// Blue.
     pub b: u8,
     /// Opacity: 0 is invisible, 255 covers what lies below.
     pub alpha: u8,
 }
 
 impl Colour {
+    /// Black.
     pub const BLACK: Colour = Colour::rgb(0, 0, 0);
+    /// White.
     pub const WHITE: Colour = Colour::rgb(255, 255, 255);
 
     /// An opaque colour.
@@ -35,7 +40,9 @@ impl Colour {
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
+    /// Its colour.
     pub colour: Colour,
+    /// Width.
     pub width: f64,
     /// Lengths of dashes and gaps in turn; empty for a solid line.
     pub dash: &'static [f64],
@@ -52,7 +59,9 @@ impl Stroke {
 /// How a shape is drawn: its inside, its outline, or both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Paint {
+    /// The inside, if it is filled.
     pub fill: Option<Colour>,
+    /// The outline, if there is one.
     pub stroke: Option<Stroke>,
 }
 
@@ -71,28 +80,36 @@ impl From<Stroke> for Paint {
 /// A rectangle with sides parallel to the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
+    /// Left edge.
     pub x: f64,
+    /// Upper edge.
     pub y: f64,
+    /// Width.
     pub width: f64,
+    /// Height.
     pub height: f64,
 }
 
 impl Rect {
+    /// A rectangle by its upper left corner and its size.
     #[must_use]
     pub const fn new(x: f64, y: f64, width: f64, height: f64) -> Self {
         Self { x, y, width, height }
     }
 
+    /// x of the right edge.
     #[must_use]
     pub fn right(&self) -> f64 {
         self.x + self.width
     }
 
+    /// y of the lower edge.
     #[must_use]
     pub fn bottom(&self) -> f64 {
         self.y + self.height
     }
 
+    /// The point in its middle.
     #[must_use]
     pub fn centre(&self) -> Point {
         [self.x + self.width / 2.0, self.y + self.height / 2.0]
@@ -114,8 +131,11 @@ impl Rect {
 /// Which end of the text stands at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
+    /// At its start.
     Start,
+    /// In its middle.
     Middle,
+    /// At its end.
     End,
 }
 
@@ -133,15 +153,21 @@ pub enum Level {
 /// One line of text, with the markup of [`text`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
+    /// The anchor.
     pub at: Point,
+    /// The text with its markup.
     pub markup: String,
     /// Font size in drawing units.
     pub size: f64,
+    /// Its colour.
     pub colour: Colour,
+    /// Which point of the line is at the anchor.
     pub anchor: Anchor,
+    /// Which height of the letters is at the anchor.
     pub level: Level,
     /// Whether the text runs upwards, turned by 90° about its point.
     pub upwards: bool,
+    /// Whether it is bold.
     pub bold: bool,
 }
 
@@ -159,16 +185,19 @@ impl Text {
         Self { anchor, level, ..self }
     }
 
+    /// The same in another colour.
     #[must_use]
     pub fn coloured(self, colour: Colour) -> Self {
         Self { colour, ..self }
     }
 
+    /// The same in bold letters.
     #[must_use]
     pub fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
 
+    /// The same, running upwards.
     #[must_use]
     pub fn upwards(self) -> Self {
         Self { upwards: true, ..self }

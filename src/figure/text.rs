@@ -15,8 +15,11 @@ const SMALL: f64 = 0.7;
 /// The three cuts of DejaVu Sans that drawings use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Face {
+    /// Upright.
     Regular,
+    /// Slanted.
     Oblique,
+    /// Bold.
     Bold,
 }
 
@@ -60,7 +63,9 @@ fn parse(face: Face) -> ttf_parser::Face<'static> {
 /// A stretch of text in one face, size and height above the baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
+    /// The letters.
     pub text: String,
+    /// Its face.
     pub face: Face,
     /// Font size in drawing units.
     pub size: f64,

@@ -2,7 +2,7 @@
 
 use super::shapes::{Colour, Stroke};
 
-// The palette of Okabe and Ito (2008), told apart with every common kind of colour vision. Private to this module's
+// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. Private to this module's
 // folder: a view takes its colours from the roles below.
 pub(super) const ORANGE: Colour = Colour::rgb(230, 159, 0);
 pub(super) const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
@@ -39,7 +39,7 @@ pub const ACCEPTED: Colour = BLUE;
 /// A test whose claim is rejected, and the line below which that happens.
 pub const REJECTED: Colour = VERMILION;
 /// A test with too few samples for either.
-pub const INCONCLUSIVE: Colour = BLUE;
+pub const INCONCLUSIVE: Colour = ORANGE;
 /// What was counted.
 pub const OBSERVED: Colour = SKY_BLUE;
 /// What a true claim predicts.
@@ -90,9 +90,13 @@ pub fn strategy(index: usize) -> Colour {
 
 /// Dash patterns, in drawing units.
 pub const SOLID: &[f64] = &[];
+/// Dashes.
 pub const DASHED: &[f64] = &[6.0, 3.0];
+/// Dots.
 pub const DOTTED: &[f64] = &[1.5, 2.5];
+/// Dashes and dots in turn.
 pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
+/// Long dashes.
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];
 
 const DASHES: [&[f64]; 5] = [SOLID, DASHED, DASH_DOT, DOTTED, LONG_DASH];
@@ -115,8 +119,11 @@ pub const NO_VALUE: Colour = Colour::rgb(150, 150, 150);
 
 /// Font sizes.
 pub const TITLE_SIZE: f64 = 13.5;
+/// Of the labels of axes.
 pub const LABEL_SIZE: f64 = 13.0;
+/// Of the labels of ticks.
 pub const TICK_SIZE: f64 = 11.5;
+/// Of notes.
 pub const NOTE_SIZE: f64 = 11.5;
 
 /// The stroke of the `index`-th series: every one of the first 35 differs, neighbours in both colour and dash.

@@ -113,7 +113,11 @@ impl Check {
         if !(-16.0..=0.0).contains(&place) {
             return significant(value);
         }
-        format!("{value:.*}", (1.0 - place) as usize)
+        let decimals = (1.0 - place) as usize;
+        let text = format!("{value:.decimals$}");
+        // A negative number that rounds to zero has no sign.
+        let sign = text.bytes().any(|b| (b'1'..=b'9').contains(&b));
+        if sign { text } else { text.trim_start_matches('-').to_owned() }
     }
 }
 
@@ -124,11 +128,17 @@ fn significant(value: f64) -> String {
         return value.to_string();
     }
     if !(1e-3..1e6).contains(&size) {
-        return format!("{value:.2e}");
+        let text = format!("{value:.2e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{exponent}", without_zeros(mantissa));
     }
     let decimals = (2.0 - size.log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    without_zeros(&format!("{value:.decimals$}")).to_owned()
+}
+
+/// A number without the zeros at the end of its decimals.
+fn without_zeros(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
 #[cfg(test)]
@@ -160,8 +170,9 @@ mod tests {
         assert_eq!(shown(Check::within("a", -0.5, -0.498_679, 0.0075)), pair("-0.4987", "-0.5000 ± 0.0075"));
         assert_eq!(shown(Check::within("a", 0.0, 0.185_133, 4.0)), pair("0.2", "0.0 ± 4"));
         assert_eq!(shown(Check::within("a", 55.407_711_312_490_06, 55.407_711_312_490_06, 1e-11)).0, "55.407711312490");
-        assert_eq!(shown(Check::at_most("a", 5.572_76e-16, 1e-9)), pair("5.57e-16", "≤ 1.00e-9"));
+        assert_eq!(shown(Check::at_most("a", 5.572_76e-16, 1e-9)), pair("5.57e-16", "≤ 1e-9"));
         assert_eq!(shown(Check::at_least("a", f64::NAN, 3.0)), pair("NaN", "≥ 3"));
+        assert_eq!(shown(Check::within("a", 0.0, -2.7e-6, 2e-3)), pair("0.0000", "0.0000 ± 0.002"));
         assert_eq!(shown(Check::equal("a", 0.0, 2.0)), pair("2", "= 0"));
         assert_eq!(shown(Check::is_true("a", false)), pair("false", "true"));
     }

@@ -8,8 +8,11 @@ use std::path::Path;
 /// The scenes of one folder, at the report's size.
 #[derive(Debug, Clone)]
 pub struct Originals {
+    /// Mirror and glass sphere.
     pub spheres: (Scene, Request),
+    /// The golden dragon.
     pub dragon: (Scene, Request),
+    /// The copper bunny.
     pub bunny: (Scene, Request),
 }
 

@@ -56,7 +56,7 @@ pub fn reproduce(
     let all = registry();
     if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != id.as_str())) {
         let known: Vec<_> = all.iter().map(|figure| figure.id).collect();
-        return Err(Error::parameter("--only", format!("there is no figure \"{unknown}\""))
+        return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
     let mut records = page::read_records(folder, &all)?;

@@ -1,9 +1,9 @@
-//! What each further scattering adds to a picture: one render, taken apart by path class (Heckbert 1990).
+//! What each further scattering adds to an image: one render, decomposed by path class (Heckbert 1990).
 //!
-//! A picture of depth m has the light that was scattered at most m times, so one deep render with its light kept apart
-//! by class holds the pictures of all depths; [`truncation`] proves that by renders that really end at m.
+//! An image of depth m has the light that was scattered at most m times. One deep render, decomposed by path class, therefore
+//! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
-use super::object_ids::{Kind, ObjectIdBuffer};
+use super::object_ids::{Kind, ObjectIds};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
@@ -17,51 +17,64 @@ use serde::Serialize;
 /// The second report's depths.
 pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
-/// Scatterings up to which classes are kept apart.
+/// Scatterings up to which path classes have layers of their own.
 const APART: u32 = 5;
-/// Rows that are exposed together: enough for many threads.
+/// Rows that are rendered together: enough for many threads.
 const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Scatterings of the longest path.
     pub depth: u32,
+    /// Kind of object, or "all".
     pub seen_on: &'static str,
+    /// Pixels that show it.
     pub pixels: usize,
+    /// Mean radiance, red.
     pub mean_r: f64,
+    /// Mean radiance, green.
     pub mean_g: f64,
+    /// Mean radiance, blue.
     pub mean_b: f64,
-    /// Of all light of the deepest picture.
+    /// Of all light of the deepest image.
     pub share_of_light: f64,
 }
 
-/// The light of one path class on one kind of object ("all" for the whole picture), as far as there is any.
+/// The light of one path class on one kind of object ("all" for the whole image), where there is any.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ClassRow {
     /// The depth at which it appears.
     pub depth: u32,
+    /// The path class, for example LDE.
     pub class: String,
+    /// Kind of object, or "all".
     pub seen_on: &'static str,
-    /// Of all that this depth adds to the picture.
+    /// Of all that this depth adds to the image.
     pub share_of_difference: f64,
-    /// Of all light of the deepest picture.
+    /// Of all light of the deepest image.
     pub share_of_light: f64,
     /// Of the pixels that show this kind of object, those that the class lights.
     pub lit_pixels: f64,
-    /// Where on the picture, weighted by light.
+    /// Where on the image, weighted by light.
     pub centroid_x: f64,
+    /// The same, row.
     pub centroid_y: f64,
 }
 
-/// The pictures of all depths, and what makes them differ.
+/// The images of all depths, and their differences by path class.
 pub struct Depths {
     /// In the order of [`DEPTHS`].
-    pub pictures: Vec<Image>,
-    /// Each picture but the first less the one before it.
+    pub images: Vec<Image>,
+    /// Each image but the first, minus the one before it.
     pub differences: Vec<Image>,
+    /// Radiance by depth and kind of object.
     pub rows: Vec<Row>,
+    /// Light by path class and kind of object.
     pub classes: Vec<ClassRow>,
+    /// The settings of the render.
     pub request: Request,
+    /// Samples that were dropped.
     pub dropped: Dropped,
 }
 
@@ -86,21 +99,24 @@ impl Depths {
     }
 }
 
-/// The whole picture, among the kinds of objects.
+/// The whole image, among the kinds of objects.
 pub const ALL: &str = "all";
 
-/// Renders the scene once, as deep as [`DEPTHS`] go, and takes the picture apart.
+/// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
+///
+/// # Errors
+/// Those of [`Job::new`].
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
     let (layers, dropped) = layers(scene, &request, &apart)?;
-    let objects = ObjectIdBuffer::new(scene, &request);
+    let objects = ObjectIds::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
         .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
         .filter(|(_, mask)| mask.contains(&true))
         .collect();
 
-    let mut pictures = Vec::new();
+    let mut images = Vec::new();
     let mut differences = Vec::new();
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
@@ -115,22 +131,22 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             let pixels: Vec<Rgb> = pixels.iter().map(|p| p.as_vec3()).collect();
             Image::from_pixels(request.width, request.height, pixels)
         };
-        pictures.push(image(&so_far));
+        images.push(image(&so_far));
         if depth > 0 {
             differences.push(image(&added));
         }
     }
 
-    let all_light = light(&pictures[pictures.len() - 1], &regions[0].1);
-    let rows = DEPTHS.iter().zip(&pictures).flat_map(|(&depth, picture)| {
-        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, picture, all_light))
+    let all_light = light(&images[images.len() - 1], &regions[0].1);
+    let rows = DEPTHS.iter().zip(&images).flat_map(|(&depth, image)| {
+        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
     });
     let rows = rows.collect();
     let mut classes = Vec::new();
     for (name, layer) in &layers {
         let depth = appears_at(name);
         let place = DEPTHS.iter().position(|d| *d == depth).unwrap_or(0);
-        let added = if place == 0 { &pictures[0] } else { &differences[place - 1] };
+        let added = if place == 0 { &images[0] } else { &differences[place - 1] };
         let difference = light(added, &regions[0].1);
         for (seen_on, mask) in &regions {
             let here = light(layer, mask);
@@ -150,11 +166,11 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
-    Ok(Depths { pictures, differences, rows, classes, request, dropped })
+    Ok(Depths { images, differences, rows, classes, request, dropped })
 }
 
-/// The light of every path class. A film with classes is many times larger than what is left of it, so that it is
-/// exposed some rows at a time.
+/// The light of every path class. A film with path classes is many times larger than its layers, so that it is
+/// rendered some rows at a time.
 fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<(String, Image)>, Dropped)> {
     let Request { width, height, spp, .. } = *request;
     let job = Job::new(scene, request, settings)?;
@@ -175,14 +191,14 @@ fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<
     Ok((images.collect(), dropped))
 }
 
-/// The depth from which on a class is in the picture: the number of its scatterings.
+/// The smallest depth with this path class: the number of its scatterings.
 fn appears_at(class: &str) -> u32 {
     if class == "rest" { DEPTHS[DEPTHS.len() - 1] } else { class.len() as u32 - 2 }
 }
 
-fn row(depth: u32, seen_on: &'static str, mask: &[bool], picture: &Image, all_light: f64) -> Row {
+fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> Row {
     let (mut sum, mut pixels) = (DVec3::ZERO, 0);
-    for (p, _) in picture.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
+    for (p, _) in image.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
         sum += p.as_dvec3();
         pixels += 1;
     }
@@ -217,6 +233,9 @@ pub struct Truncation {
 }
 
 /// Renders a scene to depth `m` and deeper.
+///
+/// # Errors
+/// Those of [`render`].
 pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
@@ -236,10 +255,10 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })
 }
 
-/// Radiance × share of the picture's pixels of the lamps as the camera sees them, exact where nothing hides them: the
-/// areas of their projections.
+/// The mean radiance of an image that shows the area lights alone, exact where nothing hides them: radiance times the
+/// projected area of each, over the area of the image.
 #[must_use]
-pub fn seen_lamps(scene: &Scene) -> f64 {
+pub fn visible_area_lights(scene: &Scene) -> f64 {
     let camera = &scene.camera;
     let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };
     let film = |p: DVec3| {
@@ -247,7 +266,7 @@ pub fn seen_lamps(scene: &Scene) -> f64 {
         let depth = d.dot(camera.forward);
         [d.dot(camera.right) / (depth * tan_half_width), d.dot(camera.up) / (depth * tan_half_height)]
     };
-    let lamp = |object: &Object| {
+    let light = |object: &Object| {
         let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) else { return 0.0 };
         let corners = rectangle.corners().map(|c| film(c.as_dvec3()));
         let twice: f64 = (0..4)
@@ -261,7 +280,7 @@ pub fn seen_lamps(scene: &Scene) -> f64 {
         // The film's area is 4.
         radiance.element_sum() / 3.0 * twice.abs() / 8.0
     };
-    scene.objects.iter().map(lamp).sum()
+    scene.objects.iter().map(light).sum()
 }
 
 #[cfg(test)]
@@ -291,7 +310,7 @@ mod tests {
         assert!(DEPTHS.windows(2).all(|pair| d.mean(pair[0]) < d.mean(pair[1])));
         let total: f64 = d.classes.iter().filter(|r| r.seen_on == ALL).map(|r| r.share_of_light).sum();
         let by_kind: f64 = d.classes.iter().filter(|r| r.seen_on != ALL).map(|r| r.share_of_light).sum();
-        // The picture is rounded to f32.
+        // The image is rounded to f32.
         assert!((total - 1.0).abs() < f64::from(f32::EPSILON), "{total}");
         assert!(by_kind < 1.0 && by_kind > 0.95, "pixels that show nothing at their centre: {by_kind}");
         for depth in DEPTHS {
@@ -300,15 +319,15 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-6, "{depth}: {sum}");
         }
         let light = |on: &str| d.class("LDSSE", on).map_or(0.0, |r| r.share_of_light);
-        assert!(light("glass") > 30.0 * light("room"), "what is seen through glass is not on walls, but for rims");
+        assert!(light("glass") > 30.0 * light("room"), "only rims show on walls what is visible through glass");
     }
 
     #[test]
-    fn the_lamp_covers_its_projection() {
+    fn the_area_light_covers_its_projection() {
         let (scene, request) = small();
         let request = Request { spp: 64, max_depth: 0, ..request };
         let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
         let mean = light(&image, &vec![true; image.pixels().len()]) / image.pixels().len() as f64;
-        assert!((mean / seen_lamps(&scene) - 1.0).abs() < 5e-3, "{mean} {}", seen_lamps(&scene));
+        assert!((mean / visible_area_lights(&scene) - 1.0).abs() < 5e-3, "{mean} {}", visible_area_lights(&scene));
     }
 }

@@ -9,18 +9,26 @@ use serde::Serialize;
 /// One angle of incidence. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Angle of incidence in degrees.
     pub theta_deg: f64,
+    /// Exact reflectance of parallel polarization.
     pub r_parallel: f64,
+    /// Exact reflectance of perpendicular polarization.
     pub r_perpendicular: f64,
+    /// Exact reflectance of unpolarized light.
     pub r_unpolarized: f64,
+    /// 1 − R of unpolarized light.
     pub transmittance: f64,
+    /// Schlick's approximation.
     pub r_schlick: f64,
 }
 
 /// The curves of one interface and what can be read off them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curves {
+    /// Index of refraction on the side of the incident light.
     pub eta_i: f64,
+    /// Index of refraction on the other side.
     pub eta_t: f64,
     /// "exact", or "report" for curves by the first report's conventions.
     pub model: &'static str,
@@ -30,14 +38,19 @@ pub struct Curves {
     pub critical_deg: Option<f64>,
     /// Reflectance at normal incidence, the same for both polarizations.
     pub r_normal: f64,
+    /// The same of parallel polarization.
     pub r_normal_parallel: f64,
+    /// The same of perpendicular polarization.
     pub r_normal_perpendicular: f64,
     /// Largest |Schlick − exact| over 0–90°, and where.
     pub schlick_max_abs_error: f64,
+    /// Angle of that error.
     pub schlick_max_abs_error_deg: f64,
     /// Largest |Schlick − exact| / exact, and where.
     pub schlick_max_rel_error: f64,
+    /// Angle of that error.
     pub schlick_max_rel_error_deg: f64,
+    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -45,7 +58,7 @@ pub struct Curves {
 /// Largest number of angles that can be asked for.
 pub const MAX_POINTS: usize = 1_000_000;
 
-/// Checks a number of angles and spreads them evenly over 0–90°, both ends included.
+/// Checks a number of angles and spaces them uniformly over 0–90°, both ends included.
 pub(super) fn angles(points: usize) -> Result<impl Iterator<Item = f64>> {
     if !(2..=MAX_POINTS).contains(&points) {
         return Err(Error::parameter("points", format!("{points} is out of range"))

@@ -1,6 +1,7 @@
 //! The white furnace: spheres that absorb nothing, under radiance 1 from everywhere, must have radiance 1 themselves.
 
-use super::object_ids::{Kind, Mean, ObjectIdBuffer};
+use super::object_ids::{Kind, ObjectIds};
+use super::pixel_mean::Mean;
 use crate::error::Result;
 use crate::render::{Settings, Silent, render};
 use crate::scene::{Material, Request, builtin};
@@ -23,8 +24,8 @@ pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     // The built-in scene's metal absorbs light, and the mirror shows it.
     scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
     let rendered = render(&scene, &Request { spp, ..request }, settings, &Silent)?;
-    let objects = ObjectIdBuffer::new(&scene, &request);
-    let spheres = [(Kind::Room, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
+    let objects = ObjectIds::new(&scene, &request);
+    let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
     Ok(spheres.map(|(kind, material)| FurnaceSphere {
         material,
         radiance: Mean::of(&rendered.part.exposure, &objects.mask(kind)),

@@ -1,4 +1,4 @@
-//! Samples of an environment map: where they fall, with which density, seeing what.
+//! Samples of an environment map: direction, pdf, radiance.
 
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::{EnvSample, EnvSamples, SurfaceSampler};
@@ -11,31 +11,41 @@ use serde::Serialize;
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Column.
     pub x: f64,
+    /// Row.
     pub y: f64,
+    /// Direction, x.
     pub dir_x: f64,
+    /// Direction, y (up).
     pub dir_y: f64,
+    /// Direction, z.
     pub dir_z: f64,
+    /// Per solid angle.
     pub pdf: f64,
+    /// Radiance, red.
     pub r: f32,
+    /// Radiance, green.
     pub g: f32,
+    /// Radiance, blue.
     pub b: f32,
 }
 
 /// Samples of a map.
 #[derive(Debug, Clone)]
 pub struct MapSamples {
+    /// A row for each sample.
     pub rows: Vec<Row>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,
-    /// Samples whose density is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
+    /// Samples whose pdf is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
     pub pdf_mismatches: usize,
 }
 
 /// Largest number of samples that can be asked for at once.
 pub const MAX_SAMPLES: usize = 1 << 16;
 
-/// Draws `n` samples of the map by one of its samplers, for a surface of that normal (in the map's frame; samplers of all
+/// Takes `n` samples of the map by one of its samplers, for a surface of that normal (in the map's frame; samplers of all
 /// directions ignore it), with independent random numbers.
 ///
 /// # Errors
@@ -47,9 +57,9 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
         );
     }
     let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
-    let mut drawn = EnvSamples::default();
-    sampler.sample_many_for(&numbers, normal, &mut drawn);
-    let samples: Vec<EnvSample> = drawn.iter().collect();
+    let mut sampled = EnvSamples::default();
+    sampler.sample_many_for(&numbers, normal, &mut sampled);
+    let samples: Vec<EnvSample> = sampled.iter().collect();
     let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
@@ -85,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn every_sampler_draws_what_it_is_asked_for() {
+    fn every_sampler_takes_as_many_samples_as_asked() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         for sampling in ALL.iter().map(|entry| MapSampling::with_regions(entry, 16)) {
             if sampling.has_fixed_lights() {
@@ -102,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_density_estimates_the_flux_without_noise() {
+    fn a_perfect_pdf_estimates_the_flux_without_noise() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let info = crate::envmap::info::Info::of(&map);
         let flux = info.flux_rgb.iter().sum::<f64>() / 3.0;

@@ -20,18 +20,31 @@ pub enum Centroid {
 /// texel coordinates, the direction is the centroid's, the flux is ∫ L dω and the energy its mean over R, G, B.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// First column.
     pub x0: usize,
+    /// First row.
     pub y0: usize,
+    /// Column after the last.
     pub x1: usize,
+    /// Row after the last.
     pub y1: usize,
+    /// Column of the centroid.
     pub centroid_x: f64,
+    /// Row of the centroid.
     pub centroid_y: f64,
+    /// Direction, x.
     pub dir_x: f64,
+    /// Direction, y (up).
     pub dir_y: f64,
+    /// Direction, z.
     pub dir_z: f64,
+    /// Flux, red.
     pub flux_r: f64,
+    /// Flux, green.
     pub flux_g: f64,
+    /// Flux, blue.
     pub flux_b: f64,
+    /// Mean of the flux.
     pub energy: f64,
 }
 
@@ -103,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nave_is_cut_evenly() {
+    fn the_nave_is_cut_into_similar_energies() {
         let map = EnvMap::new(Synthetic::Nave.make());
         let rows = &cut(&map, &[64], Split::Energy, SideRule::default(), Centroid::Energy).unwrap()[0];
         assert!(imbalance(rows) < 1.5, "{}", imbalance(rows));

@@ -8,14 +8,23 @@ use serde::Serialize;
 /// One angle of incidence in one channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Name of the channel.
     pub channel: String,
+    /// Angle of incidence in degrees.
     pub theta_deg: f64,
+    /// Exact reflectance of parallel polarization.
     pub r_parallel: f64,
+    /// Exact reflectance of perpendicular polarization.
     pub r_perpendicular: f64,
+    /// Exact reflectance of unpolarized light.
     pub r_unpolarized: f64,
+    /// The approximation's R∥.
     pub r_parallel_approximate: f64,
+    /// The approximation's R⊥.
     pub r_perpendicular_approximate: f64,
+    /// The approximation's R of unpolarized light.
     pub r_unpolarized_approximate: f64,
+    /// Schlick's approximation.
     pub r_schlick: f64,
 }
 
@@ -24,17 +33,23 @@ pub struct Row {
 pub struct Channel {
     /// "614 nm" and so on, or "η + ik" for an index given freely.
     pub name: String,
+    /// Index of refraction.
     pub eta: f64,
+    /// Extinction coefficient.
     pub k: f64,
+    /// Reflectance at normal incidence.
     pub r_normal: f64,
     /// Where the exact R∥ is smallest.
     pub pseudo_brewster_deg: f64,
     /// Largest error of the approximation's unpolarized reflectance, and where.
     pub approximate_max_abs_error: f64,
+    /// Angle of that error.
     pub approximate_max_abs_error_deg: f64,
     /// Largest error of Schlick's, and where.
     pub schlick_max_abs_error: f64,
+    /// Angle of that error.
     pub schlick_max_abs_error_deg: f64,
+    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -46,6 +61,7 @@ pub struct Curves {
     pub metal: String,
     /// Where the metal's η and k were measured.
     pub source: Option<&'static str>,
+    /// Three, or one.
     pub channels: Vec<Channel>,
 }
 

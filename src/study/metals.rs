@@ -8,19 +8,29 @@ use serde::Serialize;
 /// One metal in one colour channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Chemical symbol.
     pub symbol: &'static str,
+    /// Name of the metal.
     pub metal: &'static str,
+    /// Wavelength of the channel.
     pub wavelength_nm: f64,
+    /// Index of refraction.
     pub eta: f64,
+    /// Extinction coefficient.
     pub k: f64,
     /// η² + k²: the approximation drops sin²θ against it.
     pub q: f64,
+    /// Reflectance at normal incidence.
     pub r_normal: f64,
+    /// Where the exact R∥ is smallest.
     pub pseudo_brewster_deg: f64,
     /// Share of uniform light from the whole hemisphere that is reflected, exact and approximate.
     pub albedo: f64,
+    /// The approximation's albedo.
     pub albedo_approximate: f64,
+    /// Largest error of the approximation's unpolarized reflectance.
     pub approximate_max_abs_error: f64,
+    /// Angle of that error.
     pub approximate_max_abs_error_deg: f64,
     /// The same of R∥ alone.
     pub approximate_max_parallel_error: f64,

@@ -1,4 +1,4 @@
-//! One file per experiment: each computes a plain result and neither draws nor prints.
+//! One file per experiment: each computes a plain result and neither plots nor prints.
 
 pub mod audit;
 pub mod converge;
@@ -11,6 +11,7 @@ pub mod median_cut;
 pub mod metal;
 pub mod metals;
 pub mod object_ids;
+pub mod pixel_mean;
 pub mod proposal;
 pub mod roughness;
 pub mod sampling_strategies;

@@ -1,65 +1,71 @@
-//! What a picture shows where: the object that the ray through each pixel's centre meets first.
+//! The object-id buffer of a scene: the kind of object that the ray through each pixel's centre hits first.
 
-use crate::render::exposure::{Exposure, PixelEstimate};
 use crate::scene::{FirstHit, Material, Object, Request, Scene};
 use rayon::prelude::*;
 
-/// The kinds of things that the second report's pictures show.
+/// The kinds of objects in the second report's scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    Lamp,
+    /// Emits light.
+    AreaLight,
+    /// A perfect mirror.
     Mirror,
+    /// A dielectric.
     Glass,
+    /// A conductor.
     Metal,
-    /// Diffuse walls and balls.
-    Room,
+    /// Diffuse walls and spheres.
+    Diffuse,
 }
 
 impl Kind {
-    pub const ALL: [Self; 5] = [Self::Lamp, Self::Mirror, Self::Glass, Self::Metal, Self::Room];
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::AreaLight, Self::Mirror, Self::Glass, Self::Metal, Self::Diffuse];
 
     /// The name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Lamp => "lamp",
+            Self::AreaLight => "lamp",
             Self::Mirror => "mirror",
             Self::Glass => "glass",
             Self::Metal => "metal",
-            Self::Room => "room",
+            Self::Diffuse => "room",
         }
     }
 
     fn of(object: &Object) -> Self {
         match object.material {
-            _ if object.emission.is_some() => Self::Lamp,
+            _ if object.emission.is_some() => Self::AreaLight,
             Material::Mirror { .. } => Self::Mirror,
             Material::Glass { .. } | Material::Refraction { .. } => Self::Glass,
             Material::Conductor(_) => Self::Metal,
-            Material::Diffuse { .. } => Self::Room,
+            Material::Diffuse { .. } => Self::Diffuse,
         }
     }
 }
 
-/// What each pixel shows, row by row from the top; `None` where that is nothing.
+/// A kind of object for each pixel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ObjectIdBuffer {
+pub struct ObjectIds {
+    /// Pixels of a row.
     pub width: usize,
+    /// Row by row from the top; `None` where no object is hit.
     pub pixels: Vec<Option<Kind>>,
 }
 
-impl ObjectIdBuffer {
-    /// Looks through the scene's camera.
+impl ObjectIds {
+    /// The buffer of the scene's camera.
     #[must_use]
     pub fn new(scene: &Scene, request: &Request) -> Self {
         let objects = FirstHit::new(scene);
         let (width, height) = (request.width, request.height);
-        let look = |i: usize| {
+        let kind = |i: usize| {
             let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
             let ray = scene.camera.ray(x / width as f64, y / height as f64);
             objects.along(&ray).map(Kind::of)
         };
-        Self { width, pixels: (0..width * height).into_par_iter().map(look).collect() }
+        Self { width, pixels: (0..width * height).into_par_iter().map(kind).collect() }
     }
 
     /// Which pixels show this kind.
@@ -98,83 +104,35 @@ fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64
     (0..mask.len()).into_par_iter().map(at).collect()
 }
 
-/// A mean over pixels with its standard error, for each channel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mean {
-    pub value: [f64; 3],
-    pub error: [f64; 3],
-    pub pixels: usize,
-}
-
-impl Mean {
-    /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
-    #[must_use]
-    pub fn of(exposure: &Exposure, mask: &[bool]) -> Self {
-        let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
-        for (PixelEstimate { mean, error }, _) in exposure.estimates().zip(mask).filter(|(_, inside)| **inside) {
-            for c in 0..3 {
-                sum[c] += f64::from(mean[c]);
-                square[c] += f64::from(error[c]).powi(2);
-            }
-            pixels += 1;
-        }
-        let n = pixels.max(1) as f64;
-        Self { value: sum.map(|s| s / n), error: square.map(|s| s.sqrt() / n), pixels }
-    }
-
-    /// (R + G + B) / 3.
-    #[must_use]
-    pub fn intensity(&self) -> f64 {
-        self.value.iter().sum::<f64>() / 3.0
-    }
-
-    /// The largest of the channels' differences in units of their standard errors, with its sign.
-    #[must_use]
-    pub fn z(&self, other: &Self) -> f64 {
-        (0..3)
-            .map(|c| (self.value[c] - other.value[c]) / self.error[c].hypot(other.error[c]))
-            .fold(0.0, |worst: f64, z| if z.abs() > worst.abs() || z.is_nan() { z } else { worst })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::builtin;
 
     #[test]
-    fn the_room_shows_what_is_in_it() {
+    fn the_box_shows_its_objects() {
         let (scene, request) = builtin::cornell_spheres();
-        let objects = ObjectIdBuffer::new(&scene, &request);
-        let at = |x: usize, y: usize| objects.pixels[y * request.width + x];
-        assert_eq!(at(240, 44), Some(Kind::Lamp));
+        let ids = ObjectIds::new(&scene, &request);
+        let at = |x: usize, y: usize| ids.pixels[y * request.width + x];
+        assert_eq!(at(240, 44), Some(Kind::AreaLight));
         assert_eq!(at(160, 270), Some(Kind::Mirror));
         assert_eq!(at(325, 280), Some(Kind::Glass));
-        assert_eq!(at(240, 150), Some(Kind::Room));
-        assert_eq!(at(0, 180), None, "beside the room");
-        assert!(objects.pixels.iter().all(|k| *k != Some(Kind::Metal)));
+        assert_eq!(at(240, 150), Some(Kind::Diffuse));
+        assert_eq!(at(0, 180), None, "beside the box");
+        assert!(ids.pixels.iter().all(|k| *k != Some(Kind::Metal)));
         let (scene, request) = builtin::find("cornell-statue-fe").unwrap().make(None, None).unwrap();
-        let statue = ObjectIdBuffer::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
+        let statue = ObjectIds::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
         assert!((10_000..25_000).contains(&statue), "{statue}");
     }
 
     #[test]
     fn distances_are_euclidean() {
-        let objects = ObjectIdBuffer { width: 9, pixels: vec![None; 9 * 7] };
+        let ids = ObjectIds { width: 9, pixels: vec![None; 9 * 7] };
         let mut mask = vec![true; 9 * 7];
         mask[3 * 9 + 4] = false;
-        let depth = objects.depth_inside(&mask, 3);
+        let depth = ids.depth_inside(&mask, 3);
         assert_eq!(depth[3 * 9 + 4], -1.0);
         assert_eq!((depth[2 * 9 + 4], depth[9 + 3]), (1.0, 5f64.sqrt()));
         assert_eq!((depth[3 * 9 + 7], depth[8]), (3.0, f64::INFINITY));
-    }
-
-    #[test]
-    fn z_is_the_worst_channels() {
-        let mean = |value: [f64; 3]| Mean { value, error: [3.0, 3.0, 3.0], pixels: 1 };
-        let other = Mean { error: [4.0; 3], ..mean([0.0; 3]) };
-        assert_eq!(mean([5.0, -10.0, 0.0]).z(&other), -2.0);
-        assert!(mean([f64::NAN, 0.0, 0.0]).z(&other).is_nan());
-        assert_eq!(mean([1.0, 2.0, 3.0]).intensity(), 2.0);
     }
 }

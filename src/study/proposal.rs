@@ -1,4 +1,4 @@
-//! Why inversion wants uniform numbers: the first report's rows drawn with uniform and with Gaussian proposals.
+//! Inversion with uniform and with Gaussian random numbers: rows of a map, as the first report samples them.
 
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
@@ -13,32 +13,39 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// One bin of rows. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Bin {
+    /// Where the bin begins, from the zenith.
     pub theta_from_deg: f64,
+    /// Where the bin ends.
     pub theta_to_deg: f64,
     /// Share of the map's energy in these rows.
     pub target: f64,
-    /// Shares of the draws.
+    /// Shares of the samples.
     pub uniform: f64,
+    /// With Gaussian random numbers.
     pub gaussian: f64,
 }
 
 /// Both histograms and their tests against the target.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Proposal {
+    /// Samples of each kind.
     pub draws: usize,
+    /// With uniform random numbers.
     pub uniform: ChiSquare,
+    /// With Gaussian random numbers.
     pub gaussian: ChiSquare,
+    /// The histograms.
     #[serde(skip)]
     pub bins: Vec<Bin>,
 }
 
-/// Standard deviation of the Gaussian proposals around ½; draws outside \[0, 1) are repeated.
+/// Standard deviation of the Gaussian random numbers around ½; those outside \[0, 1) are rejected.
 pub const SIGMA: f64 = 1.0 / 6.0;
 
-/// After so many draws it is asked whether to stop.
+/// Samples between two checks for an interruption.
 const POLL: usize = 1 << 16;
 
-/// Draws rows of `map` by inverting its row CDF, `draws` times with each kind of number.
+/// Samples rows of `map` by inversion of its row CDF, `draws` times with each kind of random number.
 ///
 /// `None` when the map's light falls into too few rows to test how it is spread over them.
 pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>> {
@@ -83,7 +90,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     }))
 }
 
-/// Rows gathered into at most 64 bins for the eye; the tests use single rows.
+/// Rows gathered into at most 64 bins for the drawing; the tests use single rows.
 fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<Bin> {
     let height = energies.len();
     let total: f64 = energies.iter().sum();
@@ -110,7 +117,7 @@ mod tests {
     use crate::envmap::synthetic::Synthetic;
 
     #[test]
-    fn uniform_numbers_fit_and_gaussian_ones_do_not() {
+    fn uniform_random_numbers_fit_and_gaussian_ones_do_not() {
         let result = compare(&EnvMap::new(Synthetic::Constant.make()), 20_000, 1).unwrap().unwrap();
         assert!(result.uniform.p > 1e-4, "{:?}", result.uniform);
         assert!(result.gaussian.p < 1e-12, "{:?}", result.gaussian);

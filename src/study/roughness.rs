@@ -1,26 +1,38 @@
-//! A metal statue in its room: its light, how much of that gleams, and the noise of the picture.
+//! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
-use super::object_ids::{Kind, Mean, ObjectIdBuffer};
+use super::object_ids::{Kind, ObjectIds};
+use super::pixel_mean::Mean;
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
 use crate::scene::{Conductor, Material, Request, Scene};
 use serde::Serialize;
 
-/// One picture of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
+/// One image of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
 /// the standard error of the mean.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Roughness α.
     pub alpha: f32,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Light samples per camera sample.
     pub light_samples: u32,
+    /// Scatterings of the longest path.
     pub max_depth: u32,
+    /// Pixels that show the statue.
     pub statue_pixels: usize,
+    /// Mean radiance, red.
     pub statue_r: f64,
+    /// Mean radiance, green.
     pub statue_g: f64,
+    /// Mean radiance, blue.
     pub statue_b: f64,
+    /// Standard error, red.
     pub statue_error_r: f64,
+    /// Standard error, green.
     pub statue_error_g: f64,
+    /// Standard error, blue.
     pub statue_error_b: f64,
     /// Root mean square of the standard errors of the statue's pixels, each a mean over the channels.
     pub noise: f64,
@@ -28,20 +40,27 @@ pub struct Row {
     pub brightest_percent: f64,
 }
 
-/// A picture with its numbers.
+/// An image with its numbers.
 pub struct Shot {
+    /// Its row of the table.
     pub row: Row,
+    /// The statue's mean radiance.
     pub statue: Mean,
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
-    pub objects: ObjectIdBuffer,
+    /// The kind of object at each pixel.
+    pub objects: ObjectIds,
+    /// The render.
     pub rendered: Rendered,
 }
 
 /// Renders a statue.
+///
+/// # Errors
+/// Those of [`render`].
 pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
     let rendered = render(scene, request, settings, &Silent)?;
-    let objects = ObjectIdBuffer::new(scene, request);
+    let objects = ObjectIds::new(scene, request);
     let mask = objects.mask(Kind::Metal);
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
@@ -68,9 +87,12 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     Ok(Shot { row, statue, mask, objects, rendered })
 }
 
-/// The statue's mean by another way of drawing directions, facets as they lie, with an eighth of the samples and other
-/// numbers: independent of the picture that it is to confirm.
-pub fn second_opinion(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
+/// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random
+/// numbers: independent of the image that it is compared with.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
     let request = Request { spp: (request.spp / 8).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     settings.model.normals = Normals::All;
@@ -97,18 +119,18 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn one_percent_of_even_light_is_one_percent() {
+    fn one_percent_of_uniform_light_is_one_percent() {
         assert!((brightest_percent(vec![2.0; 300]) - 0.01).abs() < 1e-12);
         assert_eq!(brightest_percent([vec![0.0; 99], vec![7.0]].concat()), 1.0);
     }
 
     #[test]
-    fn a_second_opinion_agrees_and_another_metal_does_not() {
+    fn all_normals_agree_and_another_metal_does_not() {
         let shot = |symbol: &str| {
             let (scene, request) = builtin::cornell_statue(metals::by_name(symbol).unwrap(), 0.25, None).unwrap();
             let request = Request { width: 48, height: 36, spp: 32, light_samples: 1, ..request };
             let shot = shoot(&scene, &request, &Settings::default()).unwrap();
-            let other = second_opinion(&scene, &request, &Settings::default(), &shot.mask).unwrap();
+            let other = mean_by_all_normals(&scene, &request, &Settings::default(), &shot.mask).unwrap();
             (shot, other)
         };
         let ((gold, second), (iron, _)) = (shot("Au"), shot("Fe"));

@@ -1,7 +1,8 @@
-//! Directions drawn as the metal reflects them, and spread evenly over the hemisphere: the same picture on average, and
-//! another one to the eye. Measured from the statue's silhouette inwards, where the second report saw a dark rim.
+//! Directions sampled in proportion to the BSDF, and uniformly over the hemisphere: the same mean, but very different medians
+//! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
-use super::object_ids::{Kind, Mean};
+use super::object_ids::Kind;
+use super::pixel_mean::Mean;
 use super::roughness::{Shot, shoot};
 use crate::bsdf::Normals;
 use crate::errata::Conventions;
@@ -11,7 +12,7 @@ use crate::render::Settings;
 use crate::scene::{Request, Scene};
 use serde::Serialize;
 
-/// How far from the silhouette the profile goes, in pixels: into the statue, and out into the room.
+/// How far from the silhouette the profile goes, in pixels: into the statue, and out of it.
 const INSIDE: i32 = 24;
 const OUTSIDE: i32 = 6;
 /// Width of the statue's rim in pixels.
@@ -21,33 +22,47 @@ pub const RIM: f64 = 3.0;
 /// outside the statue; radiance is (R + G + B) / 3.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Bin {
+    /// Lower end of the distances.
     pub from_px: f64,
+    /// Upper end of the distances.
     pub to_px: f64,
+    /// Pixels at these distances.
     pub pixels: usize,
+    /// Mean radiance by importance sampling.
     pub importance_mean: f64,
+    /// Mean radiance by hemisphere sampling.
     pub hemisphere_mean: f64,
     /// Standard errors of these means.
     pub importance_mean_error: f64,
+    /// By hemisphere sampling.
     pub hemisphere_mean_error: f64,
     /// Half of the pixels are darker.
     pub importance_median: f64,
+    /// By hemisphere sampling.
     pub hemisphere_median: f64,
-    /// Mean 8-bit value of the picture as it is shown.
+    /// Mean 8-bit value of the tone-mapped image.
     pub importance_shown: f64,
+    /// By hemisphere sampling.
     pub hemisphere_shown: f64,
     /// Root of the mean square of the pixels' standard errors.
     pub importance_error: f64,
+    /// By hemisphere sampling.
     pub hemisphere_error: f64,
 }
 
-/// Both pictures and their profile.
+/// Both images and their profile.
 pub struct Comparison {
+    /// By importance sampling.
     pub importance: Shot,
+    /// By hemisphere sampling.
     pub hemisphere: Shot,
+    /// By distance from the silhouette.
     pub profile: Vec<Bin>,
-    /// Difference of the means over the whole picture, the statue, and the statue's rim, in units of its standard error.
+    /// Difference of the means over the whole image, the statue, and the statue's rim, in units of its standard error.
     pub z_picture: f64,
+    /// Over the statue.
     pub z_statue: f64,
+    /// Over its rim.
     pub z_rim: f64,
 }
 
@@ -85,19 +100,22 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
     Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
 }
 
-/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour in the room.
+/// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour outside.
 fn from_silhouette(depth: f64) -> f64 {
     if depth > 0.0 { depth - 0.5 } else { depth + 0.5 }
 }
 
-/// What both pictures show at each distance from the silhouette.
+/// Both images at each distance from the silhouette.
 fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
-    let room: Vec<bool> =
-        importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Room))).collect();
+    let shown: Vec<bool> =
+        importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
-        let mask: Vec<bool> =
-            depth.iter().zip(&room).map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d))).collect();
+        let mask: Vec<bool> = depth
+            .iter()
+            .zip(&shown)
+            .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
+            .collect();
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
         Bin {
             from_px,
@@ -118,7 +136,7 @@ fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
     bins.filter(|bin| bin.pixels > 0).collect()
 }
 
-/// One picture on some pixels.
+/// One image on some pixels.
 struct Side {
     mean: Mean,
     median: f64,

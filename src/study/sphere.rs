@@ -15,7 +15,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// The exact image: (1/π) · scale · E(n) at every pixel centre on the disc, `None` off it.
 pub struct Exact {
+    /// Width and height.
     pub size: usize,
+    /// Radiance at the centre of each pixel.
     pub pixels: Vec<Option<DVec3>>,
 }
 
@@ -51,8 +53,11 @@ fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 /// the ring of the disc described in the module.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Samples per pixel.
     pub spp: u32,
+    /// Light samples per camera sample.
     pub light_samples: u32,
+    /// Wall-clock time of the render.
     pub seconds: f64,
     /// √ mean (I − I*)² / mean I*.
     pub rel_rmse: f64,
@@ -64,7 +69,9 @@ pub struct Row {
 
 /// A render with its errors.
 pub struct Shot {
+    /// Its errors.
     pub row: Row,
+    /// The render.
     pub rendered: Rendered,
     /// (I − I*) / I* per pixel, NaN off the disc.
     pub relative_error: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Error against run time: curves with their slopes, efficiency, equal-time pictures, the table.
+//! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
 
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
@@ -10,24 +10,41 @@ use serde::Serialize;
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// The strategy's name.
     pub strategy: String,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: usize,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Mean wall-clock time of a render.
     pub wall_seconds: f64,
+    /// Mean time to build tables and trees.
     pub preparation_seconds: f64,
+    /// Root mean square error.
     pub rmse: f64,
+    /// Lower end of its interval.
     pub rmse_low: f64,
+    /// Upper end of its interval.
     pub rmse_high: f64,
+    /// Relative mean squared error.
     pub rel_mse: f64,
+    /// Of its interval.
     pub rel_mse_half_width: f64,
+    /// Mean HDR-FLIP of the first replicate.
     pub flip: Option<f64>,
     /// 1 / (MSE · processor seconds).
     pub efficiency_per_second: f64,
+    /// p of RMSE ∝ sppᵖ.
     pub slope: f64,
+    /// Of its interval.
     pub slope_half_width: f64,
+    /// Of the last level.
     pub mean_squared_bias: f64,
+    /// Its standard error.
     pub mean_squared_bias_error: f64,
+    /// What the curve says, in a word or two.
     pub verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
     pub seconds_to_common_rmse: Option<f64>,
@@ -104,7 +121,7 @@ fn signed(value: f64, half_width: f64) -> String {
     format!("{sign}{:.digits$} ± {half_width:.digits$}", value.abs())
 }
 
-/// Solid lines for Sobol' points, dashed ones for independent numbers; a colour for each way of choosing directions, the
+/// Solid lines for Sobol' points, dashed ones for independent random numbers; a colour for each strategy, the
 /// same for both streams.
 fn stroke(result: &Convergence, curve: &Curve) -> Stroke {
     let base = |curve: &Curve| curve.strategy.name.replace("+independent", "");
@@ -183,11 +200,11 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Every strategy's picture after equal time, with its relative error beside it.
+/// Every strategy's image after equal time, with its relative error beside it.
 ///
 /// # Errors
 /// Those of [`Heatmap::new`].
-pub fn pictures(result: &Convergence) -> Result<Drawing> {
+pub fn images(result: &Convergence) -> Result<Drawing> {
     let seconds = result.common_seconds();
     let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
     let truth = truth.image();
@@ -209,7 +226,7 @@ pub fn pictures(result: &Convergence) -> Result<Drawing> {
             (got - expected) / expected.max(0.03 * mean)
         });
         let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();
-        let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
+        let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
         let caption = format!(
             "{}: {} spp, {}, RMSE {}\u{a0}%",
             curve.strategy.name.replace('+', ", "),
@@ -217,7 +234,7 @@ pub fn pictures(result: &Convergence) -> Result<Drawing> {
             duration(level.cpu_seconds),
             short(100.0 * level.rmse() / mean)
         );
-        cells.push((caption, beside(&picture, &map)));
+        cells.push((caption, beside(&shown, &map)));
     }
     let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
     Ok(contact_sheet(&title, 4, &cells))
@@ -241,12 +258,12 @@ fn round(value: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
 }
 
-/// Curves above equal-time pictures.
+/// Curves above images at equal time.
 ///
 /// # Errors
-/// Those of [`pictures`].
+/// Those of [`images`].
 pub fn sheet(result: &Convergence) -> Result<Drawing> {
-    Ok(above(curves(result), pictures(result)?))
+    Ok(above(curves(result), images(result)?))
 }
 
 /// One drawing above another, both in the middle of the page.

@@ -13,19 +13,27 @@ use serde::Serialize;
 /// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DepthRow {
+    /// The scene's name.
     pub scene: String,
+    /// Maximum path depth.
     pub depth: u32,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: u32,
-    /// Of the light of the deepest picture.
+    /// Of the light of the deepest image.
     pub missing_share: f64,
+    /// Of the interval of the share.
     pub missing_share_half_width: f64,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Of the interval of the time.
     pub cpu_seconds_half_width: f64,
-    /// Of the time of the deepest picture.
+    /// Of the time of the deepest image.
     pub time_share: f64,
 }
 
+/// The table of all depths of all scenes.
 #[must_use]
 pub fn depth_rows(scenes: &[Depths]) -> Vec<DepthRow> {
     let of_scene = |depths: &Depths| {
@@ -71,27 +79,38 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
         }
     }
     Plot::new([
-        over_depth.title("Light that a maximum depth leaves out"),
-        over_time.title("What leaving it out saves (numbers: depth)"),
+        over_depth.title("Light missing at each maximum depth"),
+        over_time.title("Time that it saves (labels: depth)"),
     ])
     .draw()
 }
 
-/// One way of drawing normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
+/// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RoughnessRow {
+    /// Roughness α.
     pub alpha: f32,
+    /// How normals are sampled.
     pub normals: &'static str,
+    /// Samples per pixel.
     pub spp: u32,
+    /// Renders with seeds of their own.
     pub replicates: u32,
+    /// Mean squared error.
     pub mse: f64,
+    /// Of its interval.
     pub mse_half_width: f64,
+    /// Mean processor time of a render.
     pub cpu_seconds: f64,
+    /// Of the interval of the time.
     pub cpu_seconds_half_width: f64,
+    /// 1 / (MSE · processor seconds).
     pub efficiency_per_second: f64,
+    /// Of its interval.
     pub efficiency_half_width: f64,
 }
 
+/// The table of all roughnesses.
 #[must_use]
 pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
     let row = |l: &roughness::Level| RoughnessRow {
@@ -109,7 +128,7 @@ pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
     levels.iter().map(row).collect()
 }
 
-/// Noise and efficiency over the roughness, a curve for each way of drawing normals.
+/// Noise and efficiency over the roughness, a curve for each way of sampling normals.
 #[must_use]
 pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     let alpha = || Axis::log("/{α}");
@@ -131,7 +150,7 @@ pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     Plot::new([noise.title(format!("Noise at {spp} samples per pixel")), efficiency.title("Efficiency")]).draw()
 }
 
-/// Error over the number of lights, and over time: fixed lights, and light samples drawn at random.
+/// Error over the number of lights, and over time: fixed lights, and random light samples.
 #[must_use]
 pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let error = || Axis::log("RMSE of radiance");
@@ -153,7 +172,7 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     }
     for (i, curve) in sampled.curves.iter().filter(|c| SAMPLED.contains(&c.strategy.name.as_str())).enumerate() {
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
-        add(&format!("{}: drawn anew at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
+        add(&format!("{}: sampled at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
     }
     Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }

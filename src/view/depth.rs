@@ -24,12 +24,12 @@ pub fn image(result: &Depths, place: usize) -> Drawing {
         n => format!("at most {n} scatterings"),
     };
     let caption = format!("/{{m}} = {depth}: {what}; mean radiance {:.3}; {SHOWN}", result.mean(depth));
-    contact_sheet("", 1, &[(caption, as_the_report(&result.pictures[place]))])
+    contact_sheet("", 1, &[(caption, as_the_report(&result.images[place]))])
 }
 
 /// By how much differences are brightened, all alike.
 const FACTOR: f32 = 4.0;
-/// Wider differences are averaged over blocks of pixels: that much less noise, and bytes.
+/// Wider differences are averaged over blocks of pixels, for less noise and smaller files.
 const WIDEST: usize = 320;
 
 /// The differences of consecutive depths on one scale, each with the path classes that make it.

@@ -1,4 +1,4 @@
-//! Environment maps as pictures, with samples and partitions drawn over them.
+//! Environment maps with markers of samples and of regions.
 
 use crate::envmap::EnvMap;
 use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, overlay, theme};
@@ -23,7 +23,7 @@ impl Look {
     }
 }
 
-/// A map made ready to be drawn on.
+/// A tone-mapped map on which markers are put.
 pub struct Display {
     base: Rgb8,
     look: Look,
@@ -38,9 +38,10 @@ pub struct Display {
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
+    /// Tone-maps `map` for the page.
     #[must_use]
     pub fn new(map: &EnvMap, look: Look) -> Self {
-        // Darker than usual, so that lamps and windows keep their colours and marks stand out.
+        // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
         let (width, height) = (map.image().width(), map.image().height());
         let (enlarge, reduce) =
@@ -55,8 +56,8 @@ impl Display {
         overlay(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
     }
 
-    /// A square window of `side` texels around texel (x, y): wrapped at the seam, cut off at the poles.
-    fn window(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, colour: Colour) {
+    /// A square marker of `side` texels around texel (x, y): wrapped at the seam, clipped at the poles.
+    fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, colour: Colour) {
         let half = (side / 2) as i64;
         let (x, y) = (x as i64, (y as i64).min(self.height as i64 - 1));
         let y0 = (y - half).max(0);
@@ -74,30 +75,30 @@ impl Display {
         }
     }
 
-    /// The map with a blue window at each sample.
+    /// The map with a blue marker at each sample.
     #[must_use]
-    pub fn samples(&self, rows: &[map_samples::Row], window: usize) -> Drawing {
+    pub fn samples(&self, rows: &[map_samples::Row], side: usize) -> Drawing {
         let mut drawing = overlay(self.base.clone());
         for r in rows {
-            self.window(&mut drawing, (r.x, r.y), window, theme::MARKER);
+            self.marker(&mut drawing, (r.x, r.y), side, theme::MARKER);
         }
         drawing
     }
 
-    /// Black but for a window at each sample, in the colour seen there; exposed for the samples, which are far
-    /// brighter than the map on the whole.
+    /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
+    /// than the average of the map.
     #[must_use]
-    pub fn samples_only(&self, rows: &[map_samples::Row], window: usize) -> Drawing {
+    pub fn samples_only(&self, rows: &[map_samples::Row], side: usize) -> Drawing {
         let mut drawing = self.black();
         if rows.is_empty() {
             return drawing;
         }
         let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
         let seen = Image::from_pixels(rows.len(), 1, colours);
-        // Lamps may burn out; the colours of the windows are what there is to see.
+        // The brightest lights may clip; the colours of the other markers matter more.
         let bytes = to_rgb8(&seen, &self.look.tone(|| auto_exposure(&seen) + 2.5));
         for (r, rgb) in rows.iter().zip(bytes.chunks_exact(3)) {
-            self.window(&mut drawing, (r.x, r.y), window, Colour::rgb(rgb[0], rgb[1], rgb[2]));
+            self.marker(&mut drawing, (r.x, r.y), side, Colour::rgb(rgb[0], rgb[1], rgb[2]));
         }
         drawing
     }
@@ -126,16 +127,16 @@ impl Display {
         drawing
     }
 
-    /// Black but for a window at each centroid, in the colour of the region's whole flux. The brightest light is
+    /// Black but for a marker at each centroid, in the colour of the region's whole flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
     #[must_use]
-    pub fn lights(&self, rows: &[median_cut::Row], window: usize) -> Drawing {
+    pub fn lights(&self, rows: &[median_cut::Row], side: usize) -> Drawing {
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
         let mut drawing = self.black();
         for r in rows {
             let colour = Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
-            self.window(&mut drawing, (r.centroid_x, r.centroid_y), window, colour);
+            self.marker(&mut drawing, (r.centroid_x, r.centroid_y), side, colour);
         }
         drawing
     }
@@ -155,12 +156,12 @@ mod tests {
     }
 
     #[test]
-    fn windows_wrap_at_the_seam_and_stop_at_the_poles() {
+    fn markers_wrap_at_the_seam_and_stop_at_the_poles() {
         let map = EnvMap::new(Image::from_fn(1024, 512, |_, _| Rgb::ONE));
         let display = Display::new(&map, Look::default());
         let at = |x: f64, y: f64, side: usize| {
             let mut drawing = display.black();
-            display.window(&mut drawing, (x, y), side, theme::MARKER);
+            display.marker(&mut drawing, (x, y), side, theme::MARKER);
             rects(&drawing)
         };
         assert_eq!(at(100.5, 50.5, 5), [Rect::new(98.0, 48.0, 5.0, 5.0)]);

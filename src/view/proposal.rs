@@ -19,26 +19,26 @@ pub fn drawing(result: &Proposal) -> Drawing {
     let panel = |title: String, shares: Vec<f64>| {
         Panel::new(
             Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0),
-            Axis::linear("share of the draws").range(0.0, highest * 1.08),
+            Axis::linear("share of the samples").range(0.0, highest * 1.08),
         )
         .title(title)
-        .bars("draws", theme::OBSERVED, edges.clone(), shares)
+        .bars("samples", theme::OBSERVED, edges.clone(), shares)
         .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
     };
     let share = |f: fn(&crate::study::proposal::Bin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
-        panel(format!("uniform numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
-        panel(format!("Gaussian numbers: {}", p(result.gaussian.p)), share(|b| b.gaussian)),
+        panel(format!("uniform random numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
+        panel(format!("Gaussian random numbers: {}", p(result.gaussian.p)), share(|b| b.gaussian)),
     ])
     .draw()
 }
 
-/// What stands in place of the experiment for a map that cannot show it.
+/// The drawing for a map with too little light for the experiment.
 #[must_use]
 pub fn nothing_to_test() -> Drawing {
     let axis = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
-    Plot::new([Panel::new(axis, Axis::linear("share of the draws").range(0.0, 1.0))
+    Plot::new([Panel::new(axis, Axis::linear("share of the samples").range(0.0, 1.0))
         .title("this map has light in too few rows for the experiment")])
     .draw()
 }

@@ -11,7 +11,7 @@ use crate::study::sphere::{Label, PBRT_RMSE, Row, Series, Shot};
 /// Those of [`Heatmap::new`].
 pub fn shot(shot: &Shot) -> Result<Drawing> {
     let image = &shot.rendered.image;
-    let picture = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
+    let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let limit = 0.05;
     let errors = Heatmap::new(image.width(), shot.relative_error.clone(), Shading::Diverging, "relative error")?
         .range(-limit, limit)
@@ -21,7 +21,7 @@ pub fn shot(shot: &Shot) -> Result<Drawing> {
         &format!("{} samples per pixel, {} light samples each", row.spp, row.light_samples),
         2,
         &[
-            ("rendered, shown one stop brighter".into(), picture),
+            ("rendered, shown one stop brighter".into(), rendered),
             (format!("relative error, ±5 %; RMSE {:.2} %", 100.0 * row.rel_rmse), errors),
         ],
     ))

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Shading, Text, theme};
 use crate::study::stability::{Case, Precision, Scale, Section, Sweep};
 
-/// One colour scale for all maps: from below f32's rounding to altogether wrong.
+/// One colour scale for all maps: from below the rounding of f32 to a relative error of 1.
 const SCALE: (f64, f64) = (1e-8, 1.0);
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;

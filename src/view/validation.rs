@@ -3,31 +3,43 @@
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
 use etalon_stats::kolmogorov::Uniformity;
-use etalon_stats::multiple::sidak;
 use etalon_stats::{Bound, Verdict};
 use serde::Serialize;
-use statrs::distribution::{Beta, ContinuousCDF};
 
 /// A line of the table. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row<'a> {
+    /// Of the test.
     pub name: &'a str,
+    /// Of the test.
     pub verdict: String,
+    /// The test's statistic.
     pub statistic: f64,
+    /// Degrees of freedom.
     pub dof: usize,
+    /// p-value; none where nothing was counted.
     pub p: Option<f64>,
+    /// Samples taken.
     pub samples: u64,
     /// Relative density error (root mean square) that would be found with 90 % probability.
     pub detectable: Option<f64>,
+    /// Integral of the pdf.
     pub mass: Option<f64>,
     /// The bound of the mass's error, and whether it is rigorous or statistical.
     pub mass_error: Option<f64>,
+    /// Which kind of bound.
     pub mass_bound: Option<Bound>,
+    /// Cells that were counted.
     pub cells: usize,
+    /// Cells put together for lack of expected samples.
     pub pooled: usize,
+    /// Samples without a direction.
     pub none: u64,
+    /// Whether a second round was taken.
     pub repeated: bool,
+    /// Wall-clock time.
     pub seconds: f64,
+    /// A violation, or why the test is inconclusive.
     pub remark: &'a str,
 }
 
@@ -63,26 +75,16 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
 /// The run's p-values in ascending order against those of true claims: as they are, and the small ones enlarged.
 #[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
-    let mut tests: Vec<(f64, bool)> = validation
-        .tests
-        .iter()
-        .filter_map(|t| Some((t.outcome.continuous_p()?, t.outcome.verdict == Verdict::Reject)))
-        .collect();
-    tests.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let tests = validation.ranked();
     let n = tests.len();
-    let place = |i: usize| (i + 1) as f64 / (n + 1) as f64;
-    // p-values of 0 and below what a double can hold stand at the foot of the logarithmic axis.
+    // p-values of 0 and below what a double can hold are at the lower end of the logarithmic axis.
     const LEAST: f64 = 1e-20;
-    let dots = |rejected: bool, least: f64| -> Vec<Point> {
-        let of = tests.iter().enumerate().filter(|(_, test)| test.1 == rejected);
-        of.map(|(i, (p, _))| [place(i), p.max(least)]).collect()
+    let dots = |verdict: Verdict, least: f64| -> Vec<Point> {
+        tests.iter().filter(|test| test.verdict == verdict).map(|test| [test.expected, test.p.max(least)]).collect()
     };
-    // Of n uniform numbers the i-th smallest is distributed as Beta(i, n − i + 1).
-    let quantile =
-        |i: usize, share: f64| Beta::new((i + 1) as f64, (n - i) as f64).map_or(share, |b| b.inverse_cdf(share));
-    let band: Vec<[f64; 3]> = (0..n).map(|i| [place(i), quantile(i, 0.005), quantile(i, 0.995)]).collect();
-    let line: Vec<Point> = (0..n).map(|i| [place(i), place(i)]).collect();
-    let holm: Vec<Point> = (0..n).map(|i| [place(i), sidak(validation.level, validation.tests.len() - i)]).collect();
+    let band: Vec<[f64; 3]> = tests.iter().map(|t| [t.expected, t.interval[0], t.interval[1]]).collect();
+    let line: Vec<Point> = tests.iter().map(|t| [t.expected, t.expected]).collect();
+    let holm: Vec<Point> = tests.iter().map(|t| [t.expected, t.threshold]).collect();
     let panel = |x: Axis, y: Axis, least: f64| {
         let panel = Panel::new(x, y)
             .band("99 % of true claims at each rank", theme::INTERVAL, band.clone())
@@ -92,24 +94,24 @@ pub fn drawing(validation: &Validation) -> Drawing {
                 Stroke { dash: theme::DASHED, ..Stroke::solid(theme::REJECTED, theme::THIN) },
                 holm.clone(),
             )
-            .dots("accepted or inconclusive", theme::ACCEPTED, dots(false, least));
-        if tests.iter().any(|test| test.1) { panel.dots("rejected", theme::REJECTED, dots(true, least)) } else { panel }
+            .dots("accepted", theme::ACCEPTED, dots(Verdict::Accept, least));
+        [("rejected", theme::REJECTED, Verdict::Reject), ("inconclusive", theme::INCONCLUSIVE, Verdict::Inconclusive)]
+            .into_iter()
+            .filter(|(.., verdict)| tests.iter().any(|test| test.verdict == *verdict))
+            .fold(panel, |panel, (name, colour, verdict)| panel.dots(name, colour, dots(verdict, least)))
     };
-    let smallest = tests.first().map_or(LEAST, |test| test.0.clamp(LEAST, 1.0));
+    let smallest = tests.first().map_or(LEAST, |test| test.p.clamp(LEAST, 1.0));
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
+    let first = tests.first().map_or(1.0, |test| test.expected);
     let uniformity = validation.uniformity;
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
             .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", uniformity.p)),
-        panel(
-            Axis::log("rank / (tests + 1)").range(0.8 * place(0), 1.0),
-            Axis::log("/{p}-value").range(foot, 1.0),
-            foot,
-        )
-        .title(format!(
-            "{} accepted, {} rejected, {} inconclusive",
-            validation.accepted, validation.rejected, validation.inconclusive
-        )),
+        panel(Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0), Axis::log("/{p}-value").range(foot, 1.0), foot)
+            .title(format!(
+                "{} accepted, {} rejected, {} inconclusive",
+                validation.accepted, validation.rejected, validation.inconclusive
+            )),
     ])
     .draw()
 }
@@ -117,11 +119,17 @@ pub fn drawing(validation: &Validation) -> Drawing {
 /// A line of a calibration's table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct CalibrationRow<'a> {
+    /// Of the test.
     pub name: &'a str,
+    /// p-values.
     pub count: usize,
+    /// Kolmogorov–Smirnov distance from the uniform distribution.
     pub distance: f64,
+    /// p-value; none where nothing was counted.
     pub p: f64,
+    /// Whether the p-values are not uniform.
     pub uneven: bool,
+    /// A violation, if there is one.
     pub fault: &'a str,
 }
 

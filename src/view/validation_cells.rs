@@ -1,4 +1,4 @@
-//! One test's counts: observed, expected, and how far they are apart.
+//! One test's counts: observed, expected, and their residuals.
 
 use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
@@ -9,12 +9,19 @@ use serde::Serialize;
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row {
+    /// "cell", "atom" or "none".
     pub kind: &'static str,
+    /// Lower end of the first coordinate.
     pub x_from: Option<f64>,
+    /// Upper end of the first coordinate.
     pub x_to: Option<f64>,
+    /// Lower end of the second coordinate.
     pub y_from: Option<f64>,
+    /// Upper end of the second coordinate.
     pub y_to: Option<f64>,
+    /// Samples in the cell.
     pub observed: u64,
+    /// Expected samples in the cell.
     pub expected: f64,
     /// (O − E)/√E.
     pub residual: f64,

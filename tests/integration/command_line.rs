@@ -360,7 +360,7 @@ fn reproduce_lists_and_makes() {
         }
         written.extend(made);
         for check in figure["checks"].as_array().unwrap() {
-            assert_keys(check, "name, expected, got, tolerance, pass");
+            assert_keys(check, "name, kind, expected, got, tolerance, pass");
             assert_eq!(check["pass"], true, "{check}");
             checks += 1;
         }

@@ -29,7 +29,11 @@ fn a_smaller_run_keeps_what_a_larger_one_left() {
     assert!(text.contains("etalon reproduce --only median-cut-4 --seed 7 --envmap &#39;map &amp; co.pfm&#39;"));
     assert!(!text.contains(dir.path().to_str().unwrap()), "a folder of this machine is on the page");
     let checks = std::fs::read_to_string(dir.path().join("figures/checks.csv")).unwrap();
+    assert!(checks.starts_with("figure,name,kind,expected,got,tolerance,pass\n"), "{checks}");
     assert!(checks.contains("fresnel-enter,") && checks.contains("median-cut-4,"));
+    // A limit has no tolerance, and its kind says in which direction it holds.
+    let limit = checks.lines().find(|line| line.starts_with("median-cut-4,")).unwrap();
+    assert!(limit.contains(",at most,") && limit.ends_with(",,true"), "{limit}");
 
     std::fs::write(dir.path().join("figures/reproduce.json"), "{\"iron\": 3}").unwrap();
     let ran = etalon(dir.path(), &["reproduce", "--only", "fresnel-enter"]);
@@ -52,7 +56,7 @@ fn a_browser_finds_nothing_missing_or_broken() {
     json(dir.path(), &["reproduce", "--quick", "--only", ONLY]);
     let text = page(dir.path());
     let file = dir.path().join("figures/probed.html");
-    // Beside its figures and alone, at the widths of a desk and of a telephone.
+    // Beside its figures and alone, at the widths of a desktop and of a phone.
     std::fs::write(&file, probed(&text)).unwrap();
     let alone = dir.path().join("alone.html");
     std::fs::copy(&file, &alone).unwrap();

@@ -8,6 +8,12 @@ pub fn sidak(level: f64, n: usize) -> f64 {
     -((-level).ln_1p() / n.max(1) as f64).exp_m1()
 }
 
+/// The level that the p-value of rank `rank` (from 0, ascending) among `tests` must meet under [`holm`] at `level`.
+#[must_use]
+pub fn holm_level(level: f64, tests: usize, rank: usize) -> f64 {
+    sidak(level, tests.saturating_sub(rank))
+}
+
 /// Which of the tests with these p-values are rejected at `level` for all together, by Holm's step-down: the smallest
 /// meets [`sidak`]'s level of n tests, the next that of n − 1, until one is not rejected. NaN counts as 1.
 ///
@@ -18,7 +24,7 @@ pub fn holm(p: &[f64], level: f64) -> Vec<bool> {
     order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));
     let mut rejected = vec![false; p.len()];
     for (rank, &i) in order.iter().enumerate() {
-        if p[i] >= sidak(level, p.len() - rank) {
+        if p[i] >= holm_level(level, p.len(), rank) {
             break;
         }
         rejected[i] = true;

@@ -102,7 +102,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
         checks.push(Check::at_most(name, result.mean(before) / result.mean(m), 1.0));
     }
     if m == 0 {
-        let light = depth::seen_lamps(&scene);
+        let light = depth::visible_area_lights(&scene);
         let name = "mean radiance (projected area of the area light)";
         checks.push(Check::within(name, light, result.mean(0), 5e-3 * light));
     }
@@ -120,7 +120,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
         checks.push(regression("share of the light that was scattered more than 5 times", 0.03, share, 0.02));
         checks.extend(furnace(32, &inputs.settings())?.iter().map(white));
     }
-    let image = &result.pictures[place];
+    let image = &result.images[place];
     let rows: Vec<Row> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
     Ok(Content::new(view::image(&result, place), &rows, checks)?
         .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))

@@ -95,7 +95,7 @@ pub fn figures() -> Vec<Figure> {
 pub fn content(inputs: &Inputs, studies: &mut Studies, statue: Statue, metal: &str) -> Result<Content> {
     let shot = studies.get(statue, inputs)?;
     let (scene, request) = inputs.statue(statue.0, statue.alpha())?;
-    let other = roughness::second_opinion(&scene, &request, &inputs.settings(), &shot.mask)?;
+    let other = roughness::mean_by_all_normals(&scene, &request, &inputs.settings(), &shot.mask)?;
     let z = shot.statue.z(&other);
     let checks = vec![
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
@@ -107,9 +107,8 @@ pub fn content(inputs: &Inputs, studies: &mut Studies, statue: Statue, metal: &s
 
 /// Rougher metal has dimmer highlights.
 fn dimmer(inputs: &Inputs, studies: &mut Studies, alpha: f32, smoother: f32) -> Result<Check> {
-    let mut highlights =
-        |alpha| -> Result<f64> { Ok(studies.get(Statue::new("Au", alpha), inputs)?.row.brightest_percent) };
-    let ratio = highlights(alpha)? / highlights(smoother)?;
+    let [rough, smooth] = [alpha, smoother].map(|alpha| studies.get(Statue::new("Au", alpha), inputs));
+    let ratio = rough?.row.brightest_percent / smooth?.row.brightest_percent;
     let name = format!("share of light in the brightest hundredth of the pixels, over that at α = {smoother}");
     Ok(Check::at_most(name, ratio, 1.0))
 }

@@ -1,45 +1,36 @@
 //! Numerical errors of the code that renders: `stability-fresnel`, `-conductor`, `-microfacet`, `-sampling`, `-geometry`,
-//! `-sums`.
+//! `-sums`. The registry of the study says which figure shows which family.
 
 use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
 use crate::gallery::studies::{Studies, Study};
-use crate::study::stability::{self, Effort, Row, Stability};
+use crate::study::stability::{self, Effort, Stability};
 use crate::view::{stability as maps, stability_summary as summary};
-use std::rc::Rc;
 
-/// Texts of a figure; the study's registry says which families and experiments it covers.
-struct Part {
-    id: &'static str,
-    title: &'static str,
-    shows: &'static str,
-}
-
-const PARTS: [Part; 6] = [
-    Part { id: "stability-fresnel", title: "Errors of dielectric Fresnel and of refraction", shows: MAPS },
-    Part { id: "stability-conductor", title: "Errors of conductor Fresnel", shows: MAPS },
-    Part { id: "stability-microfacet", title: "Errors of microfacet distributions, pdfs and shadowing", shows: MAPS },
-    Part { id: "stability-sampling", title: "Errors of sampled normals", shows: MAPS },
-    Part { id: "stability-geometry", title: "Errors of half vectors, spheres, triangles and offsets", shows: MAPS },
-    Part {
-        id: SUMS,
-        title: "The worst case of every family, sums, tables and long paths included",
-        shows: "The largest relative error of each family: of the code that renders, of textbook formulas and of the reports', in \
-                f32 (filled) and f64 (open).",
-    },
+/// Ids and titles of the figures.
+const TITLES: [(&str, &str); 6] = [
+    ("stability-fresnel", "Errors of dielectric Fresnel and of refraction"),
+    ("stability-conductor", "Errors of conductor Fresnel"),
+    ("stability-microfacet", "Errors of microfacet distributions, pdfs and shadowing"),
+    ("stability-sampling", "Errors of sampled normals"),
+    ("stability-geometry", "Errors of half vectors, spheres, triangles and offsets"),
+    (SUMS, "The worst case of every family, sums, tables and long paths included"),
 ];
 
+/// The figure of what has no maps; it also summarizes the other figures.
 const SUMS: &str = "stability-sums";
+const SUMMARY: &str = "The largest relative error of each family: of the code that renders, of textbook formulas and of the \
+                       reports', in f32 (filled) and f64 (open).";
 const MAPS: &str = "Relative errors in f32 over the inputs: of the code that renders, of textbook formulas and of the reports', \
                     beside what rounding of the inputs alone causes.";
 
-/// The families of the figure with this id.
+/// The families and experiments of the figure of that id.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct FamiliesOf(&'static str);
+struct Families(&'static str);
 
-impl Study for FamiliesOf {
+impl Study for Families {
     type Output = Stability;
 
     fn run(self, inputs: &Inputs) -> Result<Stability> {
@@ -48,27 +39,28 @@ impl Study for FamiliesOf {
     }
 }
 
-/// A figure for each part.
+/// A figure for each of [`TITLES`].
 pub fn figures() -> Vec<Figure> {
-    let figure = |part: &'static Part| Figure {
-        id: part.id,
-        title: part.title,
+    let figure = |(id, title)| Figure {
+        id,
+        title,
         report: Report::Neither,
         answers: "stability study",
-        shows: part.shows,
+        shows: if id == SUMS { SUMMARY } else { MAPS },
         beside: None,
         command: None,
-        make: Box::new(|inputs, studies| content(inputs, studies, part)),
+        make: Box::new(move |inputs, studies| content(inputs, studies, id)),
     };
-    PARTS.iter().map(figure).collect()
+    TITLES.into_iter().map(figure).collect()
 }
 
-fn content(inputs: &Inputs, studies: &mut Studies, part: &Part) -> Result<Content> {
-    let own = studies.get(FamiliesOf(part.id), inputs)?;
-    let drawing = if part.id == SUMS {
-        let all: Vec<Rc<Stability>> =
-            PARTS.iter().map(|part| studies.get(FamiliesOf(part.id), inputs)).collect::<Result<_>>()?;
-        let rows: Vec<Row> = all.iter().flat_map(|found| found.rows.iter().cloned()).collect();
+fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<Content> {
+    let own = studies.get(Families(id), inputs)?;
+    let drawing = if id == SUMS {
+        let mut rows = Vec::new();
+        for figure in stability::figures() {
+            rows.extend_from_slice(&studies.get(Families(figure), inputs)?.rows);
+        }
         summary::worst_cases(&rows)
     } else {
         maps::maps(&own.sweeps)?
@@ -82,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_figure_of_the_study_has_its_texts() {
-        assert_eq!(PARTS.map(|part| part.id).to_vec(), stability::figures());
+    fn every_figure_that_the_study_names_is_made() {
+        assert_eq!(TITLES.map(|(id, _)| id).to_vec(), stability::figures());
     }
 }

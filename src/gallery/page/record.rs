@@ -21,28 +21,39 @@ pub type Records = BTreeMap<String, Record>;
 /// How a figure came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
+    /// Wall-clock time that it took.
     pub seconds: f64,
+    /// What its numbers must meet.
     pub checks: Vec<Check>,
+    /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
+    /// How it was made.
     pub setup: Setup,
 }
 
 /// The program, what it was asked for and the machine. Names no host, no user and no folder.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Setup {
+    /// Of the program.
     pub version: String,
+    /// Of all random numbers.
     pub seed: u64,
     /// The environment map, as the command line names it.
     pub map: String,
     /// The flags that make the same again.
     pub options: String,
+    /// The processor's model.
     pub cpu: String,
+    /// That the system has.
     pub cores: usize,
+    /// That the run used.
     pub threads: usize,
+    /// Operating system and architecture.
     pub system: String,
 }
 
 impl Setup {
+    /// The setup of this process.
     #[must_use]
     pub fn of(inputs: &Inputs, options: &str) -> Self {
         Self {

@@ -59,7 +59,7 @@ pub fn suspect() -> Suspect {
     }
 }
 
-/// The share of even light that is reflected: 2 ∫ R cos θ d cos θ.
+/// The share of uniform light that is reflected: 2 ∫ R cos θ d cos θ.
 fn reflected(reflectance: impl Fn(f64) -> f64) -> f64 {
     const STEPS: u32 = 100_000;
     let step = 1.0 / f64::from(STEPS);

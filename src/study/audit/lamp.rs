@@ -1,4 +1,5 @@
-//! The course's panel light: it falls off with the distance, not its square, because a vector is taken for a unit vector.
+//! The course's area light: its irradiance decreases with the distance, not with its square, because a vector that is not a
+//! unit vector is used as one.
 
 use super::{Curves, Suspect, curve};
 use crate::errata::{Conventions, light::falloff_error};
@@ -9,13 +10,13 @@ use crate::study::validation::suite::renders::{RenderTest, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The panel of the report's room, 0.6 by 0.8 at this height, and the place on the floor that the render looks at.
+/// The area light of the report's Cornell box, 0.6 by 0.8 at this height, and the point on the floor that the camera sees.
 const HALF: [f64; 2] = [0.3, 0.4];
 const HEIGHT: f64 = 1.49;
 const PLACE: [f64; 2] = [0.3, 0.2];
 const ALBEDO: f64 = 0.6;
 
-/// Light on the floor at (x, z) from a panel of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
+/// Irradiance of the floor at (x, z) by an area light of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
 fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     const STEPS: usize = 200;
     let at = |i: usize, half: f64| half * ((2 * i + 1) as f64 / STEPS as f64 - 1.0);
@@ -30,7 +31,7 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     sum * area
 }
 
-/// The floor under the panel, seen from close above.
+/// The floor under the area light, seen from close above.
 fn picture(inverse_distance: bool) -> RenderTest {
     let rectangle = |centre, x, y| Rectangle::new(centre, x, y).expect("the sides are perpendicular");
     let floor = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
@@ -75,7 +76,7 @@ pub fn suspect() -> Suspect {
         test: "Welch's t of the rendered floor against its exact radiance",
         cases: vec![picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())],
         error_in_picture: mean(true) / mean(false) - 1.0,
-        error_of: "light on the room's floor",
+        error_of: "light on the floor of the Cornell box",
         curves: Curves {
             x: "/{x} on the floor (scene's unit)",
             every: 0.5,

@@ -1,6 +1,6 @@
 //! The first report's environment map: its weights of rows, its directions, its random numbers.
 //!
-//! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The picture is a floor under an even sky.
+//! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The image is a floor under a uniform sky.
 
 use super::{Curves, Suspect};
 use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 const WIDTH: usize = 32;
 const HEIGHT: usize = 16;
 
-fn even_sky() -> Arc<EnvMap> {
+fn uniform_sky() -> Arc<EnvMap> {
     Arc::new(EnvMap::new(Image::from_fn(WIDTH, HEIGHT, |_, _| Rgb::ONE)))
 }
 
@@ -48,7 +48,7 @@ where
     S: Fn([f64; 2]) -> Option<DVec3> + Sync,
 {
     Case::of(name, Directions::sphere(Pole::Y), move || {
-        let map = even_sky();
+        let map = uniform_sky();
         let draw = pick(map.geometry());
         let right = CdfSampler::new(map);
         (
@@ -58,7 +58,7 @@ where
     })
 }
 
-/// Directions by a table of rows, evenly inside their texels.
+/// Directions by a table of rows, uniformly inside their texels.
 fn by_rows(weight: fn(&LatLong, usize) -> f64) -> impl Fn(&LatLong) -> Box<dyn Fn([f64; 2]) -> Option<DVec3> + Sync> {
     move |g| {
         let g = g.clone();
@@ -86,7 +86,7 @@ pub fn pole_rows() -> Suspect {
         report: "first report",
         printed: "row h weighs sin(hπ/(H − 1))",
         right: "row h weighs cos θₕ − cos θₕ₊₁",
-        test: "chi-square of the directions, even sky of 32×16",
+        test: "chi-square of the directions, uniform sky of 32×16",
         cases: vec![
             case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
             case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
@@ -96,7 +96,7 @@ pub fn pole_rows() -> Suspect {
         curves: Curves {
             x: "row",
             every: 4.0,
-            y: "share of the draws",
+            y: "share of the samples",
             printed: steps(|y| row_weight(y, HEIGHT) / total),
             right: steps(right_share),
             scattered: false,
@@ -105,11 +105,11 @@ pub fn pole_rows() -> Suspect {
 }
 
 pub fn corners() -> Suspect {
-    // What the report's estimator is on average: Σ L cos θ/p over the corners, each drawn with its probability.
+    // What the report's estimator is on average: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
-        let draw = ConventionalSampler::new(even_sky(), Conventions::FIRST_REPORT);
-        let claim = CdfSampler::new(even_sky());
+        let draw = ConventionalSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
+        let claim = CdfSampler::new(uniform_sky());
         let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Sample::new(sample.wi.to_array()));
         (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
     });
@@ -124,8 +124,8 @@ pub fn corners() -> Suspect {
     Suspect {
         title: "corners of texels",
         report: "first report (its course)",
-        printed: "the direction of the drawn texel's corner",
-        right: "a direction anywhere in the texel, evenly by solid angle",
+        printed: "the direction of the sampled texel's corner",
+        right: "a direction anywhere in the texel, uniformly by solid angle",
         test: "chi-square of the directions, and distinct points among them",
         cases: vec![printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))],
         error_in_picture: corners - 1.0,
@@ -165,18 +165,18 @@ pub fn gaussian_numbers() -> Result<Suspect> {
     let drawn: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
     let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * drawn[y] / rows[y]).sum();
     Ok(Suspect {
-        title: "Gaussian numbers",
+        title: "Gaussian random numbers",
         report: "first report",
-        printed: "rows drawn by inversion of Gaussian numbers",
-        right: "rows drawn by inversion of uniform numbers",
-        test: "chi-square of the rows drawn, even sky of 16 rows",
+        printed: "rows sampled by inversion of Gaussian random numbers",
+        right: "rows sampled by inversion of uniform random numbers",
+        test: "chi-square of the sampled rows, uniform sky of 16 rows",
         cases: vec![test("printed", true), test("right", false)],
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
         curves: Curves {
             x: "row",
             every: 4.0,
-            y: "share of the draws",
+            y: "share of the samples",
             printed: steps(|y| drawn[y]),
             right: steps(|y| rows[y]),
             scattered: false,

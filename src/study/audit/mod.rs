@@ -16,22 +16,31 @@ use serde::Serialize;
 pub struct Erratum {
     /// What it is about, in a few words.
     pub title: &'static str,
+    /// Which report.
     pub report: &'static str,
+    /// As printed.
     pub printed: &'static str,
+    /// Corrected.
     pub right: &'static str,
     /// What is tested, for the printed claim and for the corrected one.
     pub test: &'static str,
     /// Verdict on the printed claim, its p-value (none where an exact check decides), and its samples.
     pub verdict: Verdict,
+    /// The p-value of that test.
     pub p: Option<f64>,
+    /// The samples of that test.
     pub samples: u64,
     /// What an exact check finds wrong with the printed claim.
     pub violation: Option<String>,
+    /// Verdict on the corrected claim.
     pub right_verdict: Verdict,
+    /// Its p-value.
     pub right_p: Option<f64>,
     /// Relative error that it causes, and of what.
     pub error_in_picture: f64,
+    /// What has this error.
     pub error_of: &'static str,
+    /// Both formulas as curves.
     #[serde(skip)]
     pub curves: Curves,
 }
@@ -63,9 +72,13 @@ impl Default for Erratum {
 pub struct Curves {
     /// Labels of the axes, and the step of the ticks of the first.
     pub x: &'static str,
+    /// Step of the ticks of the x axis.
     pub every: f64,
+    /// Label of the y axis.
     pub y: &'static str,
+    /// As printed.
     pub printed: Vec<[f64; 2]>,
+    /// Corrected.
     pub right: Vec<[f64; 2]>,
     /// Whether these are scattered points and not curves.
     pub scattered: bool,
@@ -120,7 +133,7 @@ fn exact(violation: Option<String>, samples: u64) -> Outcome {
     Outcome { violation, ..Outcome::open(samples) }
 }
 
-/// A function at even steps from `from` to `to`, ends included.
+/// A function at equal steps from `from` to `to`, ends included.
 fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     const STEPS: u32 = 180;
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);

@@ -3,6 +3,7 @@
 mod calibrate;
 mod case;
 pub mod planted;
+mod ranks;
 mod run;
 mod select;
 mod shared;
@@ -10,5 +11,6 @@ pub mod suite;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::Case;
+pub use ranks::Ranked;
 pub use run::{Tested, Validation, run};
 pub use select::select;

@@ -1,0 +1,49 @@
+//! The p-values of a run in ascending order, beside what true claims give at each rank.
+
+use super::run::Validation;
+use etalon_stats::Verdict;
+use etalon_stats::multiple::holm_level;
+use statrs::distribution::{Beta, ContinuousCDF};
+
+/// The share of true claims inside [`Ranked::interval`].
+const INSIDE: f64 = 0.99;
+
+/// One p-value at its rank i of n, from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ranked {
+    /// The p-value.
+    pub p: f64,
+    /// The verdict of its test.
+    pub verdict: Verdict,
+    /// i/(n + 1), the expected p-value of true claims at this rank.
+    pub expected: f64,
+    /// Holds 99 % of the p-values of true claims at this rank.
+    pub interval: [f64; 2],
+    /// A smaller p-value is rejected, if all before it are.
+    pub threshold: f64,
+}
+
+impl Validation {
+    /// The p-values of all tests that have one of continuous distribution, in ascending order.
+    #[must_use]
+    pub fn ranked(&self) -> Vec<Ranked> {
+        let tests = self.tests.iter().map(|test| &test.outcome);
+        let mut known: Vec<(f64, Verdict)> =
+            tests.filter_map(|outcome| Some((outcome.continuous_p()?, outcome.verdict))).collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let n = known.len();
+        let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {
+            // Of n uniform random numbers the i-th smallest is distributed as Beta(i, n − i + 1).
+            let beta = Beta::new((i + 1) as f64, (n - i) as f64);
+            let quantile = |share: f64| beta.as_ref().map_or(share, |beta| beta.inverse_cdf(share));
+            Ranked {
+                p,
+                verdict,
+                expected: (i + 1) as f64 / (n + 1) as f64,
+                interval: [quantile(0.5 * (1.0 - INSIDE)), quantile(0.5 * (1.0 + INSIDE))],
+                threshold: holm_level(self.level, self.tests.len(), i),
+            }
+        };
+        known.into_iter().enumerate().map(ranked).collect()
+    }
+}
