@@ -11,7 +11,7 @@ use glam::DVec3;
 
 const ALPHAS: [f32; 7] = [1e-4, 1e-3, 0.005, 0.05, 0.25, 0.5, 1.0];
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
-const NORMALS: [Normals; 3] = [Normals::Visible, Normals::All, Normals::Hemisphere];
+const NORMALS: [NormalSampling; 3] = [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere];
 const DISTRIBUTIONS: [Distribution; 2] = [Distribution::Beckmann, Distribution::Ggx];
 
 fn rgb(values: [f64; 3]) -> Rgb {
@@ -101,8 +101,12 @@ fn every_sample_keeps_the_contract() {
                 assert_eq!(s.pdf.to_bits(), pdf.to_bits(), "{case}");
                 assert_eq!(pdf.to_bits(), bsdf.pdf(wo, s.wi).to_bits(), "{case}");
                 assert_eq!(f, bsdf.eval(wo, s.wi), "{case}");
-                assert_eq!(s.delta, bsdf.is_delta(), "{case}");
-                assert_eq!(s.delta, s.pdf == 0.0, "{case}");
+                assert!(bsdf.lobes().contains(s.lobe), "{case}");
+                assert_eq!(s.is_delta(), bsdf.lobes().are_delta(), "{case}");
+                assert_eq!(s.is_delta(), s.pdf == 0.0, "{case}");
+                assert_eq!(s.lobe.is_transmission(), s.wi.z * wo.z < 0.0, "{case}");
+                assert_eq!(s.probability.to_bits(), bsdf.lobe_probability(wo, s.lobe).to_bits(), "{case}");
+                assert_eq!(bsdf.pdf_reverse(wo, s.wi).to_bits(), bsdf.pdf(s.wi, wo).to_bits(), "{case}");
                 // Both sides are rounded a few times, and a density below 10⁻³⁰ has lost its last bits.
                 let (left, right) = (s.weight * s.pdf, f * s.wi.z.abs());
                 let error = (left - right).abs().max_element();
@@ -166,7 +170,7 @@ fn nothing_reflects_more_than_it_gets() {
         for distribution in DISTRIBUTIONS {
             for degrees in DEGREES {
                 let wo = towards(degrees, 1.0);
-                let [visible, all] = [Normals::Visible, Normals::All].map(|normals| {
+                let [visible, all] = [NormalSampling::Vndf, NormalSampling::Ndf].map(|normals| {
                     furnace(&white(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() }), wo).0
                 });
                 let case = format!("{distribution:?} {alpha} at {degrees}: {visible} {all}");

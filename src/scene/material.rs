@@ -1,4 +1,4 @@
-//! How surfaces scatter light, and what lamps they are.
+//! How surfaces scatter light, and what light they emit.
 
 use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
@@ -45,7 +45,7 @@ pub struct Emission {
     pub radiance: Rgb,
     /// Whether the back glows as well as the front (the side of the normal).
     pub two_sided: bool,
-    pub role: Role,
+    pub visibility: EmitterVisibility,
 }
 
 impl Emission {
@@ -57,12 +57,13 @@ impl Emission {
     }
 }
 
-/// What a glowing surface does in the scene.
+/// Who sees an emitter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Role {
-    /// It lights surfaces and is seen.
+pub enum EmitterVisibility {
+    /// It is an area light: light samples find it, and so do rays.
     #[default]
-    Lamp,
-    /// It is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same place lights for it.
-    Picture,
+    Sampled,
+    /// It lights no surface and is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same
+    /// place lights for it.
+    CameraOnly,
 }

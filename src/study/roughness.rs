@@ -1,7 +1,7 @@
 //! A metal statue in its room: its light, how much of that gleams, and the noise of the picture.
 
 use super::seen::{Kind, Mean, Seen};
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
 use crate::scene::{Conductor, Material, Request, Scene};
@@ -73,7 +73,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
 pub fn second_opinion(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
     let request = Request { spp: (request.spp / 8).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
-    settings.model.normals = Normals::All;
+    settings.model.normals = NormalSampling::Ndf;
     Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.exposure, mask))
 }
 

@@ -1,7 +1,7 @@
 //! The second report's metal: the density that it prints, its Fresnel term, its shadowing.
 
 use super::{Curves, Suspect, curve, exact};
-use crate::bsdf::{ConventionalConductor, MetalFresnel, Scatter, pdf_without_cosine};
+use crate::bsdf::{ConductorFresnel, ConventionalConductor, Scatter, pdf_without_cosine};
 use crate::errata::Conventions;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
@@ -60,7 +60,7 @@ fn brdf(wo: DVec3, wi: DVec3) -> f64 {
 }
 
 fn metal(conventions: Conventions) -> ConventionalConductor {
-    let fresnel = MetalFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
+    let fresnel = ConductorFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
     ConventionalConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
 }
 

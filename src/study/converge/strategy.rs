@@ -1,6 +1,6 @@
 //! Names of sampling strategies, and what each asks of the renderer.
 
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::envmap::samplers::{self, MapSampling};
 use crate::error::{Error, Result};
 use crate::render::{Sampling, Settings};
@@ -18,7 +18,7 @@ pub struct Strategy {
     sampling: Sampling,
     density: MapSampling,
     stream: StreamKind,
-    normals: Normals,
+    normals: NormalSampling,
 }
 
 impl From<Strategy> for String {
@@ -69,11 +69,11 @@ impl FromStr for Strategy {
                 .with_hint(format!("strategies: {}; then +independent, +all-normals", known.join(", ")))
         })?;
         let mut strategy =
-            Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: Normals::Visible };
+            Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
         for suffix in parts {
             match suffix {
                 "independent" => strategy.stream = StreamKind::Independent,
-                "all-normals" => strategy.normals = Normals::All,
+                "all-normals" => strategy.normals = NormalSampling::Ndf,
                 _ => {
                     return Err(Error::parameter("--strategies", format!("\"{name}\" ends in \"+{suffix}\""))
                         .with_hint("a strategy may end in +independent and in +all-normals"));
@@ -182,7 +182,7 @@ mod tests {
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
                 let normals = strategy.settings(1).model.normals;
-                assert_eq!(normals == Normals::All, suffix.contains("all-normals"), "{name}");
+                assert_eq!(normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
         }
         for wrong in [

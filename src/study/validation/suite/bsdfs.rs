@@ -3,7 +3,7 @@
 //! Everything in f32 as renders do it, with numbers of 24 bits; the densities are those that renders weigh samples with.
 
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
-use crate::bsdf::{Bsdf, Normals, Scatter};
+use crate::bsdf::{Bsdf, NormalSampling, Scatter};
 use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
@@ -24,7 +24,7 @@ pub fn cases() -> Vec<Case> {
     for (name, distribution) in DISTRIBUTIONS {
         for alpha in ALPHAS {
             for degrees in DEGREES {
-                for (how, normals) in [("visible", Normals::Visible), ("all", Normals::All)] {
+                for (how, normals) in [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)] {
                     let bsdf = metal(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
                     let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
                     cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
@@ -32,7 +32,7 @@ pub fn cases() -> Vec<Case> {
             }
         }
         // Spread over the hemisphere whatever the material's width.
-        let even = ScatterModel { normals: Normals::Hemisphere, ..ScatterModel::default() };
+        let even = ScatterModel { normals: NormalSampling::Hemisphere, ..ScatterModel::default() };
         for degrees in DEGREES {
             let bsdf = metal(0.25, distribution).bsdf(even);
             let name = format!("bsdf/{name}/hemisphere/0.25/{degrees}");

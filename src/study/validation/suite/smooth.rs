@@ -77,7 +77,7 @@ fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<DVec3>
     Case::of(name, Directions::sphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
-            Some(Draw { atom: sample.delta, ..Draw::new(sample.wi.as_dvec3()) })
+            Some(Draw { atom: sample.is_delta(), ..Draw::new(sample.wi.as_dvec3()) })
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
         let atoms = atoms(wo.as_dvec3());
