@@ -50,14 +50,14 @@ fn normals(group: &mut BenchmarkGroup<WallTime>, name: &str, distribution: impl 
     group.bench_function(format!("{name}/visible normal"), |b| {
         b.iter(|| {
             for &(wo, _, u) in &inputs {
-                black_box(distribution.sample_visible(wo.to_array(), u));
+                black_box(distribution.sample_vndf(wo.to_array(), u));
             }
         });
     });
     group.bench_function(format!("{name}/any normal"), |b| {
         b.iter(|| {
             for &(_, _, u) in &inputs {
-                black_box(distribution.sample_all(u));
+                black_box(distribution.sample_ndf(u));
             }
         });
     });

@@ -44,7 +44,7 @@ impl ConventionalConductor {
 
     #[inline]
     fn density(&self, facet: &Facet) -> f32 {
-        0.25 * self.distribution.pdf_all(facet.wm) / facet.cos
+        0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos
     }
 }
 
@@ -72,7 +72,7 @@ impl Scatter for ConventionalConductor {
 
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let wi = reflect_at(wo, self.distribution.sample_all(u))?;
+        let wi = reflect_at(wo, self.distribution.sample_ndf(u))?;
         let (f, pdf) = self.eval_pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample::reflected(wi, f * wi.z / pdf, pdf, Lobe::GlossyReflection))
     }

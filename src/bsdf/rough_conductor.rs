@@ -112,7 +112,7 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
     fn density(&self, wo: Vec3, facet: &Facet) -> f32 {
         match self.normals {
             NormalSampling::Vndf => self.pdf_vndf(wo, facet),
-            NormalSampling::Ndf => 0.25 * self.distribution.pdf_all(facet.wm) / facet.cos,
+            NormalSampling::Ndf => 0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos,
             NormalSampling::Hemisphere => EVEN,
         }
     }
@@ -150,7 +150,7 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
     #[must_use]
     pub fn sample_vndf(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
         let d = &self.distribution;
-        let (wi, leaves) = reflect(wo, d.sample_visible(wo.to_array(), u));
+        let (wi, leaves) = reflect(wo, d.sample_vndf(wo.to_array(), u));
         let facet = Facet::of(wo, wi);
         let pdf = self.pdf_vndf(wo, &facet);
         // G₂/G₁ = a/(a + b) ≤ 1 even when rounded; D cancels.
@@ -198,7 +198,7 @@ impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
                 let sample = self.sample_vndf(wo, u);
                 return (sample.pdf > 0.0).then_some(sample);
             }
-            NormalSampling::Ndf => reflect_at(wo, self.distribution.sample_all(u))?,
+            NormalSampling::Ndf => reflect_at(wo, self.distribution.sample_ndf(u))?,
             NormalSampling::Hemisphere => warp::uniform_hemisphere(u.map(f64::from)).as_vec3(),
         };
         let facet = Facet::between(wo, wi)?;

@@ -50,19 +50,19 @@ pub const FAMILIES: [(&str, Family); 20] = [
         let (sharp, rough, w) = (Beckmann::new(r.scale(2e-4, 5e-4)), Beckmann::new(r.number(0.2, 0.6)), weight(r));
         let draw = move |u: &[f64]| {
             let of = if u[2] < w { sharp } else { rough };
-            DVec3::from_array(of.sample_all([u[0], u[1]]))
+            DVec3::from_array(of.sample_ndf([u[0], u[1]]))
         };
         let pdf = move |m: DVec3| {
             let m = m.to_array();
-            w * sharp.pdf_all(m) + (1.0 - w) * rough.pdf_all(m)
+            w * sharp.pdf_ndf(m) + (1.0 - w) * rough.pdf_ndf(m)
         };
         test(&Directions::hemisphere(Pole::Z), 3, draw, pdf, k, p)
     }),
     ("visible normals near grazing", |r, k, p| {
         let (sin, cos) = r.number(85.0, 89.9).to_radians().sin_cos();
         let (wo, ggx) = ([sin, 0.0, cos], Ggx::new(r.scale(1e-3, 0.3)));
-        let draw = move |u: &[f64]| DVec3::from_array(ggx.sample_visible(wo, [u[0], u[1]]));
-        test(&Directions::hemisphere(Pole::Z), 2, draw, move |m: DVec3| ggx.pdf_visible(wo, m.to_array()), k, p)
+        let draw = move |u: &[f64]| DVec3::from_array(ggx.sample_vndf(wo, [u[0], u[1]]));
+        test(&Directions::hemisphere(Pole::Z), 2, draw, move |m: DVec3| ggx.pdf_vndf(wo, m.to_array()), k, p)
     }),
     ("thin ring on the sphere", |r, k, p| {
         let (axis, from, width, w) = (r.direction(), r.number(-0.9, 0.8), r.scale(1e-6, 1e-3), weight(r));

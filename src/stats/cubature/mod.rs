@@ -212,9 +212,9 @@ mod tests {
             let (wo, ggx) = ([sin, 0.0, cos], Ggx::new(alpha));
             let pilot: Vec<[f64; 2]> = (0..1 << 14)
                 .map(|i| [f64::from(i) / f64::from(1 << 14), (f64::from(i) * 0.618_034).fract()])
-                .map(|u| domain.place(DVec3::from_array(ggx.sample_visible(wo, u))).unwrap())
+                .map(|u| domain.place(DVec3::from_array(ggx.sample_vndf(wo, u))).unwrap())
                 .collect();
-            let visible = density(|wm: DVec3| ggx.pdf_visible(wo, wm.to_array()));
+            let visible = density(|wm: DVec3| ggx.pdf_vndf(wo, wm.to_array()));
             let places = known(&domain, &visible, pilot);
             let (value, error) = total(&integrate(&domain, &visible, &Grid::equal([10, 20], None), &places).unwrap());
             // What fewer than four places of the pilot lie in may still be missed.

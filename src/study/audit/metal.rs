@@ -84,7 +84,7 @@ fn printed_density() -> Result<Suspect> {
     let facets = Beckmann::new(ALPHA);
     let right = move |wi: DVec3| {
         let m = facet(wo, wi);
-        0.25 * facets.pdf_all(m.to_array()) / wo.dot(m)
+        0.25 * facets.pdf_ndf(m.to_array()) / wo.dot(m)
     };
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
     Ok(Suspect {
@@ -163,7 +163,7 @@ fn shadowing_with_pi() -> Result<Suspect> {
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/shadowing/{name}"), Directions::hemisphere(Pole::Z), move || {
             let draw =
-                move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+                move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_vndf(wo.to_array(), [u[0], u[1]]))));
             let g1 = if printed { printed_g1(wo) } else { facets.g1(wo.to_array()) };
             (sampler(2, draw), density(move |m: DVec3| facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1 / wo.z))
         })

@@ -21,8 +21,8 @@ fn view() -> DVec3 {
 fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
-        let draw = move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_all([u[0], u[1]]))));
-        (sampler(2, draw), density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_all(m.to_array()) }))
+        let draw = move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_ndf([u[0], u[1]]))));
+        (sampler(2, draw), density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_ndf(m.to_array()) }))
     })
 }
 
@@ -38,10 +38,9 @@ where
     M: SampleNormals<f64> + Send + Sync + 'static,
 {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
-        let draw =
-            move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_visible(wo.to_array(), [u[0], u[1]]))));
+        let draw = move |u: &[f64]| Some(Draw::new(DVec3::from_array(facets.sample_vndf(wo.to_array(), [u[0], u[1]]))));
         let pdf = move |m: DVec3| {
-            if faulty { wrong(&facets, wo, m) } else { facets.pdf_visible(wo.to_array(), m.to_array()) }
+            if faulty { wrong(&facets, wo, m) } else { facets.pdf_vndf(wo.to_array(), m.to_array()) }
         };
         (sampler(2, draw), density(pdf))
     })
@@ -56,7 +55,7 @@ fn drawn(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f
             let (sin, (sin_phi, cos_phi)) = (tan2.sqrt() * cos, sin_cos_turns(turns));
             Some(Draw::new(DVec3::new(sin * cos_phi, sin * sin_phi, cos)))
         };
-        (sampler(2, draw), density(|m: DVec3| Beckmann::new(ALPHA).pdf_all(m.to_array())))
+        (sampler(2, draw), density(|m: DVec3| Beckmann::new(ALPHA).pdf_ndf(m.to_array())))
     })
 }
 
@@ -73,7 +72,7 @@ pub fn faults() -> Vec<Planted> {
         all(
             "normals/alpha-for-roughness",
             "α² in the density where the sampler has α: one of them took α for a roughness",
-            |m| Beckmann::new(ALPHA * ALPHA).pdf_all(m.to_array()),
+            |m| Beckmann::new(ALPHA * ALPHA).pdf_ndf(m.to_array()),
         ),
         all(
             "normals/zero-over-zero",
@@ -94,7 +93,7 @@ pub fn faults() -> Vec<Planted> {
             "normals drawn as seen, divided by the density of all normals",
             Beckmann::new(ALPHA),
             view(),
-            |facets, _, m| facets.pdf_all(m.to_array()),
+            |facets, _, m| facets.pdf_ndf(m.to_array()),
         ),
         visible(
             "normals/missing-g1",

@@ -21,7 +21,7 @@ fn reflected(m: [f64; 3]) -> Option<DVec3> {
 }
 
 fn visible(u: [f64; 2]) -> Option<DVec3> {
-    reflected(FACETS.sample_visible(WO.to_array(), u))
+    reflected(FACETS.sample_vndf(WO.to_array(), u))
 }
 
 /// The normal between `WO` and `wi`.
@@ -30,7 +30,7 @@ fn facet(wi: DVec3) -> DVec3 {
 }
 
 /// D(m) G₁(wo)/(4 cos θₒ): the density of what visible normals reflect.
-fn pdf_visible(wi: DVec3) -> f64 {
+fn pdf_vndf(wi: DVec3) -> f64 {
     0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(WO.to_array())
 }
 
@@ -73,8 +73,8 @@ pub fn faults() -> Vec<Planted> {
             "the normal's density taken for the direction's: 1/(4 wo·m) forgotten",
             half,
             |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_visible(WO.to_array(), facet(wi).to_array());
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array());
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -82,8 +82,8 @@ pub fn faults() -> Vec<Planted> {
             "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
             half,
             |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| pdf_visible(wi) * WO.dot(facet(wi)) / WO.z;
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                let wrong: fn(DVec3) -> f64 = |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z;
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -93,7 +93,7 @@ pub fn faults() -> Vec<Planted> {
             |faulty| {
                 let wrong: fn(DVec3) -> f64 =
                     |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array());
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -111,7 +111,7 @@ pub fn faults() -> Vec<Planted> {
                     let again = || if faulty { visible([u[2], u[3]]) } else { None };
                     visible([u[0], u[1]]).or_else(again).map(Draw::new)
                 };
-                (sampler(4, draw), density(pdf_visible).with_mass(Mass::AtMostOne))
+                (sampler(4, draw), density(pdf_vndf).with_mass(Mass::AtMostOne))
             },
         ),
     ]

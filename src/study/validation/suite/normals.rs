@@ -34,12 +34,12 @@ fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: 
     Case::of(name, Directions::hemisphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let u = [u[0], u[1]];
-            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo.to_array(), u));
+            let wm = wo.map_or_else(|| d.sample_ndf(u), |wo| d.sample_vndf(wo.to_array(), u));
             Some(Draw::new(DVec3::from_array(wm)))
         };
         let pdf = move |wm: DVec3| {
             let wm = wm.to_array();
-            wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo.to_array(), wm))
+            wo.map_or_else(|| d.pdf_ndf(wm), |wo| d.pdf_vndf(wo.to_array(), wm))
         };
         (sampler(2, draw), density(pdf))
     })
@@ -51,12 +51,12 @@ fn single(name: String, d: impl SampleNormals<f32> + Send + Sync + 'static, wo: 
     Case::of(name, Directions::hemisphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let u = [short(u[0]), short(u[1])];
-            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo, u));
+            let wm = wo.map_or_else(|| d.sample_ndf(u), |wo| d.sample_vndf(wo, u));
             Some(Draw::new(Vec3::from_array(wm).as_dvec3()))
         };
         let pdf = move |wm: DVec3| {
             let wm = wm.as_vec3().to_array();
-            f64::from(wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo, wm)))
+            f64::from(wo.map_or_else(|| d.pdf_ndf(wm), |wo| d.pdf_vndf(wo, wm)))
         };
         (sampler(2, draw), density(pdf))
     })
