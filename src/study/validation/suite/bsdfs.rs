@@ -1,4 +1,5 @@
-//! Directions that materials scatter into: diffuse ones, rough metal by every way to draw its normals, the second report's.
+//! Directions that BSDFs scatter into: diffuse ones, rough conductors by every way to sample their normals and by other
+//! conventions.
 //!
 //! Everything in f32 as renders do it, with numbers of 24 bits; the densities are those that renders weigh samples with.
 
@@ -18,7 +19,8 @@ fn metal(alpha: f64, distribution: Distribution) -> Material {
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
 
-pub fn cases() -> Vec<Case> {
+/// The cases, each with its BSDF's name in the registry.
+pub fn cases() -> Vec<(&'static str, Case)> {
     let mut cases = Vec::new();
     let half = Directions::hemisphere(Pole::Z);
     for (name, distribution) in DISTRIBUTIONS {
@@ -56,14 +58,15 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// The directions that `bsdf` draws for `wo`.
-fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> Case {
+fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
-    Case::of(name, domain, move || {
+    let case = Case::of(name, domain, move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, 0.0, [short(u[0]), short(u[1])])?;
             Some(Draw::with_pdf(sample.wi.as_dvec3(), f64::from(sample.pdf)))
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
         (sampler(2, draw), density(pdf).with_mass(mass))
-    })
+    });
+    (bsdf.name(), case)
 }
