@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
+use crate::scene::{EmitterVisibility, Falloff, Light, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
@@ -262,7 +262,8 @@ impl Sampled {
             }
         };
         let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
-            let emission = object.emission.filter(|e| e.role == Role::Lamp && e.radiance != Rgb::ZERO)?;
+            let emission =
+                object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
             let kind = match &object.shape {
                 Shape::Rectangle(r) => panel(r, emission.radiance, emission.two_sided),
                 // From inside a sphere only its back is seen.

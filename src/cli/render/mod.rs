@@ -255,7 +255,7 @@ impl Render {
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
             .with("fresnel", lower(settings.model.dielectric))
-            .with("normals", lower(settings.model.normals))
+            .with("normals", settings.model.normals.name())
     }
 }
 

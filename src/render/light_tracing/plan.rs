@@ -1,5 +1,6 @@
 //! Where paths from the lamps start, what they aim at, and where they are worth it.
 
+use crate::bsdf::Scatter;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
 use crate::render::faces::{Face, Kind};
