@@ -8,7 +8,8 @@ use std::ops::Range;
 /// What has been rendered so far of a picture.
 ///
 /// ```
-/// use etalon::raster::{Metadata, Rgb};
+/// use etalon::math::Rgb;
+/// use etalon::raster::Metadata;
 /// use etalon::render::exposure::{Exposure, Part};
 ///
 /// // The second half of 16 samples, which could be interrupted between any two samples and written to a file.
