@@ -1,6 +1,6 @@
 //! Lights that stand for a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
-use super::{LightDensity, Sampling, Settings};
+use super::settings::{LightDensity, Sampling, Settings};
 use crate::envmap::cut::{MedianCut, SideRule};
 use crate::error::{Error, Result};
 use crate::scene::{Light, Scene};

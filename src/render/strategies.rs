@@ -1,7 +1,7 @@
 //! How directions towards the light are chosen: by the light, by the surface, or by both.
 
 use super::needs::Needs;
-use super::{LightDensity, Sampling, Settings};
+use super::settings::{LightDensity, Sampling, Settings};
 use crate::bsdf::diffuse;
 use crate::envmap::cosine::CosineSampler;
 use crate::envmap::sampler::{CdfSampler, CompensatedSampler, Complete, SurfaceSampler};

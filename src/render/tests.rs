@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::envmap::EnvMap;
+use crate::raster::Image;
 use crate::raster::Rgb;
+use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Role, Shape, Sphere,
-    builtin,
+    Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Request, Role, Scene,
+    Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;

@@ -12,9 +12,10 @@ use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use crate::render::exposure::{Part, shard};
-use crate::render::{self, Job, LightDensity, Settings};
+use crate::render::{Job, LightDensity, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use model::ModelArgs;
 use pictures::{Pictures, ToneName};
@@ -41,17 +42,16 @@ pub struct Render {
     /// The same as -o
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// How directions towards the light are chosen: by the light, by the material, by both (a diffuse surface needs no
-    /// material samples where the light density has the cosine in it; caustics are traced from the lamps), or uniformly
-    #[arg(long, value_enum, default_value_t = SamplingName::Mis)]
-    sampling: SamplingName,
+    /// How directions towards the light are chosen. A diffuse surface needs no material samples where the light density has
+    /// the cosine in it
+    #[arg(long, value_enum, default_value_t = Sampling::default())]
+    sampling: Sampling,
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
     hemisphere: bool,
-    /// What directions towards the environment are drawn in proportion to: radiance times cosine, radiance, or radiance
-    /// less its mean (for MIS only)
-    #[arg(long, value_enum, default_value_t = DensityName::Cosine)]
-    light_density: DensityName,
+    /// What directions towards the environment are sampled in proportion to
+    #[arg(long, value_enum, default_value_t = LightDensity::default())]
+    light_density: LightDensity,
     /// Owen-scrambled Sobol' or independent random numbers
     #[arg(long, value_enum, default_value_t = StreamName::Sobol)]
     stream: StreamName,
@@ -95,19 +95,24 @@ Examples:
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SamplingName {
-    Light,
-    Bsdf,
-    Mis,
-    Hemisphere,
+impl ValueEnum for Sampling {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.about()))
+    }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DensityName {
-    Cosine,
-    Map,
-    Compensated,
+impl ValueEnum for LightDensity {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::NAMED
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Self::NAMED.contains(self).then(|| PossibleValue::new(self.name()).help(self.about()))
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -226,18 +231,8 @@ impl Render {
 
     fn settings(&self, seed: u64) -> Result<Settings> {
         Ok(Settings {
-            sampling: match self.sampling {
-                _ if self.hemisphere => render::Sampling::Hemisphere,
-                SamplingName::Light => render::Sampling::Light,
-                SamplingName::Bsdf => render::Sampling::Bsdf,
-                SamplingName::Mis => render::Sampling::Mis,
-                SamplingName::Hemisphere => render::Sampling::Hemisphere,
-            },
-            density: match self.light_density {
-                DensityName::Cosine => LightDensity::Cosine,
-                DensityName::Map => LightDensity::Map,
-                DensityName::Compensated => LightDensity::Compensated,
-            },
+            sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling },
+            density: self.light_density,
             stream: match self.stream {
                 StreamName::Sobol => StreamKind::Sobol,
                 StreamName::Independent => StreamKind::Independent,
@@ -258,8 +253,8 @@ impl Render {
             .with("spp", request.spp)
             .with("lightSamples", request.light_samples)
             .with("maxDepth", request.max_depth)
-            .with("sampling", lower(settings.sampling))
-            .with("lightDensity", lower(settings.density))
+            .with("sampling", settings.sampling.name())
+            .with("lightDensity", settings.density.name())
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
             .with("fresnel", lower(settings.model.scattering.dielectric))
