@@ -1,7 +1,7 @@
 //! What each object does to light, made ready: scene materials become BSDFs under the settings of the render.
 
-use super::Settings;
 use super::lights::Sampled;
+use super::settings::Settings;
 use crate::bsdf::{Bsdf, Scatter};
 use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};

@@ -1,9 +1,9 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
-use super::Settings;
 use super::cut_lights;
 use super::geometry::{at, set};
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::settings::Settings;
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;

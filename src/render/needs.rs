@@ -1,6 +1,6 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::Settings;
+use super::settings::Settings;
 use crate::bsdf::Scatter;
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::envmap::EnvMap;
     use crate::raster::Image;
-    use crate::render::Sampling;
+    use crate::render::settings::Sampling;
     use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;

@@ -2,10 +2,13 @@
 
 use super::*;
 use crate::envmap::EnvMap;
+use crate::envmap::samplers::MapSampling;
 use crate::math::Rgb;
+use crate::raster::Image;
+use crate::sampling::stream::StreamKind;
 use crate::scene::{
     Camera, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle,
-    Shape, Sphere, builtin,
+    Request, Scene, Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;

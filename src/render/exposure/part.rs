@@ -1,6 +1,7 @@
 //! A render, or a part of one: the film, which samples are on it, and of what.
 
-use super::{Exposure, Ranges};
+use super::film::Exposure;
+use super::ranges::Ranges;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use super::plan::EVERY;
 use super::*;
-use crate::render::Settings;
+use crate::render::settings::Settings;
 use crate::render::{Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
