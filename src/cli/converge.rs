@@ -6,7 +6,7 @@ use super::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written, file_name};
 use crate::scene::{Material, Request, Scene};
-use crate::study::converge::strategy::{self, Strategy};
+use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
 use clap::{ArgAction, Args};
@@ -39,19 +39,19 @@ pub struct Converge {
 }
 
 fn after_help() -> String {
-    let names: String = strategy::names().iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
+    let methods: String = strategy::methods().iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
+    let suffixes: String = SUFFIXES.map(|suffix| format!("  ...+{:<12} {}\n", suffix.name, suffix.about)).concat();
     format!(
-        "Strategies:\n{names}  ...+independent  independent random numbers in place of Sobol's\n  ...+all-normals  rough \
-         metal draws all facets in place of the visible ones\n\nErrors are against the exact picture (sphere-env; furnace \
-         without its metal ball), else against two\nlong renders for which half of the budget is spent; pictures are at \
-         most {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
+        "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
+         sphere), else against two\nlong renders for which half of the budget is spent; images are at most \
+         {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
          SCENE-converge-pictures.{{svg,png,pdf}}.\n\nExit codes: 0 good, 2 usage or bad input, 3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
          etalon converge sphere-env --envmap sun --strategies light,strata-64,median-cut-64"
     )
 }
 
-/// Longest side of a picture whose size nobody asked for.
+/// Longest side of an image whose size is not given.
 const LONGEST_SIDE: usize = 120;
 
 #[derive(Serialize)]
@@ -71,9 +71,10 @@ impl Converge {
         let target = global.target(&["scene"]).with_inputs(&Vec::from_iter(map));
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
-        let pictures = target.stem(&name, "-pictures", &output::DRAWING)?;
+        let images = target.stem(&name, "-pictures", &output::DRAWING)?;
         if scene.name == "furnace" {
-            console.warn("the furnace is without its metal ball, which loses light, so that its picture is known");
+            console
+                .warn("the metal sphere is left out of the furnace: it loses light, and without it the image is known");
             scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
         }
         let (scene, request) = self.size(scene, asked);
@@ -83,17 +84,17 @@ impl Converge {
         let end =
             if result.interrupted { "the interruption".into() } else { format!("the budget of {} s", self.budget) };
         for what in &result.cut {
-            console.warn(&format!("{end} cut off {what}"));
+            console.warn(&format!("stopped by {end}: {what}"));
         }
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        files.extend(view::images(&result)?.write(&pictures)?);
+        files.extend(view::images(&result)?.write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
         console.result(&output, || text(&output));
         Ok(if result.has_verdict() && !result.interrupted { Verdict::Good } else { Verdict::Inconclusive })
     }
 
-    /// A picture small enough to be rendered thousands of times, unless a size was asked for.
+    /// An image small enough to be rendered thousands of times, unless a size is given.
     fn size(&self, scene: Scene, asked: Request) -> (Scene, Request) {
         let longest = asked.width.max(asked.height);
         let (scene, request) = if self.scene.has_size() || longest <= LONGEST_SIDE {
@@ -112,7 +113,7 @@ fn text(output: &Output<'_>) -> String {
     let mut text = format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
-        Some(facts) if facts.exact => "against the exact picture\n".to_owned(),
+        Some(facts) if facts.exact => "against the exact image\n".to_owned(),
         Some(facts) => format!("reference of {} spp, its own RMSE {:.2e}\n", facts.spp, facts.rmse),
     };
     text += &format!(

@@ -154,7 +154,11 @@ fn human(output: &Output<'_>) -> String {
     text.push('\n');
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
-        text += &format!("{verdict} {}: {:.3e}, at most {}", bound.name, bound.got, bound.limit);
+        let limit = match bound.limit {
+            small if small > 0.0 && small < 0.01 => format!("{small:e}"),
+            limit => limit.to_string(),
+        };
+        text += &format!("{verdict} {}: {:.3e}, at most {limit}", bound.name, bound.got);
         text +=
             &if bound.holds || bound.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", bound.worst) };
     }

@@ -3,7 +3,7 @@
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
 use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
-use etalon::import::sampler::program::{Answer, Client, Peer};
+use etalon::import::sampler::program::{Answer, Client, Connection};
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
@@ -117,13 +117,13 @@ impl Visitor for Files<'_> {
 pub fn protocol(path: &Path) -> Result<()> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let blocks: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\x0c').map(<[u8]>::to_vec).collect();
-    let client = Client::greet(Record(blocks.into_iter()), None)?;
+    let client = Client::connect(Record(blocks.into_iter()), None)?;
     client.space().with(Asked(client))
 }
 
 struct Record(std::vec::IntoIter<Vec<u8>>);
 
-impl Peer for Record {
+impl Connection for Record {
     fn name(&self) -> &str {
         "record"
     }

@@ -59,7 +59,7 @@ fn a_budget_too_small_for_any_verdict_is_said_to_be() {
     let folder = tempfile::tempdir().unwrap();
     let ran = etalon(folder.path(), &["converge", "cornell-spheres", "--budget", "1e-4", "-o", "out"]);
     assert_eq!(ran.code, 3, "{}{}", ran.stdout, ran.stderr);
-    assert!(ran.stderr.contains("cut off"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("stopped by"), "{}", ran.stderr);
 }
 
 #[test]

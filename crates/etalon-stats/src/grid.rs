@@ -94,6 +94,23 @@ impl Grid {
         })
     }
 
+    /// The grid's rows and, where all rows have the same columns, its columns; each with the numbers of its cells.
+    pub(crate) fn strips(&self) -> Vec<(Cell, Vec<usize>)> {
+        let (n, ends) = (self.rows.len() - 1, |edges: &[f64]| [edges[0], edges[edges.len() - 1]]);
+        let of_row = |row: usize| {
+            let columns = &self.columns[row];
+            let cell = Cell { x: [self.rows[row], self.rows[row + 1]], y: ends(columns) };
+            (cell, (self.first[row]..self.first[row] + columns.len() - 1).collect())
+        };
+        let of_column = |column: usize| {
+            let cell = Cell { x: ends(&self.rows), y: [self.columns[0][column], self.columns[0][column + 1]] };
+            (cell, self.first.iter().map(|first| first + column).collect())
+        };
+        let aligned = self.columns.iter().all(|columns| *columns == self.columns[0]);
+        let columns = if aligned { self.columns[0].len() - 1 } else { 0 };
+        (0..n).map(of_row).chain((0..columns).map(of_column)).collect()
+    }
+
     /// The number of the cell at chart coordinates.
     #[must_use]
     pub fn find(&self, [x, y]: [f64; 2]) -> usize {

@@ -43,7 +43,7 @@
 //! ```text
 //! samples do not follow the pdf
 //! verdict: reject, chi-square = 25034.6 with 3 degrees of freedom, p = 0.00e0, 77354 samples
-//! worst 4 of 4 regions beyond 2 standard deviations:
+//! where counts differ most from what the pdf predicts:
 //!   region      observed     expected     error    sigma
 //!   outcome 0       9720       3867.7  +151.3 %    +94.1
 //!   outcome 3       9661      15470.8   -37.6 %    -46.7

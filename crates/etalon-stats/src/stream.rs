@@ -1,27 +1,27 @@
-//! Counter-based random numbers: (seed, pixel, sample, dimension) → number, so any sample can be computed alone.
+//! Counter-based random numbers: (seed, pixel, sample, dimension) → random number, so that each is computed by itself.
 //!
-//! Both streams answer the same questions. [`Independent`] hashes the counter. [`Sobol`] gives each dimension pair of
-//! each pixel its own Owen-scrambled (0,2)-sequence in base 2, whose order is shuffled per pair ("padding"), so that
-//! every pair is well stratified over any 2ⁿ consecutive samples and pairs are independent of each other.
+//! [`Independent`] hashes the counter. [`Sobol`] gives each dimension pair of each pixel its own Owen-scrambled
+//! (0,2)-sequence in base 2, shuffled per pair ("padding"): every pair is well stratified over any 2ⁿ consecutive samples,
+//! and pairs are independent of each other.
 //! Source: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020.
 
 use crate::hash::{GOLDEN, key, mix64, unit_f32, unit_f64};
 
-/// A source of uniform numbers in \[0, 1)² for one camera sample of one pixel.
+/// A source of uniform random numbers in \[0, 1)² for one camera sample of one pixel.
 pub trait Stream: Copy + Send + Sync {
     /// The stream of sample `sample` of pixel number `pixel` under `seed`.
     fn new(seed: u64, pixel: u64, sample: u32) -> Self;
 
-    /// What the stream consists of, to be put together again by [`Stream::join`].
+    /// The parts of the stream, from which [`Stream::join`] makes it again.
     fn split(self) -> (u64, u32);
 
-    /// The stream of these parts.
+    /// The stream with these parts.
     fn join(key: u64, sample: u32) -> Self;
 
-    /// The pair of numbers of a dimension, for the `index`-th of `count` draws that this sample makes from it.
+    /// The pair of random numbers of a dimension, the `index`-th of `count` that this sample takes from it.
     ///
-    /// All draws of a pixel from one dimension, over all its samples, belong to one sequence: 8 samples with
-    /// 4 draws each are as well spread as 32 samples with one.
+    /// All pairs of a pixel from one dimension, over all its samples, belong to one sequence: 8 samples with 4 pairs each are
+    /// as well stratified as 32 samples with one.
     fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2];
 
     /// The pair of [`Stream::pair_of`] rounded down to 24 bits.
@@ -31,20 +31,20 @@ pub trait Stream: Copy + Send + Sync {
         Self::short_pair(Self::in_dimension(key, dimension), sample, dimension, index, count)
     }
 
-    /// What streams of one key have in common in a dimension.
+    /// The key of a dimension, shared by all samples of a pixel.
     fn in_dimension(key: u64, dimension: u32) -> u64;
 
     /// [`Stream::short_pair_of`] from the parts of the stream, its key [`in_dimension`](Stream::in_dimension).
     fn short_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f32; 2];
 
-    /// The pair of numbers of a dimension from which each sample draws once.
+    /// The pair of random numbers of a dimension from which each sample takes one pair.
     #[inline]
     fn pair(&self, dimension: u32) -> [f64; 2] {
         self.pair_of(dimension, 0, 1)
     }
 }
 
-/// Independent uniform numbers of 53 bits.
+/// Independent uniform random numbers of 53 bits.
 #[derive(Debug, Clone, Copy)]
 pub struct Independent {
     key: u64,
@@ -197,6 +197,7 @@ pub struct CounterRng {
 
 impl CounterRng {
     /// Generator number `stream` under `seed`.
+    #[inline]
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         Self { key: key([seed, stream, 1]), counter: 0 }
@@ -206,15 +207,18 @@ impl CounterRng {
 impl rand::TryRng for CounterRng {
     type Error = std::convert::Infallible;
 
+    #[inline]
     fn try_next_u32(&mut self) -> Result<u32, Self::Error> {
         self.try_next_u64().map(|x| (x >> 32) as u32)
     }
 
+    #[inline]
     fn try_next_u64(&mut self) -> Result<u64, Self::Error> {
         self.counter += 1;
         Ok(mix64(self.key.wrapping_add(self.counter.wrapping_mul(GOLDEN))))
     }
 
+    #[inline]
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Self::Error> {
         for chunk in bytes.chunks_mut(8) {
             let word = self.try_next_u64()?.to_le_bytes();

@@ -302,3 +302,30 @@ fn a_sampler_that_takes_no_numbers_and_has_none_is_an_error() {
     let constant = sampler(0, |_: &[f64]| Some(Sample::new(0.5)));
     assert!(validate(&Line::UNIT, &constant, &density(|_: f64| 1.0), &protocol()).is_err());
 }
+
+#[test]
+fn a_cancelled_test_is_an_error() {
+    let uniform = sampler(1, |u: &[f64]| Some(Sample::new(u[0])));
+    let stop = Protocol { cancelled: || true, ..protocol() };
+    let outcome = validate(&Line::UNIT, &uniform, &density(|_: f64| 1.0), &stop);
+    assert!(matches!(outcome, Err(Error::Cancelled)), "{outcome:?}");
+}
+
+/// A pdf that another process would compute, if it were there.
+struct Unreachable;
+
+impl Density<f64> for Unreachable {
+    fn pdf(&self, _: &[f64], _: &mut Vec<f64>) -> Result<()> {
+        Err(Error::external("no answer"))
+    }
+}
+
+#[test]
+fn errors_of_samplers_and_pdfs_elsewhere_pass_through() {
+    let uniform = sampler(1, |u: &[f64]| Some(Sample::new(u[0])));
+    let error = validate(&Line::UNIT, &uniform, &Unreachable, &protocol()).unwrap_err();
+    assert_eq!(error.to_string(), "no answer");
+    let impossible = Protocol { level: 2.0, ..protocol() };
+    let error = validate(&Line::UNIT, &uniform, &Unreachable, &impossible).unwrap_err();
+    assert_eq!(error.to_string(), "level: level 2 (use a probability such as 0.01)");
+}

@@ -26,7 +26,7 @@ pub struct ExternalSampler {
     /// Time that the program has for every answer
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
-    /// The density that the file of --samples claims to follow: a grid in CSV, or a lat-long image of densities per sr
+    /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
     pdf: Option<PathBuf>,
 }

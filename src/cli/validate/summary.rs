@@ -39,7 +39,7 @@ pub fn text(validation: &Validation, written: &Written) -> String {
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text = format!(
-        "{:<width$}  verdict            p   finds    samples  integral of the density         seconds\n",
+        "{:<width$}  verdict            p   finds    samples  integral of the pdf             seconds\n",
         "test"
     );
     for Tested { name, outcome } in tests {

@@ -7,7 +7,7 @@ use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
 use crate::scene::{Request, builtin};
 use crate::study::converge::depth::{self, Depths};
-use crate::study::converge::ladder::Deadline;
+use crate::study::converge::doubling::Deadline;
 use crate::view::converge_series as view;
 
 /// One figure.

@@ -6,7 +6,7 @@ use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
 use crate::scene::Request;
-use crate::study::converge::ladder::Deadline;
+use crate::study::converge::doubling::Deadline;
 use crate::study::converge::roughness::{self, Level, NORMALS};
 use crate::view::converge_series as view;
 

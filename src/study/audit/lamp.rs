@@ -6,7 +6,7 @@ use crate::errata::{Conventions, light::falloff_error};
 use crate::math::Rgb;
 use crate::render::{Sampling, Settings};
 use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape};
-use crate::study::validation::suite::renders::{Picture, Truth};
+use crate::study::validation::suite::renders::{RenderTest, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -32,7 +32,7 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
 }
 
 /// The floor under the area light, seen from close above.
-fn picture(inverse_distance: bool) -> Picture {
+fn picture(inverse_distance: bool) -> RenderTest {
     let rectangle = |centre, x, y| Rectangle::new(centre, x, y).expect("the sides are perpendicular");
     let floor = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
     let panel = rectangle(Vec3::Y * HEIGHT as f32, HALF[0] as f32 * Vec3::X, HALF[1] as f32 * Vec3::Z);
@@ -52,11 +52,11 @@ fn picture(inverse_distance: bool) -> Picture {
     };
     let conventions = Conventions { inverse_distance, ..Conventions::CORRECT };
     let model = ScatterModel { conventions, ..ScatterModel::default() };
-    Picture {
+    RenderTest {
         scene,
         request: Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: 1 },
         settings: Settings { sampling: Sampling::Light, model, ..Settings::default() },
-        truth: Truth::Even(ALBEDO / PI * irradiance(PLACE, false)),
+        truth: Truth::Uniform(ALBEDO / PI * irradiance(PLACE, false)),
     }
 }
 

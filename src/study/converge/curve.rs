@@ -1,6 +1,6 @@
 //! The error of one strategy as its samples and its time grow: levels from replicates, the slope, and whether it is bias.
 
-use super::ladder::Times;
+use super::doubling::Times;
 use super::reference::Reference;
 use super::strategy::Strategy;
 use crate::error::Result;

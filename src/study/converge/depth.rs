@@ -1,6 +1,6 @@
 //! Light that is missing in a render that ends at some depth, and the time that ending saves.
 
-use super::ladder::{Deadline, Ladder};
+use super::doubling::{Deadline, Doubling};
 use crate::error::Result;
 use crate::raster::Image;
 use crate::render::Settings;
@@ -35,25 +35,25 @@ pub struct Depths {
 /// the same and what is missing is known far better than either of them. Without a level if the deadline comes first.
 ///
 /// # Errors
-/// As [`Ladder::new`].
+/// As [`Doubling::new`].
 pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, deadline: &Deadline) -> Result<Depths> {
     let mut light: Vec<Vec<f64>> = vec![Vec::new(); DEPTHS.len()];
     let mut times = light.clone();
     for replicate in 0..replicates {
         let settings = Settings { seed: seed.wrapping_add(u64::from(replicate)), ..Settings::default() };
-        let ladders = DEPTHS.map(|max_depth| Ladder::new(scene, &Request { max_depth, ..*request }, &settings));
-        let mut ladders = ladders.into_iter().collect::<Result<Vec<_>>>()?;
-        while ladders[0].spp() <= request.spp / 2 {
-            for ladder in &mut ladders {
-                ladder.double(deadline);
+        let renders = DEPTHS.map(|max_depth| Doubling::new(scene, &Request { max_depth, ..*request }, &settings));
+        let mut renders = renders.into_iter().collect::<Result<Vec<_>>>()?;
+        while renders[0].spp() <= request.spp / 2 {
+            for render in &mut renders {
+                render.double(deadline);
             }
         }
         if deadline.is_over() {
             break;
         }
-        for ((ladder, light), times) in ladders.iter().zip(&mut light).zip(&mut times) {
-            light.push(mean(&ladder.image()));
-            times.push(ladder.times.cpu);
+        for ((render, light), times) in renders.iter().zip(&mut light).zip(&mut times) {
+            light.push(mean(&render.image()));
+            times.push(render.times.cpu);
         }
     }
     let deepest = DEPTHS.len() - 1;

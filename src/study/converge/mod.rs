@@ -7,8 +7,8 @@
 
 pub mod curve;
 pub mod depth;
+pub mod doubling;
 pub mod flip;
-pub mod ladder;
 pub mod lights;
 pub mod reference;
 pub mod roughness;
@@ -19,7 +19,7 @@ use crate::interrupt;
 use crate::memory;
 use crate::scene::{Request, Scene};
 use curve::{Curve, Measured, Run, Verdict};
-use ladder::{Deadline, Ladder};
+use doubling::{Deadline, Doubling};
 use reference::{Facts, Reference};
 use serde::Serialize;
 use std::time::Instant;
@@ -125,7 +125,7 @@ pub fn measure(
     };
     if let Some(truth) = truth {
         result.reference = Some(truth.facts.clone());
-        climb(scene, request, strategies, plan, &truth, &all, &mut result)?;
+        run_schedule(scene, request, strategies, plan, &truth, &all, &mut result)?;
         result.truth = Some(truth);
     } else {
         result.cut.push("the reference: nothing was measured".into());
@@ -144,7 +144,7 @@ fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Dead
 }
 
 /// Renders replicate after replicate as long as the next one fits into the time that is left.
-fn climb(
+fn run_schedule(
     scene: &Scene,
     request: &Request,
     strategies: &[Strategy],
@@ -168,39 +168,39 @@ fn climb(
         // What one strategy may take in one replicate.
         let share = before * (1.0 - RESERVE) / f64::from(plan.replicates - replicate) / strategies.len() as f64;
         let seed = plan.seed.wrapping_add(u64::from(replicate));
-        let ladders = strategies.iter().map(|s| Ladder::new(scene, &request, &s.settings(seed)));
-        let mut ladders = ladders.collect::<Result<Vec<_>>>()?;
+        let renders = strategies.iter().map(|s| Doubling::new(scene, &request, &s.settings(seed)));
+        let mut renders = renders.collect::<Result<Vec<_>>>()?;
         let mut levels: Vec<Vec<Measured>> = vec![Vec::new(); strategies.len()];
-        let mut climbing: Vec<usize> = (0..strategies.len()).collect();
-        while !climbing.is_empty() && !all.is_over() {
+        let mut growing: Vec<usize> = (0..strategies.len()).collect();
+        while !growing.is_empty() && !all.is_over() {
             let mut on = Vec::new();
-            for i in climbing {
-                let ladder = &mut ladders[i];
+            for i in growing {
+                let render = &mut renders[i];
                 let fits = match runs[i].first() {
                     // All replicates have the levels of the first one.
                     Some(first) => levels[i].len() < first.levels.len(),
-                    None => ladder.preparation.wall + ladder.times.wall + ladder.next_step() <= share,
+                    None => render.preparation.wall + render.times.wall + render.next_step() <= share,
                 };
-                if ladder.spp() > plan.max_spp / 2 || !fits || !ladder.double(all) {
+                if render.spp() > plan.max_spp / 2 || !fits || !render.double(all) {
                     continue;
                 }
-                let image = ladder.image();
-                levels[i].push(Measured { spp: ladder.spp(), times: ladder.times, errors: truth.compare(&image)? });
+                let image = render.image();
+                levels[i].push(Measured { spp: render.spp(), times: render.times, errors: truth.compare(&image)? });
                 if replicate == 0 {
                     flips[i].push(flip::mean(&image, &picture));
                     images[i].push(image);
                 }
                 on.push(i);
             }
-            climbing = on;
+            growing = on;
         }
         let whole = |i: usize| runs[i].first().is_none_or(|first: &Run| levels[i].len() == first.levels.len());
         if all.is_over() || !(0..strategies.len()).all(whole) {
             result.cut.push(format!("{} of {} replicates", plan.replicates - replicate, plan.replicates));
             break;
         }
-        for ((runs, levels), ladder) in runs.iter_mut().zip(levels).zip(&ladders) {
-            runs.push(Run { levels, last: ladder.image(), preparation: ladder.preparation.wall });
+        for ((runs, levels), render) in runs.iter_mut().zip(levels).zip(&renders) {
+            runs.push(Run { levels, last: render.image(), preparation: render.preparation.wall });
         }
         longest = longest.max(before - all.left());
     }

@@ -1,6 +1,6 @@
 //! What renders are compared with: the exact picture where there is one, else two independent long renders.
 
-use super::ladder::{Deadline, Ladder};
+use super::doubling::{Deadline, Doubling};
 use crate::envmap::irradiance::IrradianceTree;
 use crate::error::Result;
 use crate::math::Rgb;
@@ -56,7 +56,7 @@ impl Reference {
     /// or `max_spp` forbids another step; `None` if it forbids the first one.
     ///
     /// # Errors
-    /// As [`Ladder::new`].
+    /// As [`Doubling::new`].
     pub fn rendered(
         scene: &Scene,
         request: &Request,
@@ -65,22 +65,23 @@ impl Reference {
         deadline: &Deadline,
     ) -> Result<Option<Self>> {
         let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
-        let ladder = |i: u64| {
+        let doubling = |i: u64| {
             let settings = Settings { seed: seed.wrapping_add(APART + i), ..Settings::default() };
-            Ladder::new(scene, &request, &settings)
+            Doubling::new(scene, &request, &settings)
         };
-        let mut ladders = [ladder(0)?, ladder(1)?];
-        while ladders[0].spp() <= max_spp / 2 && ladders.iter().map(Ladder::next_step).sum::<f64>() < deadline.left() {
-            let mut grown = ladders.iter_mut().map(|ladder| ladder.double(deadline));
+        let mut renders = [doubling(0)?, doubling(1)?];
+        while renders[0].spp() <= max_spp / 2 && renders.iter().map(Doubling::next_step).sum::<f64>() < deadline.left()
+        {
+            let mut grown = renders.iter_mut().map(|doubling| doubling.double(deadline));
             if !grown.all(|whole| whole) {
                 return Ok(None);
             }
         }
-        let halves = [ladders[0].image(), ladders[1].image()];
+        let halves = [renders[0].image(), renders[1].image()];
         let difference = compare(&halves[0], &halves[1])?;
         let facts = Facts {
             exact: false,
-            spp: 2 * ladders[0].spp(),
+            spp: 2 * renders[0].spp(),
             rmse: 0.5 * difference.rmse,
             mean: 0.5 * (difference.mean_a + difference.mean_b),
             pixels: difference.pixels,

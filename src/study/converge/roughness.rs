@@ -1,6 +1,6 @@
 //! What the choice of microfacet normals costs and brings, over the roughness of a metal.
 
-use super::ladder::{Deadline, Times};
+use super::doubling::{Deadline, Times};
 use crate::bsdf::Normals;
 use crate::error::Result;
 use crate::raster::Metadata;

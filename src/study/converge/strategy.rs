@@ -1,4 +1,4 @@
-//! Names of sampling strategies, and what each asks of the renderer.
+//! The registry of sampling strategies: their names, and what each asks of the renderer.
 
 use crate::bsdf::Normals;
 use crate::envmap::samplers::{self, MapSampling};
@@ -9,8 +9,7 @@ use crate::scene::Scene;
 use serde::Serialize;
 use std::str::FromStr;
 
-/// A sampling strategy by its name: a way of choosing directions, then `+independent` for independent random numbers in
-/// place of Sobol's, `+all-normals` for rough metal that draws all facets in place of the visible ones.
+/// A sampling strategy by its name: one of [`methods`], then any of [`SUFFIXES`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
@@ -32,12 +31,12 @@ impl From<Strategy> for String {
 /// They are made of the registry of environment-map samplers: `light` and `mis` are by its first density; `light-NAME` and
 /// `mis-NAME` by another; a sampler of regions stands for light sampling by its own name.
 #[must_use]
-pub fn names() -> Vec<(String, String)> {
+pub fn methods() -> Vec<(String, String)> {
     let fixed = [
         ("light", "by the light: the environment's radiance, the area lights' solid angles"),
         ("bsdf", "by the material (cosine at diffuse surfaces)"),
         ("hemisphere", "uniformly over the hemisphere"),
-        ("mis", "light and bsdf by multiple importance sampling"),
+        ("mis", "light and bsdf by multiple importance sampling; caustics by light tracing"),
     ];
     let mut names: Vec<(String, String)> = fixed.map(|(name, doc)| (name.into(), doc.into())).into();
     for entry in samplers::ALL.iter().skip(1) {
@@ -58,27 +57,48 @@ pub fn names() -> Vec<(String, String)> {
     names
 }
 
+/// What a name may end in, after a plus sign.
+pub struct Suffix {
+    pub name: &'static str,
+    pub about: &'static str,
+    apply: fn(&mut Strategy),
+}
+
+/// All suffixes.
+pub const SUFFIXES: [Suffix; 2] = [
+    Suffix {
+        name: "independent",
+        about: "independent random numbers in place of Sobol's",
+        apply: |strategy| strategy.stream = StreamKind::Independent,
+    },
+    Suffix {
+        name: "all-normals",
+        about: "rough metal samples the distribution of all normals in place of the visible ones",
+        apply: |strategy| strategy.normals = Normals::All,
+    },
+];
+
 impl FromStr for Strategy {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
         let mut parts = name.split('+');
         let (sampling, density) = directions(parts.next().unwrap_or_default()).ok_or_else(|| {
-            let known: Vec<String> = names().into_iter().map(|(name, _)| name).collect();
-            Error::parameter("strategies", format!("there is no strategy \"{name}\""))
-                .with_hint(format!("strategies: {}; then +independent, +all-normals", known.join(", ")))
+            let known: Vec<String> = methods().into_iter().map(|(name, _)| name).collect();
+            Error::parameter("strategies", format!("there is no strategy \"{name}\"")).with_hint(format!(
+                "strategies: {}; then {}",
+                known.join(", "),
+                SUFFIXES.map(|s| format!("+{}", s.name)).join(", ")
+            ))
         })?;
         let mut strategy =
             Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: Normals::Visible };
-        for suffix in parts {
-            match suffix {
-                "independent" => strategy.stream = StreamKind::Independent,
-                "all-normals" => strategy.normals = Normals::All,
-                _ => {
-                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{suffix}\""))
-                        .with_hint("a strategy may end in +independent and in +all-normals"));
-                }
-            }
+        for part in parts {
+            let suffix = SUFFIXES.iter().find(|suffix| suffix.name == part).ok_or_else(|| {
+                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                    .with_hint("a strategy may end in +independent and in +all-normals")
+            })?;
+            (suffix.apply)(&mut strategy);
         }
         Ok(strategy)
     }
@@ -164,7 +184,7 @@ impl Strategy {
             return Ok(());
         }
         let message = format!("{} needs an environment map, and the scene {} has none", self.name, scene.name);
-        Err(Error::parameter("strategies", message).with_hint("for its lamps: light, bsdf, mis, hemisphere"))
+        Err(Error::parameter("strategies", message).with_hint("for its area lights: light, bsdf, mis, hemisphere"))
     }
 }
 
@@ -175,7 +195,7 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        for (name, _) in names() {
+        for (name, _) in methods() {
             for suffix in ["", "+independent", "+all-normals", "+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
                 let strategy: Strategy = name.parse().unwrap();

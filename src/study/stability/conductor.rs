@@ -95,7 +95,7 @@ fn report<T: Machine>(x: &[T]) -> Value<T> {
 }
 
 /// By how much the rounding of the terms of (η + ik)² − s² grows relative to their sum:
-/// κ = (|η² − 1| + c² + k²) / |(η + ik)² − s²|.
+/// κ = (|η² − 1| + c² + k²) / |(η + ik)² − s²|, at least 1.
 ///
 /// Let z² be that sum and u one rounding. (η−1)(η+1) − k² + c² has 5 roundings of its terms, so |Δz²| ≤ (5κ + 1) u |z²|
 /// and, with the roundings of the root itself, |Δz| ≤ 7κu |z|. As Re z ≥ 0 neither |c + z|² nor |cz + s²|² cancels: each
@@ -107,5 +107,5 @@ fn cancellation(inputs: &[f64]) -> f64 {
     // η² − s² by the smaller of two pairs of factors, which loses nothing.
     let sin = ((1.0 - c) * (1.0 + c)).sqrt();
     let modulus = ((eta - sin) * (eta + sin) - k * k).hypot(2.0 * eta * k);
-    if terms == 0.0 { 1.0 } else { terms / modulus }
+    if terms <= modulus { 1.0 } else { terms / modulus }
 }

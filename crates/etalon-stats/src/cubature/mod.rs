@@ -3,7 +3,7 @@
 //! Smooth densities: the tensor product of the Gauss–Kronrod rule (7, 15), bisected where the two rules of an axis
 //! disagree, for all cells at once and round by round, so that a density in another process is asked in large batches.
 //! No rule sees a spike or a gap between its nodes, so the rule is told of places: where the density at one of them is not
-//! what the nodes around it predict, the rectangle is cut further. [`Check`] measures what is still not seen.
+//! what the nodes around it predict, the rectangle is cut further. A check at random points measures what is still not seen.
 //! Densities that are constant between lines of the chart: exact sums.
 
 mod check;

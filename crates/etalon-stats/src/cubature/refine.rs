@@ -187,11 +187,12 @@ impl<'a, D: Domain> Refinement<'a, D> {
         Ok(())
     }
 
-    /// Cuts pieces until every cell is precise enough, or the budget is spent, or the density is at fault.
+    /// Cuts pieces until every cell is precise enough, or the budget is spent, or the density has an invalid value.
     fn refine(&mut self) -> Result<()> {
         let cells = self.grid.len();
         self.evaluations = 0;
         while self.evaluations < BUDGET && self.invalid.is_none() {
+            // Integral, error and number of pieces of each cell decide which errors are too large.
             let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0; cells], vec![0usize; cells]);
             for piece in &self.pieces {
                 values[piece.cell] += piece.integral;
@@ -213,6 +214,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 self.pieces = fine;
                 break;
             }
+            // Halve the coarse pieces along the axes that matter, and apply the rules to the halves.
             let mut parts = Vec::new();
             for mut piece in coarse {
                 let axes = piece.axes(plane);

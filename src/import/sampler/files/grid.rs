@@ -1,4 +1,4 @@
-//! A density that is constant on the cells of a grid, from a table or a lat-long image.
+//! A pdf that is constant on the cells of a grid, from a table or a lat-long image.
 
 use super::lines::Lines;
 use crate::envmap::LatLong;
@@ -95,7 +95,7 @@ impl<D: Gridded> GridDensity<D> {
         })
     }
 
-    /// Whether `claimed` is the density at `point` but for rounding of both, in text or to f32.
+    /// Whether `claimed` is the pdf at `point` up to rounding of both, in text or to f32.
     pub(super) fn agrees(&self, point: D::Point, claimed: f64) -> bool {
         const ROUNDING: f64 = 1e-5;
         let Some([x, y]) = self.domain.to_chart(point) else { return false };
@@ -113,7 +113,7 @@ impl<D: Gridded> GridDensity<D> {
         self.values[i * (self.steps[1].len() + 1) + j]
     }
 
-    /// The density at a point, 0 outside of the domain.
+    /// The pdf at a point, 0 outside of the domain.
     pub(super) fn value(&self, point: D::Point) -> f64 {
         self.domain.to_chart(point).map_or(0.0, |place| self.at(place))
     }

@@ -1,6 +1,6 @@
-//! Samples and a density from files, for samplers that cannot be called.
+//! Samples and a pdf from files, for samplers that cannot be called.
 //!
-//! Samples: CSV with a header, one point a row (see [`Row`]) and perhaps its density in a column `pdf`. Density: a grid of
+//! Samples: CSV with a header, one point a row (see [`Row`]) and perhaps its pdf in a column `pdf`. The pdf: a grid of
 //! values, each constant over its part of the domain (see [`GridDensity`]).
 
 mod grid;

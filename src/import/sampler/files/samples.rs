@@ -18,7 +18,7 @@ pub trait Row: Gridded {
     fn point_of(&self, header: usize, numbers: &[f64]) -> Option<Self::Point>;
 }
 
-/// Unit vectors, or angles in radians from the pole and as of the chart's density.
+/// Unit vectors, or angles in radians: θ from the pole, and φ.
 impl Row for Directions {
     const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y", "z"], &["theta", "phi"]];
 
@@ -63,7 +63,7 @@ impl Row for Discrete {
 
 /// A file of samples that is read once, from the beginning to the end.
 ///
-/// A density in the file is compared with the grid's allowing for rounding of text and f32: what agrees is taken for equal.
+/// A pdf in the file is compared with the grid's allowing for rounding of text and f32: what agrees is taken for equal.
 pub struct SampleFile<D> {
     density: Arc<GridDensity<D>>,
     reader: Mutex<Reader>,
@@ -81,7 +81,7 @@ struct Reader {
 }
 
 impl<D: Row> SampleFile<D> {
-    /// Opens the file at `path`, which claims to hold samples of `density`, and counts its rows.
+    /// Opens the file at `path`, which should hold samples of `density`, and counts its rows.
     pub fn open(path: &Path, density: Arc<GridDensity<D>>) -> Result<Self> {
         let mut counted = Lines::open(path)?;
         let mut rows = 0u64;
@@ -117,7 +117,7 @@ impl<D: Row> SampleFile<D> {
 }
 
 impl Reader {
-    /// Reads the next row: the numbers of the point, and the density if there is one.
+    /// Reads the next row: the numbers of the point, and the pdf if there is one.
     fn next(&mut self) -> Result<Option<f64>> {
         self.left = self.left.saturating_sub(1);
         let Some(line) = self.lines.next()? else {

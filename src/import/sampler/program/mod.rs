@@ -1,45 +1,45 @@
-//! A sampler and its density in another program, called over its standard input and output.
+//! A sampler and its pdf in another program, called over its standard input and output.
 //!
 //! The program reads requests and answers each with as many lines as it was asked for and a line `end`:
 //!
 //! | request | answer |
 //! |---|---|
 //! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
-//! | `sample N`, then N lines of uniform numbers | N lines `coordinates [density]`, `atom coordinates` or `none` |
+//! | `sample N`, then N lines of uniform random numbers | N lines `coordinates [pdf]`, `atom coordinates` or `none` |
 //! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
-//! | `pdf N`, then N lines of coordinates | N lines with a density |
-//! | `invert N`, then N lines of coordinates | N lines of uniform numbers, or `none` |
+//! | `pdf N`, then N lines of coordinates | N lines with a pdf |
+//! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
 //! | `quit` | it ends; so it does when its input ends |
 //!
-//! Keys: `name`; `dimension`, the uniform numbers of a sample (2; 0 if it has its own); `mass`, what the density integrates
+//! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
 //! to (1, or `at-most-1`); `domain`; `invert=yes`.
 //! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
 mod answer;
+mod connection;
 mod group;
-mod hello;
-mod peer;
+mod handshake;
 mod process;
 
 pub use answer::Answer;
-pub use peer::Peer;
+pub use connection::Connection;
 
 use super::coordinates::{Coordinates, write_numbers};
 use super::number::Words;
 use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
+use connection::fault;
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
-use hello::Hello;
-use peer::fault;
+use handshake::Handshake;
 use process::Process;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// A program that has introduced itself, its points not yet of any type.
 pub struct Client {
-    peer: Box<dyn Peer>,
-    hello: Hello,
+    connection: Box<dyn Connection>,
+    handshake: Handshake,
     space: Space,
 }
 
@@ -50,19 +50,19 @@ impl Client {
     /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
     /// started, [`Error::Input`] for an answer that is late or makes no sense.
     pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Self> {
-        Self::greet(Process::start(command, limit)?, space)
+        Self::connect(Process::start(command, limit)?, space)
     }
 
-    /// Asks `peer` what it is. Its domain is `space`, or else the one that it names.
+    /// Asks `connection` what it is. Its domain is `space`, or else the one that it names.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a domain that is missing, [`Error::Input`] for a greeting that makes no sense.
-    pub fn greet(mut peer: impl Peer + 'static, space: Option<Space>) -> Result<Self> {
-        let hello = Hello::of(&mut peer)?;
-        let space = match (space, hello.domain) {
+    pub fn connect(mut connection: impl Connection + 'static, space: Option<Space>) -> Result<Self> {
+        let handshake = Handshake::of(&mut connection)?;
+        let space = match (space, handshake.domain) {
             (Some(asked), Some(own)) if asked != own => {
                 return Err(
-                    fault(peer.name(), format!("its domain is {own}")).with_hint(format!("use the domain {own}"))
+                    fault(connection.name(), format!("its domain is {own}")).with_hint(format!("use the domain {own}"))
                 );
             }
             (Some(space), _) | (None, Some(space)) => space,
@@ -71,12 +71,12 @@ impl Client {
                     .with_hint("domains: sphere, hemisphere, square, line, discrete:N"));
             }
         };
-        Ok(Self { peer: Box::new(peer), hello, space })
+        Ok(Self { connection: Box::new(connection), handshake, space })
     }
 
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.hello.name
+        &self.handshake.name
     }
 
     #[must_use]
@@ -84,9 +84,9 @@ impl Client {
         self.space
     }
 
-    /// The program as a sampler and density of points of [`space`](Self::space).
+    /// The program as a sampler and pdf of points of [`space`](Self::space).
     pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
-        let Self { peer, hello, .. } = self;
+        let Self { connection, handshake, .. } = self;
         let read = |line: &String| {
             let mut words = Words::new(line);
             let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
@@ -94,19 +94,19 @@ impl Client {
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
-            read(line).ok_or_else(|| fault(peer.name(), wrong()))
+            read(line).ok_or_else(|| fault(connection.name(), wrong()))
         };
-        let atoms = hello.atoms.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Program { name: peer.name().to_owned(), peer: Mutex::new(peer), hello, atoms })
+        let atoms = handshake.atoms.iter().map(of_line).collect::<Result<_>>()?;
+        Ok(Program { name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
     }
 }
 
-/// A running program: the sampler and the density of points `P`. One request is in flight at a time.
+/// A running program: the sampler and the pdf of points `P`. One request is in flight at a time.
 pub struct Program<P> {
-    /// The peer's, for messages.
+    /// The connection's, for messages.
     name: String,
-    peer: Mutex<Box<dyn Peer>>,
-    hello: Hello,
+    connection: Mutex<Box<dyn Connection>>,
+    handshake: Handshake,
     atoms: Vec<Atom<P>>,
 }
 
@@ -121,7 +121,7 @@ impl<P: Coordinates> Program<P> {
         read: impl Fn(&mut Words<'_>) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
-        let answer = self.peer.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
+        let answer = self.connection.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
         let wrong = |message| fault(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
@@ -138,7 +138,7 @@ impl<P: Coordinates> Program<P> {
     }
 
     fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<P>>>> {
-        let expected = format!("\"{0}\", \"{0} DENSITY\", \"atom {0}\" or \"none\"", P::WORDS);
+        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", P::WORDS);
         self.ask("sample", count, request, &expected, read_sample)
     }
 
@@ -168,11 +168,11 @@ fn read_sample<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Sample<P>
 
 impl<P: Coordinates> Sampler<P> for Program<P> {
     fn dimension(&self) -> usize {
-        self.hello.dimension
+        self.handshake.dimension
     }
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
-        let samples = u.chunks_exact(self.hello.dimension.max(1));
+        let samples = u.chunks_exact(self.handshake.dimension.max(1));
         let count = samples.len();
         let mut request = format!("sample {count}\n");
         for sample in samples {
@@ -189,10 +189,10 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
     }
 
     fn invert(&self, point: P) -> etalon_stats::Result<Option<Vec<f64>>> {
-        if !self.hello.invert {
+        if !self.handshake.invert {
             return Ok(None);
         }
-        let dimension = self.hello.dimension;
+        let dimension = self.handshake.dimension;
         let read = |words: &mut Words<'_>| {
             if words.accept("none") {
                 return Some(None);
@@ -211,12 +211,12 @@ impl<P: Coordinates> Density<P> for Program<P> {
             return Ok(());
         }
         let request = self.at_points("pdf", points);
-        out.extend(self.ask("pdf", points.len(), request, "a density", |words| words.number())?);
+        out.extend(self.ask("pdf", points.len(), request, "a pdf", |words| words.number())?);
         Ok(())
     }
 
     fn mass(&self) -> Mass {
-        self.hello.mass
+        self.handshake.mass
     }
 
     fn atoms(&self) -> Vec<Atom<P>> {

@@ -4,8 +4,8 @@
 //! waiting for ever; none of them holds more than one request, a few blocks of an answer, or the end of the complaints.
 
 use super::answer::{Answer, END};
+use super::connection::{Connection, fault};
 use super::group::Group;
-use super::peer::{Peer, fault};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use std::io::{Read, Write};
@@ -136,7 +136,7 @@ impl Process {
     }
 }
 
-impl Peer for Process {
+impl Connection for Process {
     fn name(&self) -> &str {
         &self.command
     }

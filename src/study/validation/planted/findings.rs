@@ -8,10 +8,10 @@ use etalon_stats::power::noncentrality;
 use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
-/// What told a fault.
+/// What detected a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum By {
-    /// A check that needs no luck: an integral, a value, a sample outside, an inverse.
+    /// A deterministic check: an integral, a value, a sample outside, an inverse.
     #[serde(rename = "exact check")]
     Exact,
     #[serde(rename = "chi-square")]
@@ -51,8 +51,8 @@ pub struct Finding {
     pub outcome: Outcome,
     /// What rejected it; nothing if it was missed.
     pub by: Option<By>,
-    /// The relative error as the samples show it: of the density, root mean square over the cells, √((χ² − dof)/N); of a
-    /// picture's light, as if it were the same all over.
+    /// The relative error as the samples show it: of the pdf, root mean square over the cells, √((χ² − dof)/N); of an
+    /// image's light, as if it were the same everywhere.
     pub error: Option<f64>,
     /// The same test without the mistake.
     pub sound: Verdict,

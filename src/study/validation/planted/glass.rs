@@ -31,7 +31,7 @@ impl Boundary {
         }
     }
 
-    /// Draws by `self`, tested against `truth`.
+    /// Samples by `self`, tested against `truth`.
     fn against(self, truth: Self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
         let draw = move |u: &[f64]| {
             Some(Sample::atom((if u[0] < self.share { self.reflected } else { self.refracted }).to_array()))

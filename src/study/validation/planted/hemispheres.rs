@@ -1,4 +1,4 @@
-//! Mistakes in drawing directions over a hemisphere.
+//! Mistakes in sampling directions over a hemisphere.
 
 use super::Planted;
 use crate::math::circular::sin_cos_turns;
@@ -24,7 +24,7 @@ fn in_lobe(axis: DVec3, [tangent, bitangent]: [DVec3; 2], cos: f64, turns: f64) 
     w.x * tangent + w.y * bitangent + w.z * axis
 }
 
-/// Draws from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
+/// Samples from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
 fn lobe(power: f64) -> impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> {
     let (axis, frame) = mirrored();
     move |u| {
@@ -38,7 +38,7 @@ fn mirrored() -> (DVec3, [DVec3; 2]) {
     (DVec3::new(sin, 0.0, cos), [DVec3::Y, DVec3::new(cos, 0.0, -sin)])
 }
 
-/// Its density with the given factor for (n + 1).
+/// Its pdf with the given factor for (n + 1).
 fn lobe_pdf(w: DVec3, factor: f64) -> f64 {
     factor / TAU * w.dot(mirrored().0).max(0.0).powf(N)
 }
@@ -48,7 +48,7 @@ pub fn faults() -> Vec<Planted> {
     vec![
         Planted::of(
             "hemisphere/even-in-theta",
-            "θ drawn evenly from 0 to π/2, which crowds the pole: everyone's first sampler",
+            "θ sampled uniformly from 0 to π/2, which crowds the pole: everyone's first sampler",
             half,
             |faulty| {
                 let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
@@ -60,7 +60,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "hemisphere/disc-without-root",
-            "a disc drawn with radius u instead of √u, then lifted to the hemisphere",
+            "a disc sampled with radius u instead of √u, then lifted to the hemisphere",
             half,
             |faulty| {
                 let draw = move |u: &[f64]| {
@@ -72,7 +72,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "hemisphere/cosine-floor",
-            "the density's cosine clamped to 0.05 to keep clear of divisions by zero",
+            "the pdf's cosine clamped to 0.05 to keep clear of divisions by zero",
             half,
             |faulty| {
                 let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
@@ -82,7 +82,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "hemisphere/sine-left-in",
-            "the density per θ and φ taken for the one per solid angle: a factor sin θ too many",
+            "the pdf per θ and φ taken for the one per solid angle: a factor sin θ too many",
             half,
             |faulty| {
                 let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
@@ -92,7 +92,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "hemisphere/swapped-numbers",
-            "the two numbers exchanged in the inverse: directions come out right, stratification and replay do not",
+            "the two random numbers exchanged in the inverse: directions come out right, stratification and replay do not",
             half,
             |faulty| {
                 let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
@@ -120,7 +120,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lobe/below-the-horizon",
-            "directions lost below the horizon forgotten: the density is said to integrate to 1",
+            "directions lost below the horizon forgotten: the pdf is said to integrate to 1",
             half,
             |faulty| {
                 let mass = if faulty { Mass::Exactly(1.0) } else { Mass::AtMostOne };
@@ -129,7 +129,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lobe/exponent",
-            "cos α drawn as u^(1/n) instead of u^(1/(n+1)): the solid angle's own power forgotten",
+            "cos α sampled as u^(1/n) instead of u^(1/(n+1)): the solid angle's own power forgotten",
             half,
             |faulty| {
                 let power = 1.0 / if faulty { N } else { N + 1.0 };
@@ -138,7 +138,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lobe/factor-of-the-reflectance",
-            "the lobe's density with the reflectance's factor n + 2 instead of n + 1",
+            "the lobe's pdf with the reflectance's factor n + 2 instead of n + 1",
             half,
             |faulty| {
                 let factor = N + if faulty { 2.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Mistakes in drawing directions towards lamps, and in choosing among lamps.
+//! Mistakes in sampling directions towards lights, and in choosing among lights.
 
 use super::Planted;
 use crate::sampling::direction_density;
@@ -6,7 +6,7 @@ use etalon_stats::{Density, Directions, Line, Pole, Sample, Sampler, density, sa
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Cosines of the cones of two balls, one above and one below.
+/// Cosines of the cones of two spheres, one above and one below.
 const ABOVE: f64 = 0.8;
 const BELOW: f64 = 0.6;
 
@@ -16,18 +16,18 @@ fn upright(cos: f64, turns: f64) -> DVec3 {
     DVec3::new(w.y, w.z, w.x)
 }
 
-/// Both balls, drawn in turn by u₂: the upper one with probability `drawn`, which the density takes for `said` (of the
-/// upper, of the lower).
-fn two_balls(drawn: f64, said: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+/// Both spheres, chosen by u₂: the upper one with probability `chosen`, which the pdf takes for `stated` (of the upper, of
+/// the lower).
+fn two_spheres(chosen: f64, stated: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
     let draw = move |u: &[f64]| {
-        let (side, cos) = if u[2] < drawn { (1.0, ABOVE) } else { (-1.0, BELOW) };
+        let (side, cos) = if u[2] < chosen { (1.0, ABOVE) } else { (-1.0, BELOW) };
         Some(Sample::new(upright(side * (1.0 - u[0] * (1.0 - cos)), u[1]).to_array()))
     };
     let pdf = move |w: DVec3| {
         if w.y > ABOVE {
-            said[0] / (TAU * (1.0 - ABOVE))
+            stated[0] / (TAU * (1.0 - ABOVE))
         } else if w.y < -BELOW {
-            said[1] / (TAU * (1.0 - BELOW))
+            stated[1] / (TAU * (1.0 - BELOW))
         } else {
             0.0
         }
@@ -41,12 +41,12 @@ pub fn faults() -> Vec<Planted> {
     vec![
         Planted::of(
             "lamps/area-for-solid-angle",
-            "a panel's density per area taken for the one per solid angle: d²/cos θ forgotten, or mixed up within MIS",
+            "a rectangle's pdf per area taken for the one per solid angle: d²/cos θ forgotten, or mixed up within MIS",
             sphere,
             |faulty| {
                 let draw =
                     |u: &[f64]| Some(Sample::new(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize().to_array()));
-                // The panel is 1×1 at height 1: cos θ = y, d = 1/y.
+                // The rectangle is 1×1 at height 1: cos θ = y, d = 1/y.
                 let pdf = move |w: DVec3| {
                     let hit = w.y > 0.0 && w.x.abs() <= 0.5 * w.y && w.z.abs() <= 0.5 * w.y;
                     if hit { if faulty { 1.0 } else { w.y.powi(-3) } } else { 0.0 }
@@ -56,7 +56,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lamps/triangle-without-root",
-            "the first barycentric coordinate of a triangle drawn as u instead of 1 − √(1 − u): one corner is crowded",
+            "the first barycentric coordinate of a triangle sampled as u instead of 1 − √(1 − u): one corner is crowded",
             Line::UNIT,
             |faulty| {
                 let draw = move |u: &[f64]| Some(Sample::new(if faulty { u[0] } else { 1.0 - (1.0 - u[0]).sqrt() }));
@@ -65,7 +65,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lamps/cone-by-its-sine",
-            "a ball's cone with r/d, which is its sine, in place of its cosine",
+            "a sphere's cone with r/d, which is its sine, in place of its cosine",
             sphere,
             |faulty| {
                 let draw = |u: &[f64]| Some(Sample::new(upright(1.0 - u[0] * (1.0 - ABOVE), u[1]).to_array()));
@@ -76,15 +76,15 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "lamps/choice-forgotten",
-            "one of two lamps is chosen, and the probability of the choice left out of the density",
+            "one of two lights is chosen, and the probability of the choice left out of the pdf",
             sphere,
-            |faulty| two_balls(0.5, if faulty { [1.0, 1.0] } else { [0.5, 0.5] }),
+            |faulty| two_spheres(0.5, if faulty { [1.0, 1.0] } else { [0.5, 0.5] }),
         ),
         Planted::of(
             "lamps/choice-by-power",
-            "lamps chosen by their power, but divided by the density of an even choice",
+            "lights chosen by their power, but divided by the pdf of a uniform choice",
             sphere,
-            |faulty| two_balls(0.55, if faulty { [0.5, 0.5] } else { [0.55, 0.45] }),
+            |faulty| two_spheres(0.55, if faulty { [0.5, 0.5] } else { [0.55, 0.45] }),
         ),
     ]
 }

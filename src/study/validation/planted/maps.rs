@@ -13,13 +13,13 @@ use std::f64::consts::PI;
 /// A map is sampled by a table over its texels; mistakes change one of the parts.
 struct Scheme {
     map: EnvMap,
-    /// What a texel is drawn in proportion to.
+    /// What a texel is sampled in proportion to.
     weight: fn(&EnvMap, usize, usize) -> f64,
     /// The direction at a place inside a texel.
     place: fn(&LatLong, usize, usize, f64, f64) -> DVec3,
-    /// The solid angle that the density spreads a texel's probability over.
+    /// The solid angle that the pdf spreads a texel's probability over.
     solid_angle: fn(&LatLong, usize) -> f64,
-    /// Where the density looks a direction up.
+    /// Where the pdf looks a direction up.
     look_up: fn(DVec3) -> DVec3,
 }
 
@@ -35,7 +35,7 @@ impl Scheme {
         }
     }
 
-    /// The sampler, and the density by the map's energies.
+    /// The sampler, and the pdf by the map's energies.
     fn build(self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
@@ -86,22 +86,22 @@ pub fn faults() -> Vec<Planted> {
         ),
         planted(
             "maps/corners",
-            "the corner of the drawn texel taken for all of it, as the course's renderer does",
+            "the corner of the sampled texel taken for all of it, as the course's renderer does",
             |scheme| {
                 scheme.place = |g, x, y, _, _| g.direction(x as f64, y as f64);
             },
         ),
         planted(
             "maps/mirrored",
-            "φ running the other way in the density than in the sampler: maps from another program",
+            "φ running the other way in the pdf than in the sampler: maps from another program",
             |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z),
         ),
-        planted("maps/upside-down", "row 0 taken for the nadir in the density", |scheme| {
+        planted("maps/upside-down", "row 0 taken for the nadir in the pdf", |scheme| {
             scheme.look_up = |w| DVec3::new(w.x, -w.y, w.z);
         }),
         planted(
             "maps/without-sine",
-            "texels drawn by radiance alone, as if those at the poles were as large as the others",
+            "texels sampled by radiance alone, as if those at the poles were as large as the others",
             |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y),
         ),
         planted(
@@ -127,14 +127,14 @@ pub fn faults() -> Vec<Planted> {
         ),
         planted(
             "maps/dropped-columns",
-            "a table of blocks of eight columns, by whole division: what is left over on the right is never drawn",
+            "a table of blocks of eight columns, by whole division: what is left over on the right is never sampled",
             |scheme| {
                 scheme.weight = |map, x, y| if x < map.geometry().width() / 8 * 8 { map.energy(x, y) } else { 0.0 };
             },
         ),
         planted(
             "maps/compensated-for-plain",
-            "samples of the compensated density, which MIS may use, divided by the plain one",
+            "samples of the compensated pdf, which MIS may use, divided by the plain one",
             |scheme| {
                 scheme.weight = |map, x, y| {
                     let g = map.geometry();

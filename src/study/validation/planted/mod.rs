@@ -1,4 +1,4 @@
-//! Planted faults: mistakes that people make, each in a sampler or a density small enough to read, which the suite must
+//! Planted faults: mistakes that people make, each in a sampler or a pdf small enough to read, which the suite must
 //! reject. Without its mistake each is a test of its own that must be accepted, so that the rejection is not due to the
 //! setting.
 
@@ -28,7 +28,7 @@ pub struct Planted {
 }
 
 impl Planted {
-    /// `make` builds sampler and density with the mistake or without it.
+    /// `make` builds sampler and pdf with the mistake or without it.
     fn of<D, S, P, F>(name: &'static str, mistake: &'static str, domain: D, make: F) -> Self
     where
         D: Domain + Copy + Send + Sync + 'static,

@@ -1,4 +1,4 @@
-//! Mistakes in drawing microfacet normals.
+//! Mistakes in sampling microfacet normals.
 
 use super::Planted;
 use crate::errata::microfacet::normal_pdf_by_angles;
@@ -18,7 +18,7 @@ fn view() -> DVec3 {
     DVec3::new(sin, 0.0, cos)
 }
 
-/// A mistake in the density of all normals of Beckmann's distribution.
+/// A mistake in the pdf of the full distribution of normals of Beckmann's distribution.
 fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
@@ -30,7 +30,7 @@ fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Pl
     })
 }
 
-/// A mistake in the density of the normals seen from `wo`.
+/// A mistake in the pdf of the normals visible from `wo`.
 fn visible<M>(
     name: &'static str,
     mistake: &'static str,
@@ -50,8 +50,8 @@ where
     })
 }
 
-/// A mistake in turning numbers into tan² θ and an azimuth in turns.
-fn drawn(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> Planted {
+/// A mistake in mapping random numbers to tan² θ and an azimuth in turns.
+fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> Planted {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let draw = move |u: &[f64]| {
             let (tan2, turns) = if faulty { wrong(u) } else { (-ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]) };
@@ -70,45 +70,47 @@ pub fn faults() -> Vec<Planted> {
     vec![
         all(
             "normals/missing-cosine",
-            "D(m) taken for the density of normals, which is D(m) cos θ: the second report",
+            "D(m) taken for the pdf of normals, which is D(m) cos θ: the second report",
             |m| Beckmann::new(ALPHA).d(m.to_array()),
         ),
         all(
             "normals/alpha-for-roughness",
-            "α² in the density where the sampler has α: one of them took α for a roughness",
+            "α² in the pdf where the sampler has α: one of them took α for a roughness",
             |m| Beckmann::new(ALPHA * ALPHA).pdf_all(m.to_array()),
         ),
         all(
             "normals/zero-over-zero",
-            "the density formed as p(θ) p(φ)/sin θ, which is 0/0 for the normal of u = 0: the second report's course",
+            "the pdf formed as p(θ) p(φ)/sin θ, which is 0/0 for the normal of u = 0: the second report's course",
             |m| f64::from(normal_pdf_by_angles(ALPHA as f32, m.z.clamp(-1.0, 1.0).acos() as f32)),
         ),
-        drawn("normals/logarithm-of-zero", "ln u instead of ln(1 − u): infinite for u = 0, which is drawn", |u| {
-            (-ALPHA * ALPHA * u[0].ln(), u[1])
-        }),
-        drawn("normals/half-a-turn", "φ = π u instead of 2π u", |u| {
+        sampled(
+            "normals/logarithm-of-zero",
+            "ln u instead of ln(1 − u): infinite for u = 0, which is sampled",
+            |u| (-ALPHA * ALPHA * u[0].ln(), u[1]),
+        ),
+        sampled("normals/half-a-turn", "φ = π u instead of 2π u", |u| {
             (-ALPHA * ALPHA * (1.0 - u[0]).ln(), 0.5 * u[1])
         }),
-        drawn("normals/slope-variance", "α taken for the standard deviation of slopes, which is α/√2", |u| {
+        sampled("normals/slope-variance", "α taken for the standard deviation of slopes, which is α/√2", |u| {
             (-2.0 * ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1])
         }),
         visible(
             "normals/all-for-visible",
-            "normals drawn as seen, divided by the density of all normals",
+            "visible normals sampled, divided by the pdf of the full distribution",
             Beckmann::new(ALPHA),
             view(),
             |facets, _, m| facets.pdf_all(m.to_array()),
         ),
         visible(
             "normals/missing-g1",
-            "the density of visible normals without the share that is seen, G₁",
+            "the pdf of visible normals without the share that is seen, G₁",
             Ggx::new(ALPHA),
             view(),
             |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).max(0.0) / wo.z,
         ),
         visible(
             "normals/rational-shadowing",
-            "Walter's rational fit of G₁ in the density of visible normals, 0.3 % off: most renderers",
+            "Walter's rational fit of G₁ in the pdf of visible normals, an error of 0.3 %: most renderers",
             Beckmann::new(ALPHA),
             worst,
             |facets, wo, m| {
@@ -118,7 +120,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         visible(
             "normals/facing-away",
-            "the density not cut off where normals turn away from the viewer, but folded back by |wo·m|",
+            "the pdf not cut off where normals turn away from the viewer, but folded back by |wo·m|",
             Ggx::new(1.0),
             DVec3::new(80f64.to_radians().sin(), 0.0, 80f64.to_radians().cos()),
             |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).abs() * facets.g1_over_cos(wo.to_array()),

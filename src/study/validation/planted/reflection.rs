@@ -30,7 +30,7 @@ fn facet(wi: DVec3) -> DVec3 {
     (WO + wi).normalize()
 }
 
-/// D(m) G₁(wo)/(4 cos θₒ): the density of what visible normals reflect.
+/// D(m) G₁(wo)/(4 cos θₒ): the pdf of what visible normals reflect.
 fn pdf_visible(wi: DVec3) -> f64 {
     0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(WO.to_array())
 }
@@ -55,7 +55,7 @@ fn bounded(u: [f64; 2]) -> Option<DVec3> {
     reflected((FACETS.alpha * h.truncate()).extend(h.z).normalize().to_array())
 }
 
-/// D(m)/(2 (k cos θₒ + t)), t the length of the stretched view: the density of [`bounded`].
+/// D(m)/(2 (k cos θₒ + t)), t the length of the stretched view: the pdf of [`bounded`].
 fn pdf_bounded(wi: DVec3) -> f64 {
     let (k, length) = bound();
     FACETS.d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
@@ -77,7 +77,7 @@ pub fn faults() -> Vec<Planted> {
     vec![
         Planted::of(
             "reflection/missing-jacobian",
-            "the normal's density taken for the direction's: 1/(4 wo·m) forgotten",
+            "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
             half,
             |faulty| {
                 let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_visible(WO.to_array(), facet(wi).to_array());
@@ -95,7 +95,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "reflection/swapped-directions",
-            "wo and wi exchanged in the density, which by visible normals is not symmetric",
+            "wo and wi exchanged in the pdf, which by visible normals is not symmetric",
             half,
             |faulty| {
                 let wrong: fn(DVec3) -> f64 =
@@ -105,13 +105,13 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "reflection/bounded-density",
-            "the density of bounded visible normals with samples of the unbounded ones",
+            "the pdf of bounded visible normals with samples of the unbounded ones",
             half,
             |faulty| pair(if faulty { visible } else { bounded }, pdf_bounded),
         ),
         Planted::of(
             "reflection/drawn-again",
-            "directions below the horizon drawn once more, with the density as it was",
+            "directions below the horizon sampled once more, with the pdf as it was",
             half,
             |faulty| {
                 let draw = move |u: &[f64]| {

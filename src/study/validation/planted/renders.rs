@@ -1,24 +1,24 @@
-//! Mistakes of an integrator, seen in its pictures.
+//! Mistakes of an integrator, seen in its images.
 
-use super::super::suite::renders::{Picture, Truth, inside, lit_sphere, metal};
+use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
 use super::{Case, Planted};
 use crate::envmap::samplers::MapSampling;
 use crate::render::{Sampling, Settings};
 use etalon_stats::welch::Mean;
 use etalon_stats::{Protocol, SampleCount};
 
-/// A picture, and what is done to its tiles.
-type Spoiled = (Picture, fn(&mut [[Mean; 2]]));
+/// The test of an image, and what is done to its tiles.
+type Spoiled = (RenderTest, fn(&mut [[Mean; 2]]));
 
-/// Both tests find biases of 0.5 % of the whole picture, unless the number of samples is given.
-fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Picture) -> Planted {
-    let case = |kind: &str, (picture, spoil): Spoiled| {
+/// Both tests find biases of 0.5 % of the whole image, unless the number of samples is given.
+fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: RenderTest) -> Planted {
+    let case = |kind: &str, (test, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let samples = match protocol.samples {
                 SampleCount::Detect(w) => SampleCount::Detect(w.min(0.005)),
                 count @ SampleCount::Fixed(_) => count,
             };
-            picture.examine(&Protocol { samples, ..*protocol }, round, spoil)
+            test.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })
     };
     Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
@@ -37,17 +37,17 @@ pub fn faults() -> Vec<Planted> {
     let mut shadowing = bsdf;
     shadowing.model.conventions.lambda_with_pi = true;
     let series = inside(1000, blind);
-    let cut = Picture { truth: Truth::Even(2.0), ..inside(5, blind) };
+    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, blind) };
     vec![
         planted(
             "renders/one-percent-more",
-            "a picture with one percent more light all over: a density off by a constant",
+            "an image with one percent more light everywhere: a pdf wrong by a constant factor",
             (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
             lit_sphere(settings),
         ),
         planted(
             "renders/one-dark-tile",
-            "one tile of the picture a tenth too dark: a worker thread that lost part of its samples",
+            "one tile of the image a tenth too dark: a worker thread that lost part of its samples",
             (lit_sphere(settings), |tiles| {
                 if let Some(tile) = tiles.get_mut(10) {
                     brighten(tile, 0.9);

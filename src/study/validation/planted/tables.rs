@@ -1,4 +1,4 @@
-//! Mistakes in drawing from tables.
+//! Mistakes in sampling from tables.
 
 use super::Planted;
 use etalon_stats::{Density, Discrete, Sample, Sampler, density, sampler};
@@ -11,7 +11,7 @@ fn find(cdf: &[f64], u: f64) -> usize {
     cdf.partition_point(|&end| end <= u)
 }
 
-/// Cells drawn by `cell` against probabilities in proportion to `weights`.
+/// Cells sampled by `cell` against probabilities in proportion to `weights`.
 fn by_weight(weights: Vec<f64>, cell: impl Fn(f64) -> usize + Sync) -> (impl Sampler<usize>, impl Density<usize>) {
     let total: f64 = weights.iter().sum();
     (sampler(1, move |u| Some(Sample::new(cell(u[0])))), density(move |cell: usize| weights[cell] / total))
@@ -87,7 +87,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         Planted::of(
             "tables/f32-sums",
-            "running sums in f32: behind a sun of 2²⁴ times the sky nothing adds up any more, and is never drawn",
+            "running sums in f32: behind a sun of 2²⁴ times the sky nothing adds up any more, and is never sampled",
             Discrete { outcomes: SKY },
             |faulty| {
                 let mut weights = vec![1.0; SKY];

@@ -1,6 +1,6 @@
-//! Directions that materials scatter into: diffuse ones, rough metal by every way to draw its normals, the second report's.
+//! Directions that materials scatter into: diffuse ones, rough metal by every way to sample its normals, the second report's.
 //!
-//! Everything in f32 as renders do it, with numbers of 24 bits; the densities are those that renders weigh samples with.
+//! Everything in f32 as renders do it, with random numbers of 24 bits; the pdfs are those by which renders divide.
 
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::{Bsdf, Normals, Scatter};
@@ -32,10 +32,10 @@ pub fn cases() -> Vec<Case> {
                 }
             }
         }
-        // Spread over the hemisphere whatever the material's width.
-        let even = ScatterModel { normals: Normals::Hemisphere, ..ScatterModel::default() };
+        // Uniform over the hemisphere whatever the material's roughness.
+        let uniform = ScatterModel { normals: Normals::Hemisphere, ..ScatterModel::default() };
         for degrees in DEGREES {
-            let bsdf = metal(0.25, distribution).bsdf(even);
+            let bsdf = metal(0.25, distribution).bsdf(uniform);
             let name = format!("bsdf/{name}/hemisphere/0.25/{degrees}");
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
         }
@@ -56,7 +56,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The directions that `bsdf` draws for `wo`.
+/// The directions that `bsdf` samples for `wo`.
 fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> Case {
     let wo: Vec3 = wo.as_vec3();
     Case::of(name, domain, move || {

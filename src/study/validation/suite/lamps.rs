@@ -1,4 +1,4 @@
-//! Lamps as the renderer draws directions towards them: panels, balls, and the even sky.
+//! Area lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
 
 use super::{Case, short};
 use crate::math::Rgb;
@@ -9,24 +9,24 @@ use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// Where light is drawn for.
+/// The shading point.
 const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 
-/// Balls: distance of the centre and radius. From inside all directions lead to them.
-const BALLS: [(&str, f32, f32); 5] =
+/// Spheres: distance of the centre and radius. From inside all directions lead to them.
+const SPHERES: [(&str, f32, f32); 5] =
     [("touching", 1.001, 1.0), ("near", 1.5, 1.0), ("middle", 4.0, 1.0), ("far", 300.0, 1.0), ("inside", 0.5, 1.0)];
 
-/// Panels: centre as seen from the point, and half sides.
-const PANELS: [(&str, Vec3, Vec3, Vec3); 3] = [
+/// Rectangles: centre as seen from the point, and half sides.
+const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("ceiling", Vec3::new(0.1, 1.5, -0.2), Vec3::new(0.35, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)),
     ("tilted", Vec3::new(1.0, 0.5, 0.8), Vec3::new(0.3, -0.3, 0.0), Vec3::new(0.2, 0.2, 0.1)),
     ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
 ];
 
 pub fn cases() -> Vec<Case> {
-    let balls = BALLS.map(|(name, distance, radius)| ball(name, distance, radius));
-    let panels = PANELS.map(|(name, centre, x, y)| panel(name, centre, x, y));
-    balls.into_iter().chain(panels).chain([sky()]).collect()
+    let spheres = SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius));
+    let rectangles = RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y));
+    spheres.into_iter().chain(rectangles).chain([sky()]).collect()
 }
 
 /// The only light of a scene, as the renderer has it.
@@ -37,21 +37,21 @@ fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
     Sampled::all(&scene, &Settings::default()).ok()?.pop()
 }
 
-fn glowing(shape: Shape) -> Option<Sampled> {
+fn emitting(shape: Shape) -> Option<Sampled> {
     let emission = Emission { radiance: Rgb::ONE, two_sided: false, role: Role::Lamp };
     light_of(Some(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }), None)
 }
 
-fn draw(light: Option<&Sampled>, u: &[f64]) -> Option<LightSample> {
+fn sample(light: Option<&Sampled>, u: &[f64]) -> Option<LightSample> {
     light.map(|light| light.sample(POINT, [short(u[0]), short(u[1])]))
 }
 
-/// Directions in the frame of the ball, whose cone is a rectangle of the chart: even inside, none outside.
-fn ball(name: &str, distance: f32, radius: f32) -> Case {
-    let sphere = Directions::sphere(Pole::Z);
-    Case::of(format!("light/ball/{name}"), sphere, move || {
+/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: uniform inside, none outside.
+fn sphere(name: &str, distance: f32, radius: f32) -> Case {
+    let directions = Directions::sphere(Pole::Z);
+    Case::of(format!("light/ball/{name}"), directions, move || {
         let centre = POINT + distance * Vec3::new(0.36, 0.48, 0.8);
-        let light = glowing(Shape::Sphere(Sphere { centre, radius }));
+        let light = emitting(Shape::Sphere(Sphere { centre, radius }));
         let to = (centre - POINT).as_dvec3();
         let sin2 = f64::from(radius).powi(2) / to.length_squared();
         // (1 − cos)/2 of the cone, all of the sphere from inside, and what rounding of directions adds to it.
@@ -61,36 +61,36 @@ fn ball(name: &str, distance: f32, radius: f32) -> Case {
         let (x, y) = axis.any_orthonormal_pair();
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
-            let sample = draw(light.as_ref(), u)?;
+            let sample = sample(light.as_ref(), u)?;
             let wi = sample.wi.as_dvec3();
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
             let local = local.to_array();
-            let beyond = sphere.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
-            let point = beyond.map_or(local, |chart| sphere.point_at([edge.next_down(), chart[1]]));
+            let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
+            let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
             Some(Sample::with_pdf(point, f64::from(sample.pdf)))
         };
-        let inside = move |w: [f64; 3]| sphere.to_chart(w).is_some_and(|chart| chart[0] <= edge);
+        let inside = move |w: [f64; 3]| directions.to_chart(w).is_some_and(|chart| chart[0] <= edge);
         let uniform = density(move |w| if inside(w) { pdf } else { 0.0 });
         let steps = if edge < 1.0 { vec![edge] } else { Vec::new() };
         (sampler(2, draw), uniform.with_steps([steps, Vec::new()]))
     })
 }
 
-/// Places on the panel: the density per solid angle is even, that per area is cos θ / r² of it.
-fn panel(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
+/// Points on the rectangle: the pdf per solid angle is constant, that per area is cos θ / r² times it.
+fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
     Case::of(format!("light/panel/{name}"), Square, move || {
-        // The side that faces the point glows.
+        // The side that faces the point emits.
         let (x, y) = if x.cross(y).dot(centre) < 0.0 { (x, y) } else { (y, x) };
         let rectangle = Rectangle::new(POINT + centre, x, y);
-        let light = rectangle.and_then(|rectangle| glowing(Shape::Rectangle(rectangle)));
+        let light = rectangle.and_then(|rectangle| emitting(Shape::Rectangle(rectangle)));
         let [centre, x, y] = [centre, x, y].map(|v| v.as_dvec3());
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
-            let sample = draw(light.as_ref(), u)?;
+            let sample = sample(light.as_ref(), u)?;
             let off = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
-            let place = [x, y].map(|side| 0.5 + 0.5 * off.dot(side) / side.length_squared());
+            let chart = [x, y].map(|side| 0.5 + 0.5 * off.dot(side) / side.length_squared());
             // In f32 the sides themselves are rounded.
-            Some(Sample::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
+            Some(Sample::new(chart.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
         let front = 4.0 * x.cross(y);
         let at = move |[u, v]: [f64; 2]| {
@@ -104,7 +104,7 @@ fn panel(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
 fn sky() -> Case {
     Case::of("light/sky", Directions::hemisphere(Pole::Y), || {
         let light = light_of(None, Some(Light::Hemisphere { radiance: Rgb::ONE }));
-        let draw = move |u: &[f64]| Some(Sample::new(draw(light.as_ref(), u)?.wi.as_dvec3().to_array()));
+        let draw = move |u: &[f64]| Some(Sample::new(sample(light.as_ref(), u)?.wi.as_dvec3().to_array()));
         (sampler(2, draw), density(|_: [f64; 3]| 1.0 / TAU))
     })
 }

@@ -29,7 +29,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Normals as they lie, or as seen from `wo`.
+/// Normals of the full distribution (NDF), or visible from `wo` (VNDF).
 fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: Option<DVec3>) -> Case {
     Case::of(name, Directions::hemisphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
@@ -42,7 +42,7 @@ fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: 
     })
 }
 
-/// The same in single precision, with numbers of 24 bits.
+/// The same in single precision, with random numbers of 24 bits.
 fn single(name: String, d: impl SampleNormals<f32> + Send + Sync + 'static, wo: Option<DVec3>) -> Case {
     let wo = wo.map(|wo| wo.as_vec3().to_array());
     Case::of(name, Directions::hemisphere(Pole::Z), move || {

@@ -26,7 +26,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The place on the rectangle, of density ∝ cos θ / r² with respect to area.
+/// The point on the rectangle, of pdf ∝ cos θ / r² with respect to area.
 fn rectangle<T: Circular + Send + Sync + 'static>(
     name: String,
     xs: [f64; 2],

@@ -1,8 +1,8 @@
-//! ImageComparison of the path tracer against what they must show: furnaces, the sphere under a map, and each strategy of
-//! sampling against the others.
+//! Images of the path tracer against exact ones: furnaces, the sphere under an environment map, and each sampling strategy
+//! against the others.
 //!
-//! Scenes are grey, so that one channel says all. Numbers are independent, not stratified, for that makes the film's
-//! variances the true ones.
+//! Scenes are grey, so that one channel is enough. Random numbers are independent, not stratified, so that the film's
+//! variances are the true ones.
 
 use super::super::Case;
 use super::super::shared::Shared;
@@ -30,22 +30,22 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What a picture must show.
+/// What an image must show.
 #[derive(Clone)]
 pub enum Truth {
     /// This radiance in every pixel.
-    Even(f64),
-    /// The exact picture of [`lit_sphere`]; pixels near the silhouette are left out.
+    Uniform(f64),
+    /// The exact image of [`lit_sphere`]; pixels near the silhouette are left out.
     Sphere,
-    /// What a rough metal that reflects everything leaves of the furnace's light; see [`metal`].
+    /// The albedo of a rough metal with reflectance 1, in a furnace of radiance 1; see [`metal`].
     Metal,
-    /// The same as by other settings.
-    By(Settings),
+    /// The same as with other settings.
+    SameAs(Settings),
 }
 
-/// A picture to be tested.
+/// An image to be tested.
 #[derive(Clone)]
-pub struct Picture {
+pub struct RenderTest {
     pub scene: Scene,
     pub request: Request,
     pub settings: Settings,
@@ -59,13 +59,13 @@ const PILOT: u32 = 16;
 const RANGE: [u32; 2] = [32, 4096];
 /// How far the truth may be from the exact value, relatively: the quadratures behind it, and f32 in the renderer.
 const PRECISION: f64 = 2e-5;
-/// A test that would miss a bias of this size is no test.
+/// A test that cannot detect a bias of this size is inconclusive.
 const COARSEST: f64 = 0.1;
 /// Kurtosis of the tiles' deviations from which they are not normal: for 16 tiles six standard deviations off 3.
 const HEAVY: f64 = 10.0;
 
-impl Picture {
-    /// The test of this picture. `spoil` is done to the rendered tiles, for those who want it rejected.
+impl RenderTest {
+    /// The test of this image. `spoil` changes the rendered tiles, to plant faults.
     pub fn case(self, name: impl Into<String>, spoil: fn(&mut [[Mean; 2]])) -> Case {
         let is_sphere = matches!(self.truth, Truth::Sphere);
         let case = Case::new(name, move |protocol, round| self.examine(protocol, round, spoil));
@@ -86,9 +86,9 @@ impl Picture {
         let even = |value: f64| vec![Some(value); self.request.width * self.request.height];
         let truth = match &self.truth {
             Truth::Sphere => lit_sphere_truth().to_vec(),
-            Truth::Even(value) => even(*value),
+            Truth::Uniform(value) => even(*value),
             Truth::Metal => even(albedo()?),
-            Truth::By(_) => Vec::new(),
+            Truth::SameAs(_) => Vec::new(),
         };
         let compare = |spp: u32, pass: u64| -> Result<ImageComparison> {
             let seed = hash::key([protocol.seed, round, pass]);
@@ -110,14 +110,14 @@ impl Picture {
     }
 
     fn outcome(&self, found: &ImageComparison, spp: u32, level: f64, start: Instant) -> Outcome {
-        let pictures = if matches!(self.truth, Truth::By(_)) { 2 } else { 1 };
+        let images = if matches!(self.truth, Truth::SameAs(_)) { 2 } else { 1 };
         let pixels = (self.request.width * self.request.height) as u64;
         let detectable = found.detectable(level).unwrap_or(PRECISION);
         let violation = (found.exact_difference > PRECISION)
-            .then(|| format!("tiles without noise are off by {:.1e}", found.exact_difference));
+            .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference));
         let percent = 100.0 * detectable;
         let inconclusive_reason = if detectable > COARSEST {
-            Some(format!("too few samples: a bias of the picture below {percent:.0} % would go unnoticed"))
+            Some(format!("too few samples: a bias of the image below {percent:.0} % would go unnoticed"))
         } else if found.kurtosis > HEAVY {
             Some(format!("tails too heavy for this test: the tiles' kurtosis is {:.1} instead of 3", found.kurtosis))
         } else {
@@ -133,7 +133,7 @@ impl Picture {
             pooled: found.dof,
             violation,
             inconclusive_reason,
-            ..Outcome::open(u64::from(spp) * pixels * pictures)
+            ..Outcome::open(u64::from(spp) * pixels * images)
         }
     }
 
@@ -146,7 +146,7 @@ impl Picture {
         let size = [self.request.width, self.request.height];
         let tested = means(&shot(&self.settings, seed)?);
         let other = match &self.truth {
-            Truth::By(settings) => means(&shot(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
+            Truth::SameAs(settings) => means(&shot(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
             _ => truth.iter().map(|value| value.map(Mean::exact)).collect::<Vec<_>>(),
         };
         Ok(welch::tiles(size, TILE, |i| other[i].map(|other| [tested[i], other])))
@@ -184,7 +184,7 @@ fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
     (0..request.width * request.height).map(pixel).collect()
 }
 
-/// A small picture to that depth.
+/// A small square image to that depth.
 fn request(side: usize, max_depth: u32) -> Request {
     Request { width: side, height: side, spp: PILOT, light_samples: 1, max_depth }
 }
@@ -194,23 +194,23 @@ fn furnace() -> Environment {
     Environment::upright(Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE))), "constant", 1.0)
 }
 
-/// A ball in the furnace.
-fn ball(material: Material, settings: Settings, max_depth: u32) -> Picture {
+/// A sphere in the furnace.
+fn sphere_in_furnace(material: Material, settings: Settings, max_depth: u32) -> RenderTest {
     let (mut scene, _) = builtin::sphere_env(furnace());
     scene.objects[0].material = material;
-    Picture { scene, request: request(16, max_depth), settings, truth: Truth::Even(1.0) }
+    RenderTest { scene, request: request(16, max_depth), settings, truth: Truth::Uniform(1.0) }
 }
 
-/// The view from inside a ball of albedo ½ that glows: 1 + ½ + ¼ … up to the depth.
-pub fn inside(max_depth: u32, settings: Settings) -> Picture {
+/// The view from inside an emitting sphere of albedo ½: radiance 1 + ½ + ¼ … up to the depth.
+pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     let (mut scene, _) = builtin::sphere_env(furnace());
     scene.environment = None;
     scene.camera.position = DVec3::ZERO;
     scene.camera.projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
     scene.objects[0].material = Material::Diffuse { albedo: Rgb::splat(0.5) };
     scene.objects[0].emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp });
-    let truth = Truth::Even(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
-    Picture { scene, request: request(16, max_depth), settings, truth }
+    let truth = Truth::Uniform(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
+    RenderTest { scene, request: request(16, max_depth), settings, truth }
 }
 
 /// Width of the metal's lobe, and the angle that it is seen at.
@@ -218,7 +218,7 @@ const ALPHA: f64 = 0.5;
 const SEEN_AT: f64 = 60.0;
 
 /// Rough metal that reflects everything, seen from the side in the furnace.
-pub fn metal(settings: Settings) -> Picture {
+pub fn metal(settings: Settings) -> RenderTest {
     let (sin, cos) = SEEN_AT.to_radians().sin_cos();
     let wo = DVec3::new(sin, cos, 0.0);
     let camera = Camera {
@@ -238,7 +238,7 @@ pub fn metal(settings: Settings) -> Picture {
         lights: Vec::new(),
         environment: Some(furnace()),
     };
-    Picture { scene, request: request(16, 2), settings, truth: Truth::Metal }
+    RenderTest { scene, request: request(16, 2), settings, truth: Truth::Metal }
 }
 
 /// Its albedo ∫ D G₂/(4 cos θₒ) dωᵢ: single scattering loses the rest.
@@ -254,50 +254,50 @@ fn albedo() -> Result<f64> {
 }
 
 /// The white sphere under a grey map with a sun.
-pub fn lit_sphere(settings: Settings) -> Picture {
+pub fn lit_sphere(settings: Settings) -> RenderTest {
     let sun = Synthetic::Sun.make();
     let grey = Image::from_fn(sun.width(), sun.height(), |x, y| Rgb::splat(sun.get(x, y).element_sum() / 3.0));
     let (scene, _) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(grey)), "sun", 1.0));
-    Picture { scene, request: request(24, 1), settings, truth: Truth::Sphere }
+    RenderTest { scene, request: request(24, 1), settings, truth: Truth::Sphere }
 }
 
-/// Its exact picture, which takes longer than a render and is the same for all.
+/// Its exact image, which takes longer than a render and is the same for all.
 fn lit_sphere_truth() -> Arc<Vec<Option<f64>>> {
     static TRUTH: Shared<Vec<Option<f64>>> = Shared::new();
     TRUTH.get(|| {
-        let Picture { scene, request, .. } = lit_sphere(Settings::default());
+        let RenderTest { scene, request, .. } = lit_sphere(Settings::default());
         sphere(&scene, &request)
     })
 }
 
-/// The second report's room in grey, by one strategy and by another.
-fn room(settings: Settings, other: Settings) -> Picture {
+/// The second report's Cornell box in grey, by one strategy and by another.
+fn cornell_box(settings: Settings, other: Settings) -> RenderTest {
     let (mut scene, _) = builtin::cornell_spheres();
     for object in &mut scene.objects {
         if let Material::Diffuse { albedo } = &mut object.material {
             *albedo = Rgb::splat(albedo.element_sum() / 3.0);
         }
     }
-    Picture { scene, request: Request { width: 32, ..request(24, 4) }, settings, truth: Truth::By(other) }
+    RenderTest { scene, request: Request { width: 32, ..request(24, 4) }, settings, truth: Truth::SameAs(other) }
 }
 
-/// The pictures of the suite.
+/// The images of the suite.
 pub fn cases() -> Vec<Case> {
     let by = |sampling, density| Settings { sampling, density, ..Settings::default() };
     let bsdf = by(Sampling::Bsdf, MapSampling::COSINE);
     let white = Material::Diffuse { albedo: Rgb::ONE };
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
-    let mut pictures = vec![
-        ("furnace/diffuse/light".to_owned(), ball(white, by(Sampling::Light, MapSampling::MAP), 1)),
-        ("furnace/diffuse/mis".into(), ball(white, by(Sampling::Mis, MapSampling::MAP), 1)),
-        ("furnace/diffuse/hemisphere".into(), ball(white, by(Sampling::Hemisphere, MapSampling::MAP), 1)),
-        ("furnace/glass".into(), ball(glass, bsdf, 1000)),
+    let mut tests = vec![
+        ("furnace/diffuse/light".to_owned(), sphere_in_furnace(white, by(Sampling::Light, MapSampling::MAP), 1)),
+        ("furnace/diffuse/mis".into(), sphere_in_furnace(white, by(Sampling::Mis, MapSampling::MAP), 1)),
+        ("furnace/diffuse/hemisphere".into(), sphere_in_furnace(white, by(Sampling::Hemisphere, MapSampling::MAP), 1)),
+        ("furnace/glass".into(), sphere_in_furnace(glass, bsdf, 1000)),
         ("furnace/metal/bsdf".into(), metal(bsdf)),
         ("furnace/metal/mis".into(), metal(by(Sampling::Mis, MapSampling::MAP))),
     ];
     for depth in [1, 3, 100] {
         let settings = by(Sampling::Hemisphere, MapSampling::COSINE);
-        pictures.push((format!("furnace/inside/{depth}"), inside(depth, settings)));
+        tests.push((format!("furnace/inside/{depth}"), inside(depth, settings)));
     }
     for (name, sampling, density) in [
         ("cosine", Sampling::Light, MapSampling::COSINE),
@@ -305,14 +305,14 @@ pub fn cases() -> Vec<Case> {
         ("mis", Sampling::Mis, MapSampling::MAP),
         ("compensated", Sampling::Mis, MapSampling::COMPENSATED),
     ] {
-        pictures.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
+        tests.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
     }
     for (name, sampling) in [("light", Sampling::Light), ("bsdf", Sampling::Bsdf), ("hemisphere", Sampling::Hemisphere)]
     {
         let other = Settings { sampling, ..Settings::default() };
-        pictures.push((format!("room/mis-{name}"), room(Settings::default(), other)));
+        tests.push((format!("room/mis-{name}"), cornell_box(Settings::default(), other)));
     }
-    pictures.into_iter().map(|(name, picture)| picture.case(format!("render/{name}"), |_| ())).collect()
+    tests.into_iter().map(|(name, test)| test.case(format!("render/{name}"), |_| ())).collect()
 }
 
 #[cfg(test)]
@@ -329,15 +329,17 @@ mod tests {
     }
 
     #[test]
-    fn p_values_of_right_pictures_are_even() {
+    fn p_values_of_right_images_are_uniform() {
         let mis = Settings { density: MapSampling::MAP, ..Settings::default() };
         let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
         let white = Material::Diffuse { albedo: Rgb::ONE };
-        for (name, picture) in
-            [("ball", ball(white, blind, 1)), ("inside", inside(3, blind)), ("sphere", lit_sphere(mis))]
-        {
-            let samples = SampleCount::Fixed(64 * picture.request.width.pow(2) as u64);
-            let case = picture.case(name, |_| ());
+        for (name, test) in [
+            ("sphere in a furnace", sphere_in_furnace(white, blind, 1)),
+            ("inside", inside(3, blind)),
+            ("sphere", lit_sphere(mis)),
+        ] {
+            let samples = SampleCount::Fixed(64 * test.request.width.pow(2) as u64);
+            let case = test.case(name, |_| ());
             let p = |seed| case.examine(&Protocol { seed, samples, ..Protocol::default() }, 0).unwrap().p.unwrap();
             let p: Vec<f64> = (0..60).map(p).collect();
             assert!(uniformity(&p).p > 1e-3, "{name}: {:?} {p:?}", uniformity(&p));

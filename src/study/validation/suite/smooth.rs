@@ -72,7 +72,7 @@ fn fresnel(wo: DVec3) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// The directions that `bsdf` draws for `wo`, which are `atoms` of the direction that it is given after rounding.
+/// The directions that `bsdf` samples for `wo`, which are `atoms` of the direction that it is given after rounding.
 fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> Case {
     let wo: Vec3 = wo.as_vec3();
     Case::of(name, Directions::sphere(Pole::Z), move || {

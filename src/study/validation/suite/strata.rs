@@ -1,6 +1,6 @@
 //! Regions of a median cut as strata: a region by its share of the energy, a place in it by its texels.
 //!
-//! Together these make the map's own density, if the regions tile the map and their energies are right.
+//! Together these make the map's own pdf, if the regions tile the map and their energies are right.
 
 use super::Case;
 use crate::envmap::EnvMap;

@@ -34,7 +34,7 @@ fn steps(n: usize) -> Vec<f64> {
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in SHAPES {
-        // A single cell is even whatever its weight.
+        // A single cell is uniform whatever its weight.
         for n in CELLS.into_iter().filter(|n| *n > 2 || name == "even") {
             cases.push(cumulative(format!("table/cdf/{name}/{n}"), shape, n));
             cases.push(alias(format!("table/alias/{name}/{n}"), shape, n));
@@ -46,7 +46,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The position along the table: the cell and the place inside it, whose density is even.
+/// The position along the table: the cell and the position inside it, which is uniform.
 fn cumulative(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Line::UNIT, move || {
         let table = Table1::new(&weights(shape, n));
@@ -65,7 +65,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
     })
 }
 
-/// The cell alone; the place inside it is tested where maps are drawn by alias tables.
+/// The cell alone; the position inside it is tested where maps are sampled by alias tables.
 fn alias(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Discrete { outcomes: n }, move || {
         let table = AliasTable::new(&weights(shape, n));

@@ -67,7 +67,7 @@ impl Times {
 }
 
 /// A render that grows.
-pub struct Ladder<'a> {
+pub struct Doubling<'a> {
     job: Job<'a>,
     part: Part,
     spp: u32,
@@ -77,7 +77,7 @@ pub struct Ladder<'a> {
     pub preparation: Times,
 }
 
-impl<'a> Ladder<'a> {
+impl<'a> Doubling<'a> {
     /// Prepares the render; `request.spp` is where it ends.
     ///
     /// # Errors
@@ -132,21 +132,21 @@ mod tests {
     fn step_by_step_is_the_same_picture() {
         let (scene, request) = builtin::cornell_lambert();
         let request = Request { width: 24, height: 18, spp: 8, ..request };
-        let mut ladder = Ladder::new(&scene, &request, &Settings::default()).unwrap();
+        let mut doubling = Doubling::new(&scene, &request, &Settings::default()).unwrap();
         let deadline = Deadline::after(60.0);
         let mut before = Times::default();
         for spp in [1, 2, 4, 8] {
-            assert!(ladder.double(&deadline) && ladder.spp() == spp);
-            assert!(ladder.times.wall > before.wall && ladder.times.cpu >= before.cpu);
-            before = ladder.times;
+            assert!(doubling.double(&deadline) && doubling.spp() == spp);
+            assert!(doubling.times.wall > before.wall && doubling.times.cpu >= before.cpu);
+            before = doubling.times;
         }
-        assert_eq!(ladder.image(), render(&scene, &request, &Settings::default(), &Silent).unwrap().image);
+        assert_eq!(doubling.image(), render(&scene, &request, &Settings::default(), &Silent).unwrap().image);
     }
 
     #[test]
     fn a_deadline_that_is_over_stops_it() {
         let (scene, request) = builtin::cornell_lambert();
-        let mut ladder = Ladder::new(&scene, &request, &Settings::default()).unwrap();
-        assert!(!ladder.double(&Deadline::after(0.0)));
+        let mut doubling = Doubling::new(&scene, &request, &Settings::default()).unwrap();
+        assert!(!doubling.double(&Deadline::after(0.0)));
     }
 }

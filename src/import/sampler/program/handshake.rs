@@ -1,6 +1,6 @@
-//! How a program introduces itself.
+//! The handshake: what a program says of itself.
 
-use super::peer::{Peer, fault};
+use super::connection::{Connection, fault};
 use crate::error::Result;
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
@@ -10,38 +10,38 @@ use std::collections::HashSet;
 
 /// The version of the protocol.
 const VERSION: &str = "1";
-/// Most uniform numbers of one sample.
+/// Most random numbers of one sample.
 const DIMENSIONS: usize = 64;
 /// Most atoms.
 const ATOMS: usize = 4096;
 
 /// What a program says of itself.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hello {
+pub struct Handshake {
     pub name: String,
-    /// Uniform numbers that a sample takes; 0 if the program has random numbers of its own.
+    /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
     pub dimension: usize,
     pub mass: Mass,
     pub domain: Option<Space>,
-    /// Whether it can tell the numbers that a point is drawn from.
+    /// Whether it has the inverse of its sampler.
     pub invert: bool,
     /// One line for each atom: its point and its probability.
     pub atoms: Vec<String>,
 }
 
-impl Hello {
+impl Handshake {
     /// Greets the program and reads what it says.
-    pub fn of(peer: &mut dyn Peer) -> Result<Self> {
-        let answer = peer.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
+    pub fn of(connection: &mut dyn Connection) -> Result<Self> {
+        let answer = connection.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
         // Some programs begin whatever they write with a byte order mark.
         let mut lines = answer.strip_prefix('\u{feff}').unwrap_or(&answer).lines();
         let first = lines.next().unwrap_or_default();
-        let wrong = |message: &str| fault(peer.name(), format!("its greeting {} {message}", quote(first)));
+        let wrong = |message: &str| fault(connection.name(), format!("its greeting {} {message}", quote(first)));
         let mut words = first.split_ascii_whitespace();
         if [words.next(), words.next()] != [Some("etalon"), Some(VERSION)] {
             return Err(wrong(&format!("does not begin with \"etalon {VERSION}\"")));
         }
-        let mut hello = Self {
+        let mut handshake = Self {
             name: "exec".to_owned(),
             dimension: 2,
             mass: Mass::Exactly(1.0),
@@ -58,20 +58,20 @@ impl Hello {
             }
             let refused = || wrong(&format!("has {}, which has no meaning", quote(word)));
             match key {
-                "name" => hello.name = value.to_owned(),
+                "name" => handshake.name = value.to_owned(),
                 "dimension" => {
                     let dimension = value.parse().ok().filter(|n| *n <= DIMENSIONS);
-                    hello.dimension =
+                    handshake.dimension =
                         dimension.ok_or_else(|| wrong(&format!("has a dimension not 0 to {DIMENSIONS}")))?;
                 }
-                "mass" if value == "at-most-1" => hello.mass = Mass::AtMostOne,
+                "mass" if value == "at-most-1" => handshake.mass = Mass::AtMostOne,
                 "mass" => {
                     let mass = number(value).filter(|mass| (0.0..=1.0).contains(mass));
-                    hello.mass = Mass::Exactly(mass.ok_or_else(|| wrong("has a mass that is not from 0 to 1"))?);
+                    handshake.mass = Mass::Exactly(mass.ok_or_else(|| wrong("has a mass that is not from 0 to 1"))?);
                 }
-                "domain" => hello.domain = Some(value.parse().map_err(|_| refused())?),
+                "domain" => handshake.domain = Some(value.parse().map_err(|_| refused())?),
                 "invert" => {
-                    hello.invert = match value {
+                    handshake.invert = match value {
                         "yes" => true,
                         "no" => false,
                         _ => return Err(refused()),
@@ -85,6 +85,6 @@ impl Hello {
                 _ => return Err(refused()),
             }
         }
-        Ok(hello)
+        Ok(handshake)
     }
 }
