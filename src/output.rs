@@ -168,7 +168,10 @@ pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
 }
 
-/// The image format that a path names, if it names a file; an error if that is no image.
+/// The image format that a path names, if it names a file.
+///
+/// # Errors
+/// A path that names a file of another kind.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
     let extension = out.and_then(Path::extension).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let Some(known) = FILE_EXTENSIONS.iter().find(|known| extension.as_deref() == Some(**known)) else {
@@ -209,6 +212,9 @@ pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
 
 /// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
+///
+/// # Errors
+/// A file that cannot be written, a drawing too large for a PNG.
 pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
     let csv = with_extension(stem, "csv");
     files::write_bytes(&csv, table)?;

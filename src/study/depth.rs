@@ -3,7 +3,7 @@
 //! An image of depth m has the light that was scattered at most m times. One deep render, decomposed by path class, therefore
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
-use super::object_ids::{Kind, ObjectIds};
+use super::object_ids::{Kind, ObjectIdBuffer};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
@@ -110,7 +110,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
     let (layers, dropped) = layers(scene, &request, &apart)?;
-    let objects = ObjectIds::new(scene, &request);
+    let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
         .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
         .filter(|(_, mask)| mask.contains(&true))

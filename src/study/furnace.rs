@@ -1,6 +1,6 @@
 //! The white furnace: spheres that absorb nothing, under radiance 1 from everywhere, must have radiance 1 themselves.
 
-use super::object_ids::{Kind, ObjectIds};
+use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::Mean;
 use crate::error::Result;
 use crate::render::{Settings, Silent, render};
@@ -24,7 +24,7 @@ pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     // The built-in scene's metal absorbs light, and the mirror shows it.
     scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
     let rendered = render(&scene, &Request { spp, ..request }, settings, &Silent)?;
-    let objects = ObjectIds::new(&scene, &request);
+    let objects = ObjectIdBuffer::new(&scene, &request);
     let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
     Ok(spheres.map(|(kind, material)| FurnaceSphere {
         material,

@@ -47,14 +47,14 @@ impl Kind {
 
 /// A kind of object for each pixel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ObjectIds {
+pub struct ObjectIdBuffer {
     /// Pixels of a row.
     pub width: usize,
     /// Row by row from the top; `None` where no object is hit.
     pub pixels: Vec<Option<Kind>>,
 }
 
-impl ObjectIds {
+impl ObjectIdBuffer {
     /// The buffer of the scene's camera.
     #[must_use]
     pub fn new(scene: &Scene, request: &Request) -> Self {
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn the_box_shows_its_objects() {
         let (scene, request) = builtin::cornell_spheres();
-        let ids = ObjectIds::new(&scene, &request);
+        let ids = ObjectIdBuffer::new(&scene, &request);
         let at = |x: usize, y: usize| ids.pixels[y * request.width + x];
         assert_eq!(at(240, 44), Some(Kind::AreaLight));
         assert_eq!(at(160, 270), Some(Kind::Mirror));
@@ -121,13 +121,13 @@ mod tests {
         assert_eq!(at(0, 180), None, "beside the box");
         assert!(ids.pixels.iter().all(|k| *k != Some(Kind::Metal)));
         let (scene, request) = builtin::find("cornell-statue-fe").unwrap().make(None, None).unwrap();
-        let statue = ObjectIds::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
+        let statue = ObjectIdBuffer::new(&scene, &request).mask(Kind::Metal).iter().filter(|m| **m).count();
         assert!((10_000..25_000).contains(&statue), "{statue}");
     }
 
     #[test]
     fn distances_are_euclidean() {
-        let ids = ObjectIds { width: 9, pixels: vec![None; 9 * 7] };
+        let ids = ObjectIdBuffer { width: 9, pixels: vec![None; 9 * 7] };
         let mut mask = vec![true; 9 * 7];
         mask[3 * 9 + 4] = false;
         let depth = ids.depth_inside(&mask, 3);

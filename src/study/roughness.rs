@@ -1,6 +1,6 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
-use super::object_ids::{Kind, ObjectIds};
+use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::Mean;
 use crate::bsdf::NormalSampling;
 use crate::error::Result;
@@ -49,7 +49,7 @@ pub struct Shot {
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
     /// The kind of object at each pixel.
-    pub objects: ObjectIds,
+    pub objects: ObjectIdBuffer,
     /// The render.
     pub rendered: Rendered,
 }
@@ -60,7 +60,7 @@ pub struct Shot {
 /// Those of [`render`].
 pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
     let rendered = render(scene, request, settings, &Silent)?;
-    let objects = ObjectIds::new(scene, request);
+    let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
     let statue = Mean::of(&rendered.part.exposure, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;

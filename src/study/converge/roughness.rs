@@ -7,7 +7,7 @@ use crate::raster::Metadata;
 use crate::render::{Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Material, Request, Scene};
-use crate::study::object_ids::{Kind, ObjectIds};
+use crate::study::object_ids::{Kind, ObjectIdBuffer};
 use crate::study::pixel_mean::Mean;
 use etalon_stats::estimate::Estimate;
 
@@ -49,7 +49,7 @@ pub fn measure(
     seed: u64,
     deadline: &Deadline,
 ) -> Result<Vec<Level>> {
-    let mask = ObjectIds::new(scene, request).mask(Kind::Metal);
+    let mask = ObjectIdBuffer::new(scene, request).mask(Kind::Metal);
     let each = request.spp;
     let request = Request { spp: each * replicates, ..*request };
     let mut levels = Vec::new();

@@ -47,3 +47,27 @@ impl Validation {
         known.into_iter().enumerate().map(ranked).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{run, select, suite};
+    use etalon_stats::{Protocol, SampleCount, Verdict};
+
+    #[test]
+    fn ranks_ascend_and_thresholds_decide() {
+        let cases = select(suite::cases(), &["warp".to_owned()]).unwrap();
+        let protocol = Protocol { samples: SampleCount::Fixed(20_000), ..Protocol::default() };
+        let found = run(&cases, &protocol, &|_| ()).unwrap();
+        let ranked = found.ranked();
+        assert!(ranked.len() > 3 && ranked.len() <= found.tests.len());
+        for pair in ranked.windows(2) {
+            assert!(
+                pair[0].p <= pair[1].p && pair[0].expected < pair[1].expected && pair[0].threshold < pair[1].threshold
+            );
+        }
+        for test in &ranked {
+            assert!(test.interval[0] < test.expected && test.expected < test.interval[1], "{test:?}");
+            assert!(test.verdict != Verdict::Reject || test.p < test.threshold, "{test:?}");
+        }
+    }
+}
