@@ -31,7 +31,7 @@ pub struct Fresnel {
     /// Number of angles from 0 to 90 degrees
     #[arg(long, value_name = "N", default_value_t = 901)]
     points: usize,
-    /// `report` draws what the first report drew: Schlick with the incident cosine on the exit side (off by up to 0.97
+    /// `report` plots what the first report shows: Schlick with the incident cosine on the exit side (an error of up to 0.97
     /// beside the critical angle), curves ended at the critical angle
     #[arg(long, value_enum, default_value_t = Model::Exact)]
     model: Model,

@@ -116,7 +116,7 @@ enum Command {
 /// Which formulas a command uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Model {
-    /// The right ones
+    /// The correct ones
     Exact,
     /// The reports', mistakes included
     Report,
