@@ -123,7 +123,7 @@ fn gamma(text: &str) -> std::result::Result<f32, String> {
 }
 
 fn sampler_help() -> String {
-    format!("How directions are sampled. {}", map_samplers())
+    format!("How directions are sampled. {}", map_samplers(|sampling| !sampling.has_fixed_lights()))
 }
 
 /// Reads a direction, not necessarily a unit vector.

@@ -40,8 +40,8 @@ pub struct Fresnel {
 /// The metals of the table, each with its source.
 fn metal_help() -> String {
     let [r, g, b] = metals::WAVELENGTHS_NM;
-    let known: Vec<String> = metals::METALS.iter().map(|m| format!("{} ({})", m.symbol, m.source)).collect();
-    format!("A metal at {r}, {g} and {b} nm, by symbol or name: {}", known.join(", "))
+    let known: Vec<String> = metals::METALS.iter().map(|m| format!("{}: {}", m.symbol, m.source)).collect();
+    format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
 }
 
 /// The JSON object: the study's numbers and the files.

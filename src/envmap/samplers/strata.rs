@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub const ENTRY: &Entry = &Entry {
     name: "strata",
     density: "strata",
-    doc: "a region of a median cut by its energy, uniformly within it",
+    doc: "radiance, constant over each of K regions of a median cut",
     has_regions: true,
     complete: true,
     invertible: false,
