@@ -6,7 +6,7 @@ use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
 use etalon::import::{SceneOptions, mesh, read_scene};
 use etalon::raster::{ExrFile, ReadOptions, read};
-use etalon::render::exposure::Part;
+use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
 use std::path::Path;
@@ -81,7 +81,7 @@ fn exr(path: &Path) -> Result<()> {
 
 fn part(path: &Path) -> Result<()> {
     let mut part = Part::read(path)?;
-    let (_, _) = (part.exposure.standard_error(), part.exposure.path_layers());
+    let (_, _) = (part.film.standard_error(), part.film.path_layers());
     let _ = part.next(0..u32::MAX);
     part.set_spp(u32::MAX)
 }

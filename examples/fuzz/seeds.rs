@@ -2,7 +2,7 @@
 
 use super::program::Actor;
 use etalon::raster::{Image, Metadata, Rgb, write};
-use etalon::render::exposure::{Classes, Exposure, Part, Splat};
+use etalon::render::film::{Film, Part, PathClasses, Splat};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, SmallVec,
@@ -145,13 +145,13 @@ pub fn jpeg() -> Vec<Vec<u8>> {
 
 /// Parts of a render, with and without path classes and light from elsewhere, one of them interrupted.
 pub fn part() -> Vec<Vec<u8>> {
-    [(None, 0..3), (Some(Classes::up_to(1)), 2..8)]
+    [(None, 0..3), (Some(PathClasses::up_to(1)), 2..8)]
         .map(|(classes, samples)| {
-            let film = Exposure::new(5, 4, classes).expect("a small film");
+            let film = Film::new(5, 4, classes).expect("a small film");
             let film = if classes.is_some() { film.with_splats().expect("a small film") } else { film };
             let mut part = Part::new(film, 8, "fingerprint", Metadata::default().with("seconds", 0.5));
             while let Some(task) = part.next(samples.clone()) {
-                part.exposure.expose(|row| {
+                part.film.accumulate(|row| {
                     for x in 0..5 {
                         task.left(row.samples(x)).for_each(|s| row.add(x, Rgb::splat(s as f32 - 1.0), &[Rgb::ONE; 4]));
                         row.splat(Splat { pixel: [x as u32, 0], class: 1, value: Rgb::ONE });

@@ -248,7 +248,7 @@ fn furnace(context: &Context) -> Result<Vec<Check>> {
     let rendered = render(&scene, &Request { spp: 32, ..request }, &context.settings(), &Silent)?;
     let objects = ObjectIdBuffer::new(&scene, &request);
     let checks = [(Kind::Room, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")].map(|(kind, name)| {
-        let mean = Mean::of(&rendered.part.exposure, &objects.mask(kind));
+        let mean = Mean::of(&rendered.part.film, &objects.mask(kind));
         let error = mean.error.into_iter().fold(0.0, f64::max);
         // Samples that are all 1 are 1 to the last bits of f32.
         Check::near(format!("white furnace, {name} ball"), 1.0, mean.intensity(), SIGMAS * error + 1e-5)

@@ -11,7 +11,7 @@ use super::scene_file::{Loaded, SceneArgs};
 use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
-use crate::render::exposure::{Part, shard};
+use crate::render::film::{Part, shard};
 use crate::render::{Job, LightDensity, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
@@ -195,7 +195,7 @@ impl Render {
         }
         if interrupted && let Some(file) = summary.written.files.first() {
             console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
-            let black = part.exposure.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
+            let black = part.film.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
             if black > 0 {
                 console.warn(&format!("{black} pixels have no sample yet: they are black"));
             }

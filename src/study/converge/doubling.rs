@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::interrupt;
 use crate::raster::{Image, Metadata};
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use crate::render::{Control, Job, Settings};
 use crate::scene::{Request, Scene};
 use cpu_time::ProcessTime;
@@ -112,7 +112,7 @@ impl<'a> Doubling<'a> {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.part.exposure.image()
+        self.part.film.image()
     }
 
     /// The film so far.

@@ -69,11 +69,11 @@ pub fn measure(
                 let mut part = job.part(Metadata::default())?;
                 let mut times = Times::default();
                 times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
-                let estimates = part.exposure.estimates().zip(&mask).filter(|(_, inside)| **inside);
+                let estimates = part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
                 let squares: Vec<f64> = estimates.map(|(e, _)| e.error.as_dvec3().length_squared() / 3.0).collect();
                 measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
                 measured[1].push(times.cpu);
-                whole.exposure.merge(&part.exposure)?;
+                whole.film.merge(&part.film)?;
             }
         }
         if deadline.is_over() {
@@ -89,7 +89,7 @@ pub fn measure(
                 mse: Estimate::mean(mse),
                 cpu_seconds: Estimate::mean(cpu),
                 efficiency,
-                light: Mean::of(&part.exposure, &mask),
+                light: Mean::of(&part.film, &mask),
             });
         }
     }

@@ -12,7 +12,7 @@ use crate::envmap::synthetic::Synthetic;
 use crate::error::Result;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::raster::{Image, Rgb};
-use crate::render::exposure::Exposure;
+use crate::render::film::Film;
 use crate::render::{LightDensity, Sampling, Settings, Silent, render};
 use crate::sampling::hash;
 use crate::sampling::stream::StreamKind;
@@ -137,9 +137,9 @@ impl Picture {
 
     /// Tiles of the render beside those of the truth.
     fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
-        let shot = |settings: &Settings, seed: u64| -> Result<Exposure> {
+        let shot = |settings: &Settings, seed: u64| -> Result<Film> {
             let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
-            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.exposure)
+            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.film)
         };
         let size = [self.request.width, self.request.height];
         let tested = means(&shot(&self.settings, seed)?);
@@ -152,7 +152,7 @@ impl Picture {
 }
 
 /// The first channel of a film.
-fn means(film: &Exposure) -> Vec<Mean> {
+fn means(film: &Film) -> Vec<Mean> {
     let (image, errors) = (film.image(), film.standard_error());
     let pixels = film.pixels().iter().zip(image.pixels()).zip(errors.pixels());
     pixels.map(|((p, value), error)| Mean::of_samples(p.samples(), f64::from(value.x), f64::from(error.x))).collect()
