@@ -50,7 +50,7 @@ impl FromStr for Space {
 
     fn from_str(text: &str) -> Result<Self, Error> {
         let fault = |message: String| {
-            Error::parameter("--domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
+            Error::parameter("domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
         };
         Ok(match text {
             "sphere" => Self::Sphere,

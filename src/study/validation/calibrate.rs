@@ -53,7 +53,7 @@ const CELLS: usize = 50;
 /// whether p-values are even, all together and test by test, at the protocol's level in all.
 pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn(&str) + Sync)) -> Result<Calibration> {
     if !(5..=100_000).contains(&seeds) {
-        return Err(Error::parameter("--calibrate", format!("{seeds} seeds")).with_hint("use 5 to 100000 seeds"));
+        return Err(Error::parameter("seeds", format!("{seeds} seeds")).with_hint("use 5 to 100000 seeds"));
     }
     let samples = if let Samples::Count(n) = protocol.samples { n } else { SAMPLES };
     let protocol = Protocol { samples: Samples::Count(samples), cells: CELLS, tests: cases.len(), ..*protocol };

@@ -61,12 +61,12 @@ impl Client {
         let hello = Hello::of(&mut peer)?;
         let space = match (space, hello.domain) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(fault(peer.name(), format!("its domain is {own}")).with_hint(format!("--domain {own}")));
+                return Err(fault(peer.name(), format!("its domain is {own}")).with_hint(format!("`domain` {own}")));
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
-                return Err(Error::parameter("--domain", "the program does not say what its domain is")
-                    .with_hint("--domain sphere, hemisphere, square, line or discrete:N"));
+                return Err(Error::parameter("domain", "the program does not say what its domain is")
+                    .with_hint("`domain` sphere, hemisphere, square, line or discrete:N"));
             }
         };
         Ok(Self { peer: Box::new(peer), hello, space })

@@ -43,7 +43,7 @@ impl Process {
     /// Starts `command`, split into words as a shell would (quotes and backslashes; nothing is substituted).
     pub fn start(command: &str, limit: Duration) -> Result<Self> {
         let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
-            Error::parameter("--exec", format!("{command:?} is no command"))
+            Error::parameter("exec", format!("{command:?} is no command"))
                 .with_hint("give a program and its arguments, with quotes in pairs")
         })?;
         let mut start = Command::new(&words[0]);
