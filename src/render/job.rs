@@ -210,12 +210,15 @@ type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
 /// A finished picture and how it came about.
 #[derive(Debug, Clone)]
 pub struct Rendered {
+    /// The mean of all samples of each pixel.
     pub image: Image,
     /// The film: every pixel's samples, their standard error, and the light by path class.
     pub part: Part,
+    /// What was rendered.
     pub request: Request,
     /// Wall-clock time of preparation and rendering, without reading or writing files.
     pub seconds: f64,
+    /// Samples that were not finite or negative.
     pub dropped: Dropped,
     /// What the scene did not need and the kernel hence does not have.
     pub left_out: Vec<&'static str>,

@@ -107,6 +107,7 @@ pub type RegionCount = u32;
 /// What light does at surfaces and on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Model {
+    /// What surfaces do with light.
     pub scattering: ScatterModel,
     /// The light of rectangles falls off with the distance, not its square: the course's renderer divides by the
     /// length of a vector that it takes for a unit vector. In the report's room that is 0.9 to 1.8 times the light.
@@ -116,10 +117,15 @@ pub struct Model {
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
+    /// How directions towards the light are chosen.
     pub sampling: Sampling,
+    /// Where random numbers come from.
     pub stream: StreamKind,
+    /// Of all random numbers.
     pub seed: u64,
+    /// What directions towards the environment are sampled in proportion to.
     pub density: LightDensity,
+    /// What light does at surfaces and on its way.
     pub model: Model,
     /// Keep the light apart by the class of its path, up to this many scatterings.
     pub paths: Option<u32>,

@@ -7,15 +7,20 @@ use rayon::prelude::*;
 /// The kinds of things that the second report's pictures show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
+    /// What emits light.
     Lamp,
+    /// Perfect mirrors.
     Mirror,
+    /// Smooth dielectrics.
     Glass,
+    /// Rough conductors.
     Metal,
     /// Diffuse walls and balls.
     Room,
 }
 
 impl Kind {
+    /// All kinds.
     pub const ALL: [Self; 5] = [Self::Lamp, Self::Mirror, Self::Glass, Self::Metal, Self::Room];
 
     /// The name in tables.
@@ -44,7 +49,9 @@ impl Kind {
 /// What each pixel shows, row by row from the top; `None` where that is nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectIdBuffer {
+    /// Columns of pixels.
     pub width: usize,
+    /// Row by row from the top; `None` where no object is.
     pub pixels: Vec<Option<Kind>>,
 }
 
@@ -129,8 +136,11 @@ fn distance(rectangle: &Rectangle, ray: &Ray) -> f32 {
 /// A mean over pixels with its standard error, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
+    /// Mean radiance, R, G and B.
     pub value: [f64; 3],
+    /// Standard error of the mean.
     pub error: [f64; 3],
+    /// How many pixels it is the mean of.
     pub pixels: usize,
 }
 

@@ -36,7 +36,9 @@ pub(super) struct Paths {
 /// What is known of a pixel: its mean, and the standard error of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelEstimate {
+    /// Mean of the pixel's samples.
     pub mean: Rgb,
+    /// Standard error of the mean.
     pub error: Rgb,
 }
 
@@ -46,6 +48,7 @@ const MAX_PIXELS: usize = 1 << 28;
 impl Film {
     /// Memory that a film takes for each pixel, and for each path class of a pixel.
     pub const BYTES: usize = size_of::<Pixel>();
+    /// Memory of one path class of a pixel.
     pub const BYTES_PER_CLASS: usize = size_of::<[Fixed; 3]>();
 
     /// A film without samples; with `classes`, it also keeps the light apart by the class of its path.
@@ -91,11 +94,13 @@ impl Film {
         Ok(Self { splats: Some(splats), ..self })
     }
 
+    /// Columns of pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Rows of pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height

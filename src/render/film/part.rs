@@ -29,6 +29,7 @@ use std::ops::Range;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
+    /// The samples so far.
     pub film: Film,
     pub(super) ranges: Ranges,
     /// Equal for parts of the same picture: a hash of the scene and of all settings that change a sample.

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 pub struct Deadline(Instant);
 
 impl Deadline {
+    /// So many seconds from now.
     #[must_use]
     pub fn after(seconds: f64) -> Self {
         Self(Instant::now() + Duration::from_secs_f64(seconds))
@@ -31,6 +32,7 @@ impl Deadline {
         if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
+    /// Whether nothing more is to be begun.
     #[must_use]
     pub fn is_over(&self) -> bool {
         interrupt::requested() || Instant::now() >= self.0

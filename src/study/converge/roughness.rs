@@ -17,12 +17,17 @@ pub const NORMALS: [(&str, Normals); 3] =
 /// One way of drawing normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
+    /// Width of the lobe.
     pub alpha: f32,
+    /// One of [`NORMALS`].
     pub normals: &'static str,
+    /// Samples per pixel of each replicate.
     pub spp: u32,
+    /// Renders of their own samples.
     pub replicates: u32,
     /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
     pub mse: Estimate,
+    /// Of one replicate.
     pub cpu_seconds: Estimate,
     /// 1 / (MSE · processor time).
     pub efficiency: Estimate,

@@ -13,6 +13,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
+    /// As it was given.
     pub name: String,
     sampling: Sampling,
     density: LightDensity,
@@ -110,7 +111,9 @@ pub const METHODS: [Method; 10] = [
 
 /// What a name may end in, after a plus sign.
 pub struct Suffix {
+    /// Without the plus sign.
     pub name: &'static str,
+    /// What it does, in a line.
     pub about: &'static str,
     apply: fn(&mut Strategy),
 }
