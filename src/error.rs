@@ -17,7 +17,12 @@ pub enum Place {
     /// Offset from the start of the file, in bytes.
     Byte(u64),
     /// Line and column of a text file, both counted from 1.
-    Text { line: usize, column: usize },
+    Text {
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+    },
 }
 
 /// What went wrong, by who can mend it.
@@ -25,15 +30,52 @@ pub enum Place {
 #[non_exhaustive]
 pub enum Error {
     /// The file's content is damaged or contradicts its own format.
-    Input { path: PathBuf, place: Place, message: String, hint: Option<String> },
-    /// A value given by the caller is out of range; `name` is that of the field or argument.
-    Parameter { name: String, message: String, hint: Option<String> },
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong.
+        message: String,
+        /// What to do about it.
+        hint: Option<String>,
+    },
+    /// A value given by the caller is out of range.
+    Parameter {
+        /// Of the field or argument of the library.
+        name: String,
+        /// What is wrong with its value.
+        message: String,
+        /// Which values can be used.
+        hint: Option<String>,
+    },
     /// The file may be sound, but uses something that this program does not implement.
-    Unsupported { path: PathBuf, place: Place, message: String, hint: Option<String> },
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong.
+        message: String,
+        /// What to do about it.
+        hint: Option<String>,
+    },
     /// Honouring the request would need more memory or time than allowed.
-    Limit { path: PathBuf, message: String, hint: Option<String> },
+    Limit {
+        /// The file that asks for it.
+        path: PathBuf,
+        /// What is too much.
+        message: String,
+        /// What to do about it.
+        hint: Option<String>,
+    },
     /// The operating system refused.
-    Io { path: PathBuf, source: std::io::Error },
+    Io {
+        /// The file, or another name for what was written or read.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// This would need more memory than is allowed; see [`crate::memory`].
     Memory(Shortage),
     /// The process was asked to stop; see [`crate::interrupt`].
@@ -45,9 +87,11 @@ pub enum Error {
 pub struct Shortage {
     /// What the memory is for.
     pub what: String,
+    /// What it takes.
     pub needed: u64,
     /// What the process holds already.
     pub held: u64,
+    /// What the process may hold.
     pub limit: u64,
     /// Where the limit comes from.
     pub source: &'static str,

@@ -123,6 +123,9 @@ mod tests {
             ("converge furnace", "max_spp", "--max-spp"),
             ("stability", "families", "FAMILY"),
             ("validate", "names", "NAME"),
+            ("validate", "level", "--level"),
+            ("validate", "detect", "--detect"),
+            ("validate", "seeds", "--calibrate"),
         ] {
             assert_eq!(flags(line).find(name), Some(flag), "{line}: {name}");
         }

@@ -5,7 +5,7 @@ use super::{Global, Verdict, command_line};
 use crate::error::{Error, Result};
 use crate::output::{self, Written};
 use crate::raster::{self, Metadata};
-use crate::render::exposure::{Dropped, list, merge_files};
+use crate::render::film::{Dropped, list, merge_files};
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;
@@ -53,18 +53,18 @@ impl Merge {
         part.metadata = with_command(&part.metadata);
         let files = FORMATS.map(|format| output::with_extension(&stem, format));
         part.write(&files[0])?;
-        raster::write(&files[1], &part.exposure.image(), &part.metadata)?;
+        raster::write(&files[1], &part.film.image(), &part.metadata)?;
 
         let ranges = part.ranges();
         let output = Output {
             parts: self.parts.len(),
-            width: part.exposure.width(),
-            height: part.exposure.height(),
+            width: part.film.width(),
+            height: part.film.height(),
             samples: ranges.samples(),
             of: ranges.spp(),
             complete: ranges.is_complete(),
             missing: ranges.missing(),
-            dropped: part.exposure.dropped(),
+            dropped: part.film.dropped(),
             written: target.written(files.into()),
         };
         if !output.complete {

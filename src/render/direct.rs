@@ -7,7 +7,7 @@ use super::light_tracing::faithful_to_lamp;
 use super::lights::{self, Kind, LightSamples};
 use super::needs::Needs;
 use super::settings::Sampling;
-use super::strategies::Scatter as Blind;
+use super::strategies::Scatter as BsdfOnly;
 use super::workspace::{Dimensions, Workspace};
 use super::{diffuse, rough, shine};
 use crate::bsdf::Bsdf;
@@ -83,7 +83,13 @@ impl Integrator<'_> {
     }
 
     /// Looks for light in directions that do not depend on where it is.
-    fn gather_diffuse<const NEEDS: u32>(&self, work: &mut Workspace, blind: Blind, dimension: u32, draw: (u32, u32)) {
+    fn gather_diffuse<const NEEDS: u32>(
+        &self,
+        work: &mut Workspace,
+        blind: BsdfOnly,
+        dimension: u32,
+        draw: (u32, u32),
+    ) {
         work.shadows.count = 0;
         for i in 0..work.points.count {
             let slot = work.points.slot[i];
@@ -186,8 +192,8 @@ impl Integrator<'_> {
             for index in 0..samples {
                 for (i, hit) in work.rough[group.clone()].iter().enumerate() {
                     let u = work.numbers.pair(hit.slot, dimensions.gather(), (index, samples));
-                    let local = Blind::Hemisphere.sample(u);
-                    let pdf = Blind::Hemisphere.pdf(local.z) as f32;
+                    let local = BsdfOnly::Hemisphere.sample(u);
+                    let pdf = BsdfOnly::Hemisphere.pdf(local.z) as f32;
                     set(&mut light.wi, i, hit.frame.to_world(local.as_vec3()));
                     set(&mut light.weight, i, Rgb::splat(1.0 / pdf));
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf);

@@ -19,8 +19,8 @@ use super::lens::Lens;
 use super::light_tracing::{LightTracing, faithful_to_camera, faithful_to_lamp};
 use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
-use super::numbers::Numbers;
 use super::rough;
+use super::sample_lanes::SampleLanes;
 use super::settings::{Sampling, Settings};
 use super::shine;
 use super::strategies::Strategies;
@@ -28,7 +28,7 @@ use super::workspace::{Dimensions, RoughHit, Workspace};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::error::Result;
 use crate::math::{Frame, Rgb};
-use crate::render::exposure::{Classes, Word};
+use crate::render::film::{PathClass, PathClasses};
 use crate::scene::{Emission, EmitterVisibility, Request, Scene};
 use glam::Vec3;
 use pulp::Arch;
@@ -56,9 +56,9 @@ pub struct Integrator<'a> {
     pub(super) strategies: Strategies,
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
-    pub(super) classes: Option<Classes>,
+    pub(super) classes: Option<PathClasses>,
     /// Whether there are lamps that neither light samples nor rays in search of light find.
-    left_to_chance: bool,
+    only_bsdf_sampled_emitters: bool,
 }
 
 impl<'a> Integrator<'a> {
@@ -77,7 +77,7 @@ impl<'a> Integrator<'a> {
             face.light.is_none() && face.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
         };
         let light_tracing = LightTracing::new(scene, request, settings, &faces, &lights, &geometry);
-        let left_to_chance = settings.sampling.by_light() && faces.iter().any(unsampled);
+        let only_bsdf_sampled_emitters = settings.sampling.by_light() && faces.iter().any(unsampled);
         Ok(Self {
             scene,
             request: *request,
@@ -90,8 +90,8 @@ impl<'a> Integrator<'a> {
             strategies,
             sampling: settings.sampling,
             arch: Arch::new(),
-            classes: settings.paths.map(Classes::up_to),
-            left_to_chance,
+            classes: settings.paths.map(PathClasses::up_to),
+            only_bsdf_sampled_emitters,
         })
     }
 
@@ -119,13 +119,13 @@ impl<'a> Integrator<'a> {
         }
         paths.pdf[..count].fill(f32::INFINITY);
         paths.sky[..count].fill(1.0);
-        paths.word[..count].fill(Word::DIRECT);
+        paths.word[..count].fill(PathClass::DIRECT);
         let start = if self.light_tracing.is_some() { caustic::NEW } else { caustic::NONE };
         paths.caustic[..count].fill(start);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
         }
-        work.layers[..count * self.classes.map_or(0, Classes::count)].fill(Rgb::ZERO);
+        work.layers[..count * self.classes.map_or(0, PathClasses::count)].fill(Rgb::ZERO);
     }
 
     /// Follows the camera rays to their ends and adds the light that they find to `work.radiance`.
@@ -145,7 +145,7 @@ impl<'a> Integrator<'a> {
             if work.points.count > 0 {
                 self.light_diffuse::<NEEDS>(work, dimensions);
                 // After the last hit there is nothing to find but lamps that only chance can find.
-                if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.left_to_chance) {
+                if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.only_bsdf_sampled_emitters) {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     let caustics = &work.points.caustic[..work.points.count];
@@ -401,7 +401,7 @@ impl Surface {
 }
 
 /// Ends paths at random that carry little light after so many scatterings, and lets the others stand for them.
-pub(super) fn roulette(paths: &mut Paths, numbers: &Numbers, dimension: u32, scatterings: u32) {
+pub(super) fn roulette(paths: &mut Paths, numbers: &SampleLanes, dimension: u32, scatterings: u32) {
     if scatterings <= ROULETTE_AFTER {
         return;
     }

@@ -1,6 +1,6 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
-use super::exposure::{Classes, Dropped, Exposure, Part, Row};
+use super::film::{Dropped, Film, Part, PathClasses, Row};
 use super::fingerprint;
 use super::geometry::{Geometry, at};
 use super::integrator::Integrator;
@@ -78,21 +78,21 @@ impl<'a> Job<'a> {
     /// An empty film for this render.
     ///
     /// # Errors
-    /// As [`Exposure::new`].
+    /// As [`Film::new`].
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
         let Request { width, height, spp, .. } = self.integrator.request;
-        let classes = self.settings.paths.map(Classes::up_to);
-        let exposure = Exposure::new(width, height, classes)?;
-        let exposure = if self.integrator.light_tracing.is_some() { exposure.with_splats()? } else { exposure };
+        let classes = self.settings.paths.map(PathClasses::up_to);
+        let film = Film::new(width, height, classes)?;
+        let film = if self.integrator.light_tracing.is_some() { film.with_splats()? } else { film };
         // The file at the end takes memory, too, and nothing must be lost then: images of the mean, of its error and of
         // every path class, and the compressed sums, about half as large as the film.
         let (classes, splats) =
-            (classes.map_or(0, Classes::count), usize::from(self.integrator.light_tracing.is_some()));
-        let sums = (1 + splats) * (Exposure::BYTES + classes * Exposure::BYTES_PER_CLASS) / 2;
+            (classes.map_or(0, PathClasses::count), usize::from(self.integrator.light_tracing.is_some()));
+        let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
         memory::request(width * height * (sums + (2 + classes) * size_of::<Rgb>()), || {
             format!("the files of a film of {width}x{height} pixels")
         })?;
-        Ok(Part::new(exposure, spp, self.fingerprint(), metadata))
+        Ok(Part::new(film, spp, self.fingerprint(), metadata))
     }
 
     /// Equal for renders whose samples are the same; the number of samples is no part of it.
@@ -121,11 +121,11 @@ impl<'a> Job<'a> {
     /// one of [`Job::part`], or the settings [`camera_paths_only`](Settings::camera_paths_only).
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
         let kernels: [Kernel<'a>; Needs::LEAN.len()] = [
-            Self::expose::<{ Needs::LEAN[0] }>,
-            Self::expose::<{ Needs::LEAN[1] }>,
-            Self::expose::<{ Needs::LEAN[2] }>,
-            Self::expose::<{ Needs::LEAN[3] }>,
-            Self::expose::<{ Needs::LEAN[4] }>,
+            Self::accumulate::<{ Needs::LEAN[0] }>,
+            Self::accumulate::<{ Needs::LEAN[1] }>,
+            Self::accumulate::<{ Needs::LEAN[2] }>,
+            Self::accumulate::<{ Needs::LEAN[3] }>,
+            Self::accumulate::<{ Needs::LEAN[4] }>,
         ];
         let kernel = kernels[self.needs.kernel()];
         let mut start = samples.start;
@@ -133,7 +133,7 @@ impl<'a> Job<'a> {
             let round = start..(start + ROUND.min(samples.end - start));
             start = round.end;
             while let Some(task) = part.next(round.clone()) {
-                part.exposure.expose(|row| self.row(row, &|n| task.left(n), kernel, control));
+                part.film.accumulate(|row| self.row(row, &|n| task.left(n), kernel, control));
                 if control.stop() {
                     return;
                 }
@@ -167,7 +167,7 @@ impl<'a> Job<'a> {
     }
 
     /// Traces the camera samples in the first `count` slots and adds them to the film.
-    fn expose<const NEEDS: u32>(&self, work: &mut Workspace, row: &mut Row, count: usize) {
+    fn accumulate<const NEEDS: u32>(&self, work: &mut Workspace, row: &mut Row, count: usize) {
         self.integrator.start(work, count, &self.lens, row.y() as u32);
         self.integrator.trace::<NEEDS>(work, &self.lens);
         let classes = work.layers.len() / LANES;
@@ -205,18 +205,21 @@ impl<'a> Job<'a> {
     }
 }
 
-/// [`Job::expose`] for some set of needs.
+/// [`Job::accumulate`] for some set of needs.
 type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
 
 /// A finished picture and how it came about.
 #[derive(Debug, Clone)]
 pub struct Rendered {
+    /// The mean of all samples of each pixel.
     pub image: Image,
     /// The film: every pixel's samples, their standard error, and the light by path class.
     pub part: Part,
+    /// What was rendered.
     pub request: Request,
     /// Wall-clock time of preparation and rendering, without reading or writing files.
     pub seconds: f64,
+    /// Samples that were not finite or negative.
     pub dropped: Dropped,
     /// What the scene did not need and the kernel hence does not have.
     pub left_out: Vec<&'static str>,
@@ -238,8 +241,8 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
         return Err(Error::Interrupted);
     }
     Ok(Rendered {
-        image: part.exposure.image(),
-        dropped: part.exposure.dropped(),
+        image: part.film.image(),
+        dropped: part.film.dropped(),
         part,
         request: *request,
         seconds: job.seconds(),

@@ -2,7 +2,7 @@
 
 use super::geometry::set;
 use crate::math::Rgb;
-use crate::render::exposure::Word;
+use crate::render::film::PathClass;
 use glam::Vec3;
 
 /// How many paths are followed at once: their arrays fit the nearest caches.
@@ -111,7 +111,7 @@ pub struct Paths {
     /// The camera sample that the path belongs to.
     pub slot: [u32; LANES],
     /// What scattered the path so far.
-    pub word: [Word; LANES],
+    pub word: [PathClass; LANES],
     /// Whether the lamps' light along this path is brought by paths from the lamps, see [`caustic`]. Of those themselves:
     /// whether a diffuse surface has scattered them.
     pub caustic: [u32; LANES],
@@ -127,7 +127,7 @@ pub struct Points {
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
     pub slot: [u32; LANES],
-    pub word: [Word; LANES],
+    pub word: [PathClass; LANES],
     /// [`Paths::caustic`] of the paths that go on from here.
     pub caustic: [u32; LANES],
 }
@@ -140,7 +140,7 @@ pub struct Shadows {
     pub limit: Lane,
     pub value: Lane3,
     pub slot: [u32; LANES],
-    pub word: [Word; LANES],
+    pub word: [PathClass; LANES],
 }
 
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
@@ -166,7 +166,7 @@ impl Default for Paths {
             pdf: [0.0; LANES],
             sky: [0.0; LANES],
             slot: [0; LANES],
-            word: [Word::DIRECT; LANES],
+            word: [PathClass::DIRECT; LANES],
             caustic: [0; LANES],
         }
     }
@@ -180,7 +180,7 @@ impl Default for Points {
             normal: ZERO3,
             weight: ZERO3,
             slot: [0; LANES],
-            word: [Word::DIRECT; LANES],
+            word: [PathClass::DIRECT; LANES],
             caustic: [0; LANES],
         }
     }
@@ -194,7 +194,7 @@ impl Default for Shadows {
             limit: [0.0; LANES],
             value: ZERO3,
             slot: [0; LANES],
-            word: [Word::DIRECT; LANES],
+            word: [PathClass::DIRECT; LANES],
         }
     }
 }
@@ -202,7 +202,7 @@ impl Default for Shadows {
 impl Paths {
     /// Adds a path whose ray finds all the light that it meets.
     #[inline(always)]
-    pub fn push(&mut self, origin: Vec3, direction: Vec3, throughput: Rgb, slot: u32, word: Word) {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, throughput: Rgb, slot: u32, word: PathClass) {
         let i = self.count;
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);
@@ -238,7 +238,7 @@ impl Paths {
 impl Shadows {
     /// Adds a ray.
     #[inline(always)]
-    pub fn push(&mut self, origin: Vec3, direction: Vec3, limit: f32, value: Rgb, slot: u32, word: Word) {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, limit: f32, value: Rgb, slot: u32, word: PathClass) {
         let i = self.count;
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);

@@ -1,7 +1,7 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
-//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, exposure, solids, lanes,
-//! geometry, numbers, lens, cut_lights, lights, faces, needs, strategies, diffuse, casters, rough, workspace, shine,
+//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, film, solids, lanes,
+//! geometry, sample_lanes, lens, cut_lights, lights, faces, needs, strategies, diffuse, casters, rough, workspace, shine,
 //! integrator, light_tracing, direct, job. Three imports run the other way: of geometry in lanes, of integrator in shine,
 //! of light_tracing in integrator.
 
@@ -11,8 +11,8 @@ mod casters;
 mod cut_lights;
 mod diffuse;
 mod direct;
-pub mod exposure;
 mod faces;
+pub mod film;
 mod fingerprint;
 mod geometry;
 mod integrator;
@@ -22,8 +22,8 @@ mod lens;
 mod light_tracing;
 pub(crate) mod lights;
 mod needs;
-mod numbers;
 mod rough;
+mod sample_lanes;
 mod settings;
 mod shine;
 mod solids;
@@ -31,7 +31,7 @@ mod strategies;
 mod wide;
 mod workspace;
 
-pub use exposure::Dropped;
+pub use film::Dropped;
 pub use job::{Control, Job, Rendered, Silent, render};
 pub use settings::{Sampling, Settings};
 

@@ -58,8 +58,11 @@ impl Sampling {
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
+    /// How directions towards the light are chosen.
     pub sampling: Sampling,
+    /// Where random numbers come from.
     pub stream: StreamKind,
+    /// Of all random numbers.
     pub seed: u64,
     /// How the environment map is sampled.
     pub density: MapSampling,

@@ -119,7 +119,7 @@ fn lamp(shape: Shape) -> Object {
 fn seen(scene: &Scene, settings: &Settings) -> (f64, f64) {
     let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
     let rendered = render(scene, &request, settings, &Silent).unwrap();
-    let error = rendered.part.exposure.standard_error().get(0, 0).x;
+    let error = rendered.part.film.standard_error().get(0, 0).x;
     (f64::from(rendered.image.get(0, 0).x), f64::from(error))
 }
 
@@ -221,8 +221,8 @@ fn inside_a_glowing_ball_light_adds_up_to_its_geometric_series() {
 /// The difference of two renders' means in standard errors, for the mean of all channels.
 fn z(scene: &Scene, request: &Request, a: &Settings, b: &Settings) -> f64 {
     let mean = |settings: &Settings| {
-        let exposure = render(scene, request, settings, &Silent).unwrap().part.exposure;
-        let (image, errors) = (exposure.image(), exposure.standard_error());
+        let film = render(scene, request, settings, &Silent).unwrap().part.film;
+        let (image, errors) = (film.image(), film.standard_error());
         let sum: f64 = image.pixels().iter().map(|p| f64::from(p.element_sum())).sum();
         // Channels of a pixel rise and fall together.
         let square: f64 = errors.pixels().iter().map(|p| f64::from(p.element_sum()).powi(2)).sum();

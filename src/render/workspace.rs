@@ -1,11 +1,11 @@
 //! What one thread works with while it follows paths: their lanes, what they have hit, and the light found so far.
 
 use super::casters::Cone;
-use super::exposure::{Classes, Splat, Word};
+use super::film::{PathClass, PathClasses, Splat};
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
-use super::numbers::Numbers;
 use super::rough::Scattered;
+use super::sample_lanes::SampleLanes;
 use super::settings::Settings;
 use crate::math::{Frame, Rgb};
 use glam::Vec3;
@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// What one thread works with.
 pub struct Workspace {
-    pub numbers: Numbers,
+    pub numbers: SampleLanes,
     /// The pixel column of each slot, and which sample of the pixel.
     pub pixel: [u32; LANES],
     pub sample: [u32; LANES],
@@ -23,7 +23,7 @@ pub struct Workspace {
     pub radiance: Lane3,
     /// The same by path class, all classes of a slot side by side; empty if they are not kept apart.
     pub layers: Vec<Rgb>,
-    classes: Option<Classes>,
+    classes: Option<PathClasses>,
     pub(super) paths: Box<Paths>,
     pub(super) next: Box<Paths>,
     pub(super) hits: Hits,
@@ -53,7 +53,7 @@ pub struct RoughHit {
     pub wo: Vec3,
     pub throughput: Rgb,
     pub slot: u32,
-    pub word: Word,
+    pub word: PathClass,
     pub object: u32,
     /// Whether paths from the lamps bring their light to here, apart from directions where the normals disagree.
     pub caustic: bool,
@@ -68,14 +68,14 @@ impl RoughHit {
 
 impl Workspace {
     pub(super) fn new(settings: &Settings, cones: Vec<Cone>) -> Self {
-        let classes = settings.paths.map(Classes::up_to);
+        let classes = settings.paths.map(PathClasses::up_to);
         Self {
-            numbers: Numbers::new(settings.stream, settings.seed),
+            numbers: SampleLanes::new(settings.stream, settings.seed),
             pixel: [0; LANES],
             sample: [0; LANES],
             waiting: Vec::new(),
             radiance: [[0.0; LANES]; 3],
-            layers: vec![Rgb::ZERO; LANES * classes.map_or(0, Classes::count)],
+            layers: vec![Rgb::ZERO; LANES * classes.map_or(0, PathClasses::count)],
             classes,
             paths: Box::default(),
             next: Box::default(),
@@ -109,7 +109,7 @@ impl Workspace {
 
     /// Light that a path of class `word` has found.
     #[inline(always)]
-    pub(super) fn add(&mut self, slot: u32, word: Word, value: Rgb) {
+    pub(super) fn add(&mut self, slot: u32, word: PathClass, value: Rgb) {
         let slot = slot as usize % LANES;
         self.radiance[0][slot] += value.x;
         self.radiance[1][slot] += value.y;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
 use crate::raster::{Image, Metadata};
-use crate::render::exposure::{Classes, Exposure, Part};
+use crate::render::film::{Film, Part, PathClasses};
 use crate::render::{Dropped, Job, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
@@ -176,12 +176,12 @@ fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<
     let job = Job::new(scene, request, settings)?;
     let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
     for top in (0..height).step_by(ROWS) {
-        let film = Exposure::strip(width, top..height.min(top + ROWS), settings.paths.map(Classes::up_to))?;
+        let film = Film::strip(width, top..height.min(top + ROWS), settings.paths.map(PathClasses::up_to))?;
         let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
         job.run(&mut part, 0..spp, &Silent);
         interrupt::check()?;
-        dropped = dropped.merge(part.exposure.dropped());
-        let strips = part.exposure.path_layers();
+        dropped = dropped.merge(part.film.dropped());
+        let strips = part.film.path_layers();
         if top == 0 {
             layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
         }
@@ -240,7 +240,7 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
         let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
-        Ok::<_, Error>((rendered.part.exposure.path_layers(), rendered.image))
+        Ok::<_, Error>((rendered.part.film.path_layers(), rendered.image))
     };
     let (deep, _) = to(m + 3)?;
     let (layers, image) = to(m)?;

@@ -28,7 +28,7 @@ pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
     Ok(spheres.map(|(kind, material)| FurnaceSphere {
         material,
-        radiance: Mean::of(&rendered.part.exposure, &objects.mask(kind)),
+        radiance: Mean::of(&rendered.part.film, &objects.mask(kind)),
     }))
 }
 

@@ -1,6 +1,6 @@
 //! The mean radiance of an image over some of its pixels, with its standard error.
 
-use crate::render::exposure::{Exposure, PixelEstimate};
+use crate::render::film::{Film, PixelEstimate};
 
 /// A mean over pixels with its standard error, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Mean {
 impl Mean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
     #[must_use]
-    pub fn of(exposure: &Exposure, mask: &[bool]) -> Self {
+    pub fn of(exposure: &Film, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
         for (PixelEstimate { mean, error }, _) in exposure.estimates().zip(mask).filter(|(_, inside)| **inside) {
             for c in 0..3 {

@@ -62,10 +62,10 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
-    let statue = Mean::of(&rendered.part.exposure, &mask);
+    let statue = Mean::of(&rendered.part.film, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
-    let estimates = rendered.part.exposure.estimates().zip(&mask).filter(|(_, inside)| **inside);
+    let estimates = rendered.part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
     let squares = estimates.map(|(e, _)| (f64::from(e.error.element_sum()) / 3.0).powi(2));
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
@@ -96,7 +96,7 @@ pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings
     let request = Request { spp: (request.spp / 8).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     settings.model.normals = NormalSampling::Ndf;
-    Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.exposure, mask))
+    Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.film, mask))
 }
 
 /// The first metal of a scene.

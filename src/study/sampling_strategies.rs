@@ -90,7 +90,7 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
     };
     let (importance, hemisphere) = (shot(NormalSampling::Vndf, 0)?, shot(NormalSampling::Hemisphere, 1)?);
     let z = |mask: &[bool]| {
-        let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, mask));
+        let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.film, mask));
         one.z(&other)
     };
     let depth = importance.objects.depth_inside(&importance.mask, (INSIDE + 1) as usize);
@@ -151,7 +151,7 @@ impl Side {
     }
 
     fn of(shot: &Shot, mask: &[bool]) -> Self {
-        let film = &shot.rendered.part.exposure;
+        let film = &shot.rendered.part.film;
         let mean = Mean::of(film, mask);
         let mut values = Vec::with_capacity(mean.pixels);
         let mut square = 0.0;

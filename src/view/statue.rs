@@ -46,7 +46,7 @@ const WIDEST: usize = 240;
 
 fn maps(result: &Comparison) -> Result<Drawing> {
     let panel = |shot: &Shot, title: &str| -> Result<Panel> {
-        let error = shot.rendered.part.exposure.standard_error();
+        let error = shot.rendered.part.film.standard_error();
         let (width, height) = (error.width() as f64, error.height() as f64);
         let error = error.reduced(error.width().div_ceil(WIDEST));
         let values = error.pixels().iter().map(|p| f64::from(p.element_sum()) / 3.0).collect();

@@ -8,7 +8,7 @@ use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
 use etalon::raster::{ExrFile, ReadOptions};
-use etalon::render::exposure::Part;
+use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
 use etalon::{Error, Result};
@@ -47,7 +47,7 @@ pub fn exr(path: &Path) -> Result<()> {
 
 pub fn part(path: &Path) -> Result<()> {
     let mut part = Part::read(path)?;
-    let (_, _) = (part.exposure.standard_error(), part.exposure.path_layers());
+    let (_, _) = (part.film.standard_error(), part.film.path_layers());
     let _ = part.next(0..u32::MAX);
     part.set_spp(u32::MAX)
 }

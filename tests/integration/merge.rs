@@ -4,7 +4,7 @@ use crate::program::{etalon, json};
 use etalon::Error;
 use etalon::math::Rgb;
 use etalon::raster::{ExrFile, Image, Metadata, ReadOptions, read};
-use etalon::render::exposure::{Classes, Exposure, Part, Row, merge_files, shard};
+use etalon::render::film::{Film, Part, PathClasses, Row, merge_files, shard};
 use etalon::sampling::stream::{Independent, Stream};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -24,14 +24,14 @@ fn add(row: &mut Row<'_>, x: usize, s: u32) {
     row.add(x, total, &paths);
 }
 
-fn empty(classes: Option<Classes>) -> Part {
+fn empty(classes: Option<PathClasses>) -> Part {
     let metadata = Metadata::default().with("command", "render x").with("seed", 1).with("seconds", 0.5);
-    Part::new(Exposure::new(SIZE.0, SIZE.1, classes).unwrap(), SPP, "f1", metadata)
+    Part::new(Film::new(SIZE.0, SIZE.1, classes).unwrap(), SPP, "f1", metadata)
 }
 
 /// A part with some of the samples.
 fn part(samples: Range<u32>) -> Part {
-    let mut part = empty(Some(Classes::up_to(2)));
+    let mut part = empty(Some(PathClasses::up_to(2)));
     go_on(&mut part, samples, u32::MAX);
     part
 }
@@ -39,7 +39,7 @@ fn part(samples: Range<u32>) -> Part {
 /// Renders what is missing of `samples`, at most `at_most` of them for each pixel (fewer further down).
 fn go_on(part: &mut Part, samples: Range<u32>, at_most: u32) {
     while let Some(task) = part.next(samples.clone()) {
-        part.exposure.expose(|row| {
+        part.film.accumulate(|row| {
             for x in 0..SIZE.0 {
                 let budget = at_most.saturating_sub(row.y() as u32 / 8) as usize;
                 task.left(row.samples(x)).take(budget).for_each(|s| add(row, x, s));
@@ -72,7 +72,7 @@ fn parts_survive_their_files() {
         let part = part(samples);
         let path = write(dir.path(), "a.exr", &part);
         assert!(Part::read(&path).unwrap() == part);
-        assert_eq!(read(&path, ReadOptions::default()).unwrap(), part.exposure.image());
+        assert_eq!(read(&path, ReadOptions::default()).unwrap(), part.film.image());
     }
     let mut without = empty(None);
     go_on(&mut without, 3..9, 4);
@@ -91,7 +91,7 @@ fn a_complete_part_keeps_its_sums_if_it_is_to_get_more() {
     more.set_spp(SPP + 5).unwrap();
     assert!(!more.is_complete());
     go_on(&mut more, 0..SPP + 5, u32::MAX);
-    let mut whole = empty(Some(Classes::up_to(2)));
+    let mut whole = empty(Some(PathClasses::up_to(2)));
     whole.set_spp(SPP + 5).unwrap();
     go_on(&mut whole, 0..SPP + 5, u32::MAX);
     assert!(more == whole && !whole.ranges().have(&(0..SPP + 6)));
@@ -145,7 +145,7 @@ fn the_layers_of_a_file_add_up_to_its_picture() {
         names.split(' ').fold(glam::DVec3::ZERO, add).as_vec3()
     });
     assert_eq!(layer(""), &Image::from_pixels(SIZE.0, SIZE.1, sums.collect()));
-    assert_eq!(layer("error"), &part(0..7).exposure.standard_error());
+    assert_eq!(layer("error"), &part(0..7).film.standard_error());
     assert_eq!(layers.len(), 10, "the sums are no layers of light");
 }
 
@@ -155,7 +155,7 @@ fn what_does_not_belong_together_is_refused() {
     let at = |name: &str, part: &Part| write(dir.path(), name, part);
     let first = at("first.exr", &part(0..8));
     let interrupted = |samples: Range<u32>| {
-        let mut part = empty(Some(Classes::up_to(2)));
+        let mut part = empty(Some(PathClasses::up_to(2)));
         go_on(&mut part, samples, 3);
         part
     };
@@ -169,13 +169,9 @@ fn what_does_not_belong_together_is_refused() {
         (part(0..8), part(0..8), "samples 0..8"),
         (interrupted(0..8), interrupted(8..16), "interrupted in samples 8..16"),
         (part(0..8), other(|p| p.fingerprint = "f2".into()), "fingerprint of scene and settings: f2 here, f1 there"),
-        (part(0..8), other(|p| p.exposure = Exposure::new(3, 3, None).unwrap()), "has 0 samples"),
-        (part(0..8), Part::new(Exposure::new(3, 3, None).unwrap(), 16, "f1", Metadata::default()), "3x3 here, 19x34"),
-        (
-            part(0..8),
-            Part::new(Exposure::new(19, 34, None).unwrap(), 24, "f1", Metadata::default()),
-            "path classes: no",
-        ),
+        (part(0..8), other(|p| p.film = Film::new(3, 3, None).unwrap()), "has 0 samples"),
+        (part(0..8), Part::new(Film::new(3, 3, None).unwrap(), 16, "f1", Metadata::default()), "3x3 here, 19x34"),
+        (part(0..8), Part::new(Film::new(19, 34, None).unwrap(), 24, "f1", Metadata::default()), "path classes: no"),
     ] {
         let error = merge_files(&[at("a.exr", &a), at("b.exr", &b)]).unwrap_err();
         let message = error.to_string();
@@ -263,7 +259,7 @@ fn the_command_merges_and_says_what_is_missing() {
     let whole = part(0..SPP);
     let file = ExrFile::open(&dir.path().join("all.exr")).unwrap();
     assert_eq!(file.layers().unwrap(), layers(&write(dir.path(), "whole.exr", &whole)));
-    assert_eq!(all["dropped"]["negative"], whole.exposure.dropped().negative);
+    assert_eq!(all["dropped"]["negative"], whole.film.dropped().negative);
     assert_eq!(file.metadata().get("seed"), Some("1"));
     assert!(file.metadata().get("command").unwrap().contains("merge"));
     assert!(parts.iter().all(|p| p.exists()));

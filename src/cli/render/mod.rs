@@ -12,7 +12,7 @@ use super::{Global, Verdict, command_line, map_samplers, map_sampling};
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
-use crate::render::exposure::{Part, shard};
+use crate::render::film::{Part, shard};
 use crate::render::{Job, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
@@ -189,7 +189,7 @@ impl Render {
         }
         if interrupted && let Some(file) = summary.written.files.first() {
             console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
-            let black = part.exposure.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
+            let black = part.film.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
             if black > 0 {
                 console.warn(&format!("{black} pixels have no sample yet: they are black"));
             }

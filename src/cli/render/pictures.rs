@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
 use crate::output::{self, Target, Written};
 use crate::raster::{self, ToneMap, WriteOptions};
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ impl Pictures {
             _ => self.formats.as_slice(),
         };
         let stem = self.stem(name)?;
-        let image = part.exposure.image();
+        let image = part.film.image();
         for format in formats {
             let path = output::with_extension(&stem, format);
             if *format != "exr" {

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use std::path::Path;
 
 /// Reads the part at `path`, if there is a file.
@@ -22,7 +22,7 @@ pub fn held(path: &Path) -> Result<Option<Part>> {
 /// # Errors
 /// [`Error::Input`] that says in what the two differ; [`Error::Parameter`] when `held` has more samples than wanted.
 pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
-    if held.fingerprint != fresh.fingerprint || held.exposure.classes() != fresh.exposure.classes() {
+    if held.fingerprint != fresh.fingerprint || held.film.classes() != fresh.film.classes() {
         let mut message = "the file is of another render".to_owned();
         let differences = differences(&held, fresh);
         if !differences.is_empty() {
@@ -39,8 +39,8 @@ pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
 
 /// What flags were different, as far as the files tell.
 fn differences(held: &Part, fresh: &Part) -> Vec<String> {
-    let size = |part: &Part| Some(format!("{}x{}", part.exposure.width(), part.exposure.height()));
-    let paths = |part: &Part| part.exposure.classes().map(|c| c.count().to_string());
+    let size = |part: &Part| Some(format!("{}x{}", part.film.width(), part.film.height()));
+    let paths = |part: &Part| part.film.classes().map(|c| c.count().to_string());
     let of = |metadata: &Metadata, name: &str| metadata.get(name).map(str::to_owned);
     let flags = fresh.metadata.entries().iter().filter(|(name, _)| !["command", "spp"].contains(&name.as_str()));
     let flags = flags.map(|(name, _)| (name.as_str(), of(&held.metadata, name), of(&fresh.metadata, name)));

@@ -3,7 +3,7 @@
 use crate::output::Written;
 use crate::raster::Image;
 use crate::render::Dropped;
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use crate::scene::Request;
 use glam::DVec3;
 use serde::Serialize;
@@ -46,7 +46,7 @@ struct PathClass {
 impl<'a> Summary<'a> {
     /// Of a part to which `done` samples (of single pixels) were added in so many seconds.
     pub fn new(scene: &'a str, request: &Request, part: &Part, done: u64, seconds: f64) -> Self {
-        let film = &part.exposure;
+        let film = &part.film;
         let mean = mean(&film.image(), |v| v);
         let square = self::mean(&film.standard_error(), |v| v * v);
         let classes = film.path_layers().into_iter().map(|(class, layer)| {

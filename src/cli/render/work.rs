@@ -3,7 +3,7 @@
 use crate::cli::console::Console;
 use crate::error::Result;
 use crate::interrupt;
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use crate::render::{Control, Job};
 use indicatif::ProgressBar;
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub fn run(
     name: &str,
     save: Option<Save>,
 ) -> Result<()> {
-    let pixels = part.exposure.pixels().len() as u64;
+    let pixels = part.film.pixels().len() as u64;
     let bar = console.progress(pixels * samples.len() as u64, name);
     bar.set_position(part.count());
     bar.reset_eta();

@@ -14,8 +14,8 @@ mod plan;
 mod tests;
 
 use super::diffuse;
-use super::exposure::{Splat, Word};
 use super::faces::Kind;
+use super::film::{PathClass, Splat};
 use super::geometry::{Surface, at, set};
 use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
 use super::lanes::{LANES, NOTHING};
@@ -102,7 +102,7 @@ impl Integrator<'_> {
             }
             set(&mut work.power, slot, lamp.power * (glow * solid_angle * EVERY as f32));
             let origin = start.position + start.normal * self.geometry.offset(light.object).copysign(cos);
-            work.paths.push(origin, direction, Rgb::ONE, slot as u32, Word::DIRECT);
+            work.paths.push(origin, direction, Rgb::ONE, slot as u32, PathClass::DIRECT);
         }
     }
 

@@ -13,19 +13,26 @@ use serde::Serialize;
 /// One replicate at one number of samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
+    /// Samples per pixel.
     pub spp: u32,
+    /// Of rendering them.
     pub times: Times,
+    /// Against the reference.
     pub errors: Comparison,
 }
 
 /// All replicates at one number of samples. Errors carry 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Level {
+    /// Samples per pixel.
     pub spp: u32,
     /// Mean times of a render, without its preparation.
     pub cpu_seconds: f64,
+    /// See `cpu_seconds`.
     pub wall_seconds: f64,
+    /// Mean squared error.
     pub mse: Estimate,
+    /// Mean squared error over the squared reference.
     pub rel_mse: Estimate,
     /// Mean HDR-FLIP of the first replicate.
     pub flip: Option<f64>,
@@ -66,13 +73,17 @@ pub enum Verdict {
 /// One strategy's errors.
 #[derive(Debug, Clone, Serialize)]
 pub struct Curve {
+    /// Whose errors they are.
     pub strategy: Strategy,
+    /// Renders with seeds of their own.
     pub replicates: usize,
+    /// By samples per pixel, ascending.
     pub levels: Vec<Level>,
     /// p of RMSE ∝ sppᵖ from [`FIT_FROM`] samples per pixel on.
     pub slope: Estimate,
     /// Mean squared bias of the last level; its standard error has the reference's noise in it.
     pub bias2: Estimate,
+    /// What slope and bias say together.
     pub verdict: Verdict,
     /// Mean wall-clock time of the preparation: tables, trees.
     pub preparation_seconds: f64,
@@ -92,8 +103,11 @@ const ABOVE_REFERENCE: f64 = 1.0;
 
 /// What one replicate left behind: its levels, and its last picture.
 pub struct Run {
+    /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,
+    /// The image at the last level.
     pub last: Image,
+    /// Wall-clock seconds before the first sample.
     pub preparation: f64,
 }
 

@@ -13,9 +13,11 @@ pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];
 /// One depth of one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
+    /// Most scatterings of a path.
     pub depth: u32,
     /// 1 − the picture's light over that of the deepest one of the same random numbers.
     pub missing: Estimate,
+    /// Mean over the replicates.
     pub cpu_seconds: Estimate,
     /// Processor time over that of the deepest picture.
     pub time_share: f64,
@@ -24,9 +26,13 @@ pub struct Level {
 /// A scene's depths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Depths {
+    /// Its name.
     pub scene: String,
+    /// Renders of each depth.
     pub replicates: u32,
+    /// Samples per pixel.
     pub spp: u32,
+    /// One for each of [`DEPTHS`].
     pub levels: Vec<Level>,
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::interrupt;
 use crate::raster::{Image, Metadata};
-use crate::render::exposure::Part;
+use crate::render::film::Part;
 use crate::render::{Control, Job, Settings};
 use crate::scene::{Request, Scene};
 use cpu_time::ProcessTime;
@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 pub struct Deadline(Instant);
 
 impl Deadline {
+    /// So many seconds from now.
     #[must_use]
     pub fn after(seconds: f64) -> Self {
         Self(Instant::now() + Duration::from_secs_f64(seconds))
@@ -31,6 +32,7 @@ impl Deadline {
         if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
+    /// Whether nothing more is to be begun.
     #[must_use]
     pub fn is_over(&self) -> bool {
         interrupt::requested() || Instant::now() >= self.0
@@ -112,7 +114,7 @@ impl<'a> Doubling<'a> {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.part.exposure.image()
+        self.part.film.image()
     }
 
     /// The film so far.

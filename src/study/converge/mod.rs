@@ -30,9 +30,11 @@ use strategy::Strategy;
 pub struct Plan {
     /// Seconds of wall-clock time for everything.
     pub budget: f64,
+    /// Samples per pixel at which every curve ends.
     pub max_spp: u32,
     /// At most so many renders of each strategy with seeds of their own.
     pub replicates: u32,
+    /// Of the first replicate; the others follow it.
     pub seed: u64,
 }
 
@@ -70,17 +72,23 @@ impl Plan {
 /// The curves of all strategies on one scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Convergence {
+    /// Its name.
     pub scene: String,
+    /// Columns of the images.
     pub width: usize,
+    /// Rows of the images.
     pub height: usize,
     /// None if the budget was over before there was one.
     pub reference: Option<Facts>,
+    /// One for each strategy, in their order.
     pub curves: Vec<Curve>,
     /// What the budget did not allow, in words.
     pub cut: Vec<String>,
     /// Whether the process was asked to stop before the end of the budget.
     pub interrupted: bool,
+    /// Wall-clock time of everything.
     pub seconds: f64,
+    /// What errors were taken against.
     #[serde(skip)]
     pub truth: Option<Reference>,
 }

@@ -17,12 +17,14 @@ use std::f64::consts::PI;
 pub struct Reference {
     /// Two independent estimates; twice the same picture where it is exact.
     halves: [Image; 2],
+    /// What is known of it.
     pub facts: Facts,
 }
 
 /// What is known of a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
+    /// Whether it is known in closed form or by quadrature.
     pub exact: bool,
     /// Samples per pixel of both halves together; 0 where it is exact.
     pub spp: u32,

@@ -21,12 +21,17 @@ pub const NORMALS: [(&str, NormalSampling); 3] = [
 /// One way of drawing normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
+    /// Width of the lobe.
     pub alpha: f32,
+    /// One of [`NORMALS`].
     pub normals: &'static str,
+    /// Samples per pixel of each replicate.
     pub spp: u32,
+    /// Renders of their own samples.
     pub replicates: u32,
     /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
     pub mse: Estimate,
+    /// Of one replicate.
     pub cpu_seconds: Estimate,
     /// 1 / (MSE · processor time).
     pub efficiency: Estimate,
@@ -73,11 +78,11 @@ pub fn measure(
                 let mut part = job.part(Metadata::default())?;
                 let mut times = Times::default();
                 times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
-                let estimates = part.exposure.estimates().zip(&mask).filter(|(_, inside)| **inside);
+                let estimates = part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
                 let squares: Vec<f64> = estimates.map(|(e, _)| e.error.as_dvec3().length_squared() / 3.0).collect();
                 measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
                 measured[1].push(times.cpu);
-                whole.exposure.merge(&part.exposure)?;
+                whole.film.merge(&part.film)?;
             }
         }
         if deadline.is_over() {
@@ -93,7 +98,7 @@ pub fn measure(
                 mse: Estimate::mean(mse),
                 cpu_seconds: Estimate::mean(cpu),
                 efficiency,
-                light: Mean::of(&part.exposure, &mask),
+                light: Mean::of(&part.film, &mask),
             });
         }
     }

@@ -13,6 +13,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
+    /// As it was given.
     pub name: String,
     sampling: Sampling,
     density: MapSampling,
@@ -59,7 +60,9 @@ pub fn methods() -> Vec<(String, String)> {
 
 /// What a name may end in, after a plus sign.
 pub struct Suffix {
+    /// Without the plus sign.
     pub name: &'static str,
+    /// What it does, in a line.
     pub about: &'static str,
     apply: fn(&mut Strategy),
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 pub struct Bound<T: 'static> {
     /// Which error, in which unit.
     pub name: &'static str,
+    /// The largest error for which it holds.
     pub limit: f64,
     /// Where the limit comes from: counted roundings, or the accuracy that the code states.
     pub reason: &'static str,
@@ -47,9 +48,13 @@ pub fn rounding(precision: Precision) -> f64 {
 /// A bound, and the largest error that was found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct BoundCheck {
+    /// Family or experiment, and which error.
     pub name: String,
+    /// The largest error.
     pub got: f64,
+    /// What it may be.
     pub limit: f64,
+    /// Whether the error is within the limit.
     #[serde(rename = "kept")]
     pub holds: bool,
     /// The input of the largest error, as `--replay` takes it.

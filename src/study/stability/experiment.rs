@@ -7,12 +7,15 @@ use crate::error::Result;
 
 /// An experiment whose right answer is known by integers, by construction, or in closed variant.
 pub struct Experiment {
+    /// Its name.
     pub name: &'static str,
+    /// What it does, in a line.
     pub about: &'static str,
     /// The figure that shows it.
     pub figure: &'static str,
     /// What the errors of the code that renders may be.
     pub bounds: &'static [Bound<Row>],
+    /// Runs it with some effort and a seed.
     pub run: fn(&Effort, u64) -> Result<Vec<Row>>,
 }
 
@@ -25,11 +28,14 @@ pub struct Effort {
     pub film_samples: u32,
     /// Columns and rows of the map whose tables are tried.
     pub map: [usize; 2],
+    /// Samples that are drawn from the tables.
     pub draws: u32,
+    /// Bounces of the paths.
     pub bounces: u32,
 }
 
 impl Effort {
+    /// What the command line runs.
     pub const FULL: Self =
         Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], draws: 10_000_000, bounces: 10_000 };
 

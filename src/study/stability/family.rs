@@ -18,7 +18,9 @@ pub fn scalar<T: super::number::Number>(value: T) -> Value<T> {
 
 /// Formulas for one quantity, swept over grids of their inputs.
 pub struct Family {
+    /// Its name.
     pub name: &'static str,
+    /// The quantity, in a line.
     pub about: &'static str,
     /// The figure that shows it.
     pub figure: &'static str,
@@ -26,6 +28,7 @@ pub struct Family {
     pub inputs: &'static [&'static str],
     /// Least and largest value of each of the first inputs; the others may be any number.
     pub domains: &'static [(f64, f64)],
+    /// The grids that the inputs are swept over.
     pub sections: &'static [Section],
     /// Inputs that no grid of factors reaches: zeros, poles and the like.
     pub edges: &'static [&'static [f64]],
@@ -33,6 +36,7 @@ pub struct Family {
     pub reference: fn(&[Precise]) -> Value<Precise>,
     /// The first is the one that renders.
     pub variants: &'static [Variant],
+    /// The values that the quantity can have.
     pub range: Range,
     /// What the errors of the variant that renders may be.
     pub bounds: &'static [Bound<Case>],
@@ -47,7 +51,9 @@ pub const POSITIVE: (f64, f64) = (f32::MIN_POSITIVE as f64, f32::MAX as f64);
 
 /// One way of computing a family's quantity.
 pub struct Variant {
+    /// Its name in tables.
     pub name: &'static str,
+    /// The formula in f32.
     pub single: Formula<f32>,
     /// `None` for code that exists in f32 alone.
     pub double: Option<Formula<f64>>,
@@ -61,6 +67,7 @@ pub const TEXTBOOK: &str = "textbook";
 pub const REPORT: &str = "report";
 
 impl Variant {
+    /// A variant in both precisions.
     pub const fn new(name: &'static str, single: fn(&[f32]) -> Value<f32>, double: fn(&[f64]) -> Value<f64>) -> Self {
         Self { name, single, double: Some(double) }
     }
@@ -90,8 +97,11 @@ impl Range {
 
 /// A grid of inputs.
 pub struct Section {
+    /// What the grid spans.
     pub title: &'static str,
+    /// From left to right.
     pub x: Scale,
+    /// From bottom to top.
     pub y: Scale,
     /// The inputs at a place of the grid.
     pub at: fn(f64, f64) -> Vec<f64>,
@@ -99,12 +109,16 @@ pub struct Section {
 
 /// One side of a grid: equal factors between two ends.
 pub struct Scale {
+    /// The axis's label.
     pub label: &'static str,
+    /// The first place.
     pub from: f64,
+    /// The last place.
     pub to: f64,
 }
 
 impl Scale {
+    /// Equal factors from `from` to `to`.
     pub const fn new(label: &'static str, from: f64, to: f64) -> Self {
         Self { label, from, to }
     }
@@ -122,16 +136,20 @@ impl Scale {
 /// The precision that a variant runs in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub enum Precision {
+    /// `f32`.
     #[default]
     #[serde(rename = "f32")]
     Single,
+    /// `f64`.
     #[serde(rename = "f64")]
     Double,
 }
 
 impl Precision {
+    /// Both.
     pub const ALL: [Self; 2] = [Self::Single, Self::Double];
 
+    /// Its name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         if self == Self::Single { "f32" } else { "f64" }

@@ -8,7 +8,7 @@ use super::precise::Precise;
 use super::row::Row;
 use crate::error::Result;
 use crate::math::Rgb;
-use crate::render::exposure::Exposure;
+use crate::render::film::Film;
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "film",
@@ -49,10 +49,10 @@ fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
     Ok(std::iter::once(stable).chain(textbook).map(Tally::row).collect())
 }
 
-fn exposed(pairs: u32) -> Result<Exposure> {
+fn exposed(pairs: u32) -> Result<Film> {
     let samples = [0, 1].map(|i| Rgb::from_array(CHANNELS.map(|values| values[i])));
-    let mut film = Exposure::new(1, 1, None)?;
-    film.expose(|row| {
+    let mut film = Film::new(1, 1, None)?;
+    film.accumulate(|row| {
         for _ in 0..pairs {
             samples.iter().for_each(|&sample| row.add(0, sample, &[]));
         }

@@ -45,7 +45,9 @@ use crate::interrupt;
 /// One thing that the study looks at.
 #[derive(Clone, Copy)]
 pub enum Entry {
+    /// What a formula defines.
     Formula(&'static Family),
+    /// What is compared with exact results of another kind.
     Experiment(&'static Experiment),
 }
 
@@ -75,6 +77,7 @@ pub static REGISTRY: [Entry; 21] = [
 ];
 
 impl Entry {
+    /// Its name, which is also that of its rows.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -83,6 +86,7 @@ impl Entry {
         }
     }
 
+    /// What it is, in a line.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -140,6 +144,7 @@ pub fn of_figure(figure: &str) -> Vec<&'static str> {
 
 /// The results of a run.
 pub struct Stability {
+    /// A row for each family or experiment, variant and precision.
     pub rows: Vec<Row>,
     /// Whether the bounds on errors hold.
     pub bounds: Vec<BoundCheck>,

@@ -11,14 +11,20 @@ use serde::Serialize;
 /// One variant at the input.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Line {
+    /// The variant's name.
     #[serde(rename = "form")]
     pub variant: &'static str,
+    /// That it ran in.
     pub precision: Precision,
     /// Nothing for an answer such as "the ray misses"; one number, or three of a vector.
     pub value: Vec<f64>,
+    /// The exact value, in the same form.
     pub reference: Vec<f64>,
+    /// Error in units of the last place.
     pub ulp: f64,
+    /// Error relative to the exact value.
     pub relative: f64,
+    /// The condition number at the input.
     pub condition: f64,
     /// `not finite`, `negative`, `out of range`, or nothing.
     pub flaw: &'static str,
@@ -27,8 +33,11 @@ pub struct Line {
 /// A case that was given exactly.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
+    /// Its name.
     pub family: &'static str,
+    /// Names and values of the inputs.
     pub inputs: Vec<(&'static str, f64)>,
+    /// One for each variant and precision.
     pub lines: Vec<Line>,
 }
 

@@ -8,11 +8,14 @@ use serde::{Serialize, Serializer};
 /// A variant over all its cases. Field names are the CSV columns, but for one.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
+    /// Name of the family, or of a part of an experiment.
     pub family: &'static str,
     /// Which way of computing it; the column is called `form`.
     #[serde(rename = "form")]
     pub variant: &'static str,
+    /// That it ran in.
     pub precision: Precision,
+    /// Inputs that were tried.
     pub cases: u64,
     /// Largest |answer − exact| / |exact|.
     #[serde(serialize_with = "finite_or_word")]
@@ -26,8 +29,11 @@ pub struct Row {
     /// Largest error in units of the last place over the condition number (or 1 if that is less).
     #[serde(serialize_with = "finite_or_word")]
     pub max_ulp_per_condition: f64,
+    /// Results that are infinite or not a number.
     pub non_finite: u64,
+    /// Results below 0 where there are none.
     pub negative: u64,
+    /// Results that are impossible in another way.
     pub out_of_range: u64,
     /// The input of the largest relative error, as `--replay` takes it, or what it was.
     pub worst: String,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 pub struct Case {
     /// Where in which grid; `None` for an input that is in no grid.
     pub place: Option<Place>,
+    /// That all variants ran in.
     pub precision: Precision,
     /// Rounded to that precision.
     pub inputs: Vec<f64>,
@@ -29,9 +30,11 @@ pub struct Place {
 
 /// All cases of a family.
 pub struct Sweep {
+    /// What was swept.
     pub family: &'static Family,
     /// Places along each side of a section.
     pub side: usize,
+    /// Section by section, then the edges.
     pub cases: Vec<Case>,
 }
 

@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 /// When a pattern names nothing; the hint has the nearest names.
 pub fn select(cases: Vec<Case>, patterns: &[String]) -> Result<Vec<Case>> {
     if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !names(pattern, &case.name))) {
-        return Err(Error::parameter("NAME", format!("there is no test \"{unknown}\""))
-            .with_hint(format!("the nearest: {}; --list shows all", nearest(&cases, unknown).join(", "))));
+        return Err(Error::parameter("names", format!("there is no test \"{unknown}\""))
+            .with_hint(format!("the nearest: {}; `list` shows all", nearest(&cases, unknown).join(", "))));
     }
     let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| names(pattern, &case.name));
     Ok(cases.into_iter().filter(wanted).collect())

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::raster::Image;
-use crate::render::exposure::Exposure;
+use crate::render::film::Film;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::sampling::{direction_density, hash};
@@ -139,9 +139,9 @@ impl RenderTest {
 
     /// Tiles of the render beside those of the truth.
     fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
-        let shot = |settings: &Settings, seed: u64| -> Result<Exposure> {
+        let shot = |settings: &Settings, seed: u64| -> Result<Film> {
             let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
-            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.exposure)
+            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.film)
         };
         let size = [self.request.width, self.request.height];
         let tested = means(&shot(&self.settings, seed)?);
@@ -154,7 +154,7 @@ impl RenderTest {
 }
 
 /// The first channel of a film.
-fn means(film: &Exposure) -> Vec<Mean> {
+fn means(film: &Film) -> Vec<Mean> {
     let (image, errors) = (film.image(), film.standard_error());
     let pixels = film.pixels().iter().zip(image.pixels()).zip(errors.pixels());
     pixels.map(|((p, value), error)| Mean::of_samples(p.samples(), f64::from(value.x), f64::from(error.x))).collect()

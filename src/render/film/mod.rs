@@ -1,12 +1,12 @@
 //! The film of a render that may be cut into parts: sums without rounding, so that parts can be merged in any order.
 //!
-//! An [`Exposure`] collects samples. A [`Part`] says which samples of how many they are, is written to an OpenEXR file
+//! A [`Film`] collects samples. A [`Part`] says which samples of how many they are, is written to an OpenEXR file
 //! that viewers show as a picture, is read back, and is merged with other parts of the same render.
 
+mod accumulate;
 mod classes;
 mod dropped;
 mod file;
-mod film;
 pub mod fixed;
 mod layers;
 mod merge;
@@ -17,9 +17,9 @@ mod row;
 mod splats;
 mod sums;
 
-pub use self::classes::{Classes, Word};
+pub use self::accumulate::{Film, PixelEstimate};
+pub use self::classes::{PathClass, PathClasses};
 pub use self::dropped::Dropped;
-pub use self::film::{Exposure, PixelEstimate};
 pub use self::merge::merge_files;
 pub use self::part::{Part, Task};
 pub use self::pixel::Pixel;

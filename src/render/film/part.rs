@@ -1,6 +1,6 @@
 //! A render, or a part of one: the film, which samples are on it, and of what.
 
-use super::film::Exposure;
+use super::accumulate::Film;
 use super::ranges::Ranges;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
@@ -11,12 +11,12 @@ use std::ops::Range;
 /// ```
 /// use etalon::math::Rgb;
 /// use etalon::raster::Metadata;
-/// use etalon::render::exposure::{Exposure, Part};
+/// use etalon::render::film::{Film, Part};
 ///
 /// // The second half of 16 samples, which could be interrupted between any two samples and written to a file.
-/// let mut part = Part::new(Exposure::new(4, 2, None)?, 16, "scene and settings", Metadata::default());
+/// let mut part = Part::new(Film::new(4, 2, None)?, 16, "scene and settings", Metadata::default());
 /// while let Some(task) = part.next(8..16) {
-///     part.exposure.expose(|row| {
+///     part.film.accumulate(|row| {
 ///         for x in 0..4 {
 ///             for sample in task.left(row.samples(x)) {
 ///                 row.add(x, Rgb::splat(sample as f32), &[]);
@@ -25,12 +25,13 @@ use std::ops::Range;
 ///     });
 /// }
 /// assert_eq!(part.ranges().to_string(), "8..16 of 16");
-/// assert_eq!(part.exposure.image().get(0, 0), Rgb::splat(11.5));
+/// assert_eq!(part.film.image().get(0, 0), Rgb::splat(11.5));
 /// # Ok::<(), etalon::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    pub exposure: Exposure,
+    /// The samples so far.
+    pub film: Film,
     pub(super) ranges: Ranges,
     /// Equal for parts of the same picture: a hash of the scene and of all settings that change a sample.
     pub fingerprint: String,
@@ -64,8 +65,8 @@ impl Task {
 impl Part {
     /// A part without samples, of a picture that is to have `spp` for each pixel.
     #[must_use]
-    pub fn new(exposure: Exposure, spp: u32, fingerprint: impl Into<String>, metadata: Metadata) -> Self {
-        Self { exposure, ranges: Ranges::none(spp), fingerprint: fingerprint.into(), metadata }
+    pub fn new(film: Film, spp: u32, fingerprint: impl Into<String>, metadata: Metadata) -> Self {
+        Self { film, ranges: Ranges::none(spp), fingerprint: fingerprint.into(), metadata }
     }
 
     /// What is to be done next: the range at which the render was interrupted, then what is missing within `within`,
@@ -95,7 +96,7 @@ impl Part {
     pub fn ranges(&self) -> Ranges {
         let mut ranges = self.ranges.clone();
         let target = ranges.target();
-        if ranges.begun().is_some() && self.exposure.pixels.iter().all(|p| p.n == target) {
+        if ranges.begun().is_some() && self.film.pixels.iter().all(|p| p.n == target) {
             ranges.finish();
         }
         ranges
@@ -104,7 +105,7 @@ impl Part {
     /// How many samples the film holds, all pixels together.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.exposure.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
+        self.film.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
     }
 
     /// Whether the picture has all its samples.

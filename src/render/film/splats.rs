@@ -16,6 +16,7 @@ pub struct Splat {
     pub pixel: [u32; 2],
     /// The number of the path's class; 0 without classes.
     pub class: usize,
+    /// What is added to the pixel.
     pub value: Rgb,
 }
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 pub struct Dropped {
     /// Infinite, not a number, or from 2^63 on.
     pub nonfinite: u64,
+    /// Samples with a negative channel.
     pub negative: u64,
     /// The first pixel (column and row; in reading order) that lost a sample.
     #[serde(skip_serializing_if = "Option::is_none")]

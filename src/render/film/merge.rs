@@ -41,7 +41,7 @@ impl Part {
     /// Adds a part of the same picture with other samples.
     fn add(&mut self, other: Part) -> Result<()> {
         self.ranges = self.ranges();
-        self.exposure.merge(&other.exposure)?;
+        self.film.merge(&other.film)?;
         self.ranges.merge(other.ranges());
         let agreed = self.metadata.entries().iter().filter(|entry| other.metadata.entries().contains(entry));
         self.metadata = agreed.fold(Metadata::default(), |all, (name, value)| all.with(name, value));
@@ -51,9 +51,9 @@ impl Part {
 
 /// An error that says in what two files disagree, if they are parts of different pictures.
 fn same_picture(path_a: &Path, a: &Part, path_b: &Path, b: &Part) -> Result<()> {
-    let size = |part: &Part| format!("{}x{}", part.exposure.width(), part.exposure.height());
+    let size = |part: &Part| format!("{}x{}", part.film.width(), part.film.height());
     let samples = |part: &Part| part.ranges.spp().to_string();
-    let paths = |part: &Part| part.exposure.classes().map_or("no".into(), |c| c.count().to_string());
+    let paths = |part: &Part| part.film.classes().map_or("no".into(), |c| c.count().to_string());
     let differences: Vec<String> = [
         ("pixels", size(a), size(b)),
         ("samples per pixel", samples(a), samples(b)),

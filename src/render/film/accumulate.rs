@@ -1,6 +1,6 @@
-//! The pixels of a film: exposed row by row, turned into pictures, merged.
+//! The film itself: accumulates samples row by row, is turned into images, is merged.
 
-use super::classes::Classes;
+use super::classes::PathClasses;
 use super::dropped::Dropped;
 use super::fixed::Fixed;
 use super::pixel::Pixel;
@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// All samples of a rectangle of pixels: a picture, or some rows of one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Exposure {
+pub struct Film {
     width: usize,
     height: usize,
     /// The number of the first row.
@@ -30,42 +30,45 @@ pub struct Exposure {
 /// The light of each pixel by the class of its path: for each pixel a sum for each class.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Paths {
-    pub classes: Classes,
+    pub classes: PathClasses,
     pub sums: Vec<[Fixed; 3]>,
 }
 
 /// What is known of a pixel: its mean, and the standard error of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelEstimate {
+    /// Mean of the pixel's samples.
     pub mean: Rgb,
+    /// Standard error of the mean.
     pub error: Rgb,
 }
 
 /// A film of more pixels than this could not be read back from a file.
 const MAX_PIXELS: usize = 1 << 28;
 
-impl Exposure {
+impl Film {
     /// Memory that a film takes for each pixel, and for each path class of a pixel.
     pub const BYTES: usize = size_of::<Pixel>();
+    /// Memory of one path class of a pixel.
     pub const BYTES_PER_CLASS: usize = size_of::<[Fixed; 3]>();
 
     /// A film without samples; with `classes`, it also keeps the light apart by the class of its path.
     ///
     /// # Errors
     /// [`Error::Parameter`] for no pixel and for more than 2^28, [`Error::Memory`] when they do not fit.
-    pub fn new(width: usize, height: usize, classes: Option<Classes>) -> Result<Self> {
+    pub fn new(width: usize, height: usize, classes: Option<PathClasses>) -> Result<Self> {
         Self::strip(width, 0..height, classes)
     }
 
-    /// [`Exposure::new`] for some rows of a picture, which take the memory of so many. They are for those who are done
+    /// [`Film::new`] for some rows of a picture, which take the memory of so many. They are for those who are done
     /// with these rows before they go on to the next: a file does not say which rows it holds.
     ///
     /// # Errors
-    /// Those of [`Exposure::new`].
-    pub fn strip(width: usize, rows: Range<usize>, classes: Option<Classes>) -> Result<Self> {
+    /// Those of [`Film::new`].
+    pub fn strip(width: usize, rows: Range<usize>, classes: Option<PathClasses>) -> Result<Self> {
         let (top, height) = (rows.start, rows.len());
         let count = width.saturating_mul(height);
-        let sums = count.saturating_mul(classes.map_or(0, Classes::count));
+        let sums = count.saturating_mul(classes.map_or(0, PathClasses::count));
         if count == 0 || count > MAX_PIXELS {
             return Err(Error::parameter("width", format!("no film for {width}x{height} pixels"))
                 .with_hint("at least 1x1 and at most 2^28 pixels"));
@@ -88,15 +91,17 @@ impl Exposure {
     /// # Errors
     /// [`Error::Memory`] when it does not fit.
     pub fn with_splats(self) -> Result<Self> {
-        let splats = Splats::new([self.width, self.height], self.classes().map_or(0, Classes::count))?;
+        let splats = Splats::new([self.width, self.height], self.classes().map_or(0, PathClasses::count))?;
         Ok(Self { splats: Some(splats), ..self })
     }
 
+    /// Columns of pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Rows of pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
@@ -116,14 +121,14 @@ impl Exposure {
 
     /// The path classes that are kept apart.
     #[must_use]
-    pub fn classes(&self) -> Option<Classes> {
+    pub fn classes(&self) -> Option<PathClasses> {
         self.paths.as_ref().map(|p| p.classes)
     }
 
     /// Calls `fill` for every row, in parallel, to add samples. Which thread adds what, in which order, and in how many
     /// calls does not matter.
-    pub fn expose(&mut self, fill: impl Fn(&mut Row<'_>) + Sync) {
-        let classes = self.classes().map_or(0, Classes::count);
+    pub fn accumulate(&mut self, fill: impl Fn(&mut Row<'_>) + Sync) {
+        let classes = self.classes().map_or(0, PathClasses::count);
         let mut sums = self.paths.as_mut().map_or(&mut [][..], |p| &mut p.sums);
         let mut rows = Vec::with_capacity(self.height);
         for (y, pixels) in self.pixels.chunks_exact_mut(self.width).enumerate() {
@@ -213,7 +218,7 @@ impl Exposure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::exposure::Splat;
+    use crate::render::film::Splat;
     use crate::sampling::stream::{Independent, Stream};
 
     const SIZE: (usize, usize) = (7, 5);
@@ -232,18 +237,18 @@ mod tests {
     }
 
     /// A film with the samples for which `here` says so, each of which brings light to some other pixel, too.
-    fn film(here: impl Fn(usize, usize, u32) -> bool + Sync) -> Exposure {
+    fn film(here: impl Fn(usize, usize, u32) -> bool + Sync) -> Film {
         let mut film = without_splats().with_splats().unwrap();
-        expose(&mut film, here);
+        accumulate(&mut film, here);
         film
     }
 
-    fn without_splats() -> Exposure {
-        Exposure::new(SIZE.0, SIZE.1, Some(Classes::up_to(1))).unwrap()
+    fn without_splats() -> Film {
+        Film::new(SIZE.0, SIZE.1, Some(PathClasses::up_to(1))).unwrap()
     }
 
-    fn expose(film: &mut Exposure, here: impl Fn(usize, usize, u32) -> bool + Sync) {
-        film.expose(|row| {
+    fn accumulate(film: &mut Film, here: impl Fn(usize, usize, u32) -> bool + Sync) {
+        film.accumulate(|row| {
             for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
                 if here(x, row.y(), s) {
                     let paths = light(x, row.y(), s);
@@ -263,7 +268,7 @@ mod tests {
             let count = 2 + round % 5;
             let random = |pixel: usize, s: u32| Independent::new(u64::from(round), pixel as u64, s).pair(9)[0];
             let of = |x: usize, y: usize, s: u32| (random(10 * y + x, s) * f64::from(count)) as u32;
-            let mut parts: Vec<Exposure> = (0..count).map(|part| film(|x, y, s| of(x, y, s) == part)).collect();
+            let mut parts: Vec<Film> = (0..count).map(|part| film(|x, y, s| of(x, y, s) == part)).collect();
             // Pairs at random, until one is left.
             for step in 0.. {
                 let mut take = |dimension| {
@@ -293,11 +298,11 @@ mod tests {
     #[test]
     fn strips_are_the_rows_of_the_whole() {
         let mut whole = without_splats();
-        expose(&mut whole, |_, _, _| true);
+        accumulate(&mut whole, |_, _, _| true);
         let mut dropped = Dropped::default();
         for rows in [0..2, 2..3, 3..5] {
-            let mut strip = Exposure::strip(SIZE.0, rows.clone(), whole.classes()).unwrap();
-            expose(&mut strip, |_, _, _| true);
+            let mut strip = Film::strip(SIZE.0, rows.clone(), whole.classes()).unwrap();
+            accumulate(&mut strip, |_, _, _| true);
             assert_eq!(strip.pixels(), &whole.pixels()[SIZE.0 * rows.start..SIZE.0 * rows.end]);
             for ((name, part), (_, all)) in strip.path_layers().iter().zip(&whole.path_layers()) {
                 rows.clone().for_each(|y| assert_eq!(part.row(y - rows.start), all.row(y), "{name}"));
@@ -305,13 +310,13 @@ mod tests {
             dropped = dropped.merge(strip.dropped());
         }
         assert_eq!(dropped, whole.dropped());
-        assert!(Exposure::strip(2, 0..1, None).unwrap().merge(&Exposure::strip(2, 1..2, None).unwrap()).is_err());
+        assert!(Film::strip(2, 0..1, None).unwrap().merge(&Film::strip(2, 1..2, None).unwrap()).is_err());
     }
 
     #[test]
     fn impossible_samples_are_black_counted_and_located() {
-        let mut film = Exposure::new(3, 2, None).unwrap();
-        film.expose(|row| {
+        let mut film = Film::new(3, 2, None).unwrap();
+        film.accumulate(|row| {
             for (x, s) in (0..3).rev().flat_map(|x| (0..4).map(move |s| (x, s))) {
                 let value = match (x, row.y(), s) {
                     (1, 0, 2) => Rgb::new(f32::NAN, 1.0, 1.0),
@@ -333,9 +338,9 @@ mod tests {
     #[test]
     fn path_layers_leave_the_picture_alone() {
         let mut with = without_splats();
-        expose(&mut with, |_, _, _| true);
-        let mut without = Exposure::new(SIZE.0, SIZE.1, None).unwrap();
-        without.expose(|row| {
+        accumulate(&mut with, |_, _, _| true);
+        let mut without = Film::new(SIZE.0, SIZE.1, None).unwrap();
+        without.accumulate(|row| {
             for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
                 row.add(x, light(x, row.y(), s).iter().sum(), &[]);
             }
@@ -348,8 +353,8 @@ mod tests {
     fn light_from_elsewhere_is_in_the_picture_its_error_and_its_layers() {
         // Two pixels of n samples each; light comes to the first one with every other sample of the second.
         let (n, value) = (1000, Rgb::new(0.5, 2.0, 0.0));
-        let mut film = Exposure::new(2, 1, Some(Classes::up_to(1))).unwrap().with_splats().unwrap();
-        film.expose(|row| {
+        let mut film = Film::new(2, 1, Some(PathClasses::up_to(1))).unwrap().with_splats().unwrap();
+        film.accumulate(|row| {
             for s in 0..n {
                 row.add(0, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
                 row.add(1, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
@@ -367,7 +372,7 @@ mod tests {
         let layers = film.path_layers();
         assert_eq!([layers[0].1.get(0, 0), layers[2].1.get(0, 0)], [Rgb::ONE, 0.5 * value]);
         // A sample that is still to come makes the pixel no darker than the light that came to it so far.
-        film.expose(|row| row.add(1, Rgb::ONE, &[]));
+        film.accumulate(|row| row.add(1, Rgb::ONE, &[]));
         let later = film.estimates().next().unwrap().mean;
         assert!((later - first.mean).abs().max_element() < 2e-3 && later != first.mean);
     }
@@ -377,8 +382,8 @@ mod tests {
         for (width, height, classes) in
             [(0, 1, None), (1, 0, None), (1 << 15, 1 << 14, None), (usize::MAX, 2, None), (1 << 14, 1 << 14, Some(6))]
         {
-            assert!(Exposure::new(width, height, classes.map(Classes::up_to)).is_err());
+            assert!(Film::new(width, height, classes.map(PathClasses::up_to)).is_err());
         }
-        assert!(Exposure::new(2, 1, None).unwrap().merge(&Exposure::new(1, 2, None).unwrap()).is_err());
+        assert!(Film::new(2, 1, None).unwrap().merge(&Film::new(1, 2, None).unwrap()).is_err());
     }
 }

@@ -7,14 +7,14 @@ use pulp::Arch;
 use std::marker::PhantomData;
 
 /// The streams of the camera samples in flight, by slot.
-pub struct Numbers {
+pub struct SampleLanes {
     kind: StreamKind,
     seed: u64,
     key: [u64; LANES],
     sample: [u32; LANES],
 }
 
-impl Numbers {
+impl SampleLanes {
     pub fn new(kind: StreamKind, seed: u64) -> Self {
         Self { kind, seed, key: [0; LANES], sample: [0; LANES] }
     }
@@ -66,7 +66,7 @@ impl Numbers {
         }
     }
 
-    /// [`Numbers::pair`] rounded down to 24 bits.
+    /// [`SampleLanes::pair`] rounded down to 24 bits.
     #[inline]
     pub fn short_pair(&self, slot: u32, dimension: u32, (index, count): (u32, u32)) -> [f32; 2] {
         let (key, sample) = (self.key[slot as usize % LANES], self.sample[slot as usize % LANES]);

@@ -1,8 +1,8 @@
 //! Parts of a render as OpenEXR files: a picture for viewers, and the sums to go on from.
 
-use super::classes::Classes;
+use super::accumulate::Film;
+use super::classes::PathClasses;
 use super::dropped::Dropped;
-use super::film::Exposure;
 use super::part::Part;
 use super::ranges::Ranges;
 use super::sums::slots;
@@ -47,7 +47,7 @@ impl Part {
     }
 
     fn write_with(&self, path: &Path, keep_sums: bool) -> Result<()> {
-        let film = &self.exposure;
+        let film = &self.film;
         let (image, error, paths) = (film.image(), film.standard_error(), film.path_layers());
         let named = paths.iter().map(|(name, image)| Layer { name, image });
         let layers =
@@ -63,9 +63,9 @@ impl Part {
     }
 
     fn attributes(&self) -> Metadata {
-        let dropped = self.exposure.dropped;
+        let dropped = self.film.dropped;
         let mut attributes = self.metadata.clone().with(SAMPLES, self.ranges()).with(FINGERPRINT, &self.fingerprint);
-        if let Some(classes) = self.exposure.classes() {
+        if let Some(classes) = self.film.classes() {
             attributes = attributes.with(PATHS, classes.names().collect::<Vec<_>>().join(" "));
         }
         attributes = attributes.with(NONFINITE, dropped.nonfinite).with(NEGATIVE, dropped.negative);
@@ -90,7 +90,7 @@ impl Part {
         let wrong = |name: &str| Error::input(path, format!("the attribute {name:?} makes no sense"));
         let ranges = Ranges::parse(samples).ok_or_else(|| wrong(SAMPLES))?;
         let classes = match attributes.get(PATHS) {
-            Some(names) => Some(Classes::parse(names).ok_or_else(|| wrong(PATHS))?),
+            Some(names) => Some(PathClasses::parse(names).ok_or_else(|| wrong(PATHS))?),
             None => None,
         };
         let splats = file.counts("splats.sums.R0")?;
@@ -102,22 +102,22 @@ impl Part {
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;
         let film = || {
-            let film = Exposure::new(width, height, classes);
-            if splats { film.and_then(Exposure::with_splats) } else { film }
+            let film = Film::new(width, height, classes);
+            if splats { film.and_then(Film::with_splats) } else { film }
         };
-        let mut exposure =
+        let mut film =
             file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;
-        exposure.dropped = dropped;
+        film.dropped = dropped;
         let counts = ranges.samples()..=ranges.target();
-        if let Some(i) = exposure.pixels.iter().position(|p| !counts.contains(&p.n)) {
-            let (x, y, n) = (i % width, i / width, exposure.pixels[i].n);
+        if let Some(i) = film.pixels.iter().position(|p| !counts.contains(&p.n)) {
+            let (x, y, n) = (i % width, i / width, film.pixels[i].n);
             return Err(Error::input(path, format!("pixel ({x}, {y}) has {n} samples, not {ranges}"))
                 .with_hint("the file is damaged; render the part again"));
         }
         let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FIRST];
         let others = attributes.entries().iter().filter(|(name, _)| !own.contains(&name.as_str()));
         let metadata = others.fold(Metadata::default(), |all, (name, value)| all.with(name, value));
-        Ok(Self { exposure, fingerprint: fingerprint.into(), ranges, metadata })
+        Ok(Self { film, fingerprint: fingerprint.into(), ranges, metadata })
     }
 }
 

@@ -8,9 +8,9 @@
 /// The code is a one followed by a bit for each scattering, the one next to the light first: D is 0, S is 1. So codes
 /// in increasing order are words by length, then by alphabet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Word(u32);
+pub struct PathClass(u32);
 
-impl Word {
+impl PathClass {
     /// `LE`: light that is seen directly. A path traced from the eye starts with it.
     pub const DIRECT: Self = Self(1);
     /// A path of more scatterings keeps the class that it has.
@@ -47,15 +47,15 @@ impl Word {
 
 /// Which words get a layer of their own: all up to a number of scatterings. The others share one, the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Classes {
+pub struct PathClasses {
     scatterings: u32,
 }
 
-impl Classes {
+impl PathClasses {
     /// More scatterings than these would give more layers (2^(n+1)) than anybody looks at.
     pub const LONGEST: u32 = 6;
 
-    /// A class for each word of at most `scatterings` letters between L and E (at most [`Classes::LONGEST`]), and one
+    /// A class for each word of at most `scatterings` letters between L and E (at most [`PathClasses::LONGEST`]), and one
     /// for the rest.
     #[must_use]
     pub fn up_to(scatterings: u32) -> Self {
@@ -71,7 +71,7 @@ impl Classes {
     /// The number of a word's class: by length, then by alphabet, the rest last.
     #[inline]
     #[must_use]
-    pub fn index(self, word: Word) -> usize {
+    pub fn index(self, word: PathClass) -> usize {
         word.0.min(2 << self.scatterings) as usize - 1
     }
 
@@ -94,16 +94,16 @@ impl Classes {
 mod tests {
     use super::*;
 
-    fn word(from_the_eye: &str) -> Word {
-        from_the_eye.chars().fold(Word::DIRECT, |word, letter| word.then(letter == 'S'))
+    fn word(from_the_eye: &str) -> PathClass {
+        from_the_eye.chars().fold(PathClass::DIRECT, |word, letter| word.then(letter == 'S'))
     }
 
     #[test]
     fn words_are_ordered_by_length_then_by_alphabet() {
-        let names: Vec<String> = Classes::up_to(2).names().collect();
+        let names: Vec<String> = PathClasses::up_to(2).names().collect();
         assert_eq!(names, ["LE", "LDE", "LSE", "LDDE", "LDSE", "LSDE", "LSSE", "rest"]);
-        for scatterings in 0..=Classes::LONGEST {
-            let classes = Classes::up_to(scatterings);
+        for scatterings in 0..=PathClasses::LONGEST {
+            let classes = PathClasses::up_to(scatterings);
             let names: Vec<String> = classes.names().collect();
             assert_eq!(names.len(), classes.count());
             assert!(names[..names.len() - 1].is_sorted_by_key(|n| (n.len(), n.clone())));
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_path_from_the_eye_finds_the_word_from_the_light() {
-        let classes = Classes::up_to(3);
+        let classes = PathClasses::up_to(3);
         let names: Vec<String> = classes.names().collect();
         for from_the_eye in ["", "D", "S", "DS", "SD", "SSD", "DSD", "SDD"] {
             let letters: String = from_the_eye.chars().rev().collect();
@@ -133,10 +133,10 @@ mod tests {
 
     #[test]
     fn names_can_be_read_back() {
-        for classes in (0..=Classes::LONGEST).map(Classes::up_to) {
+        for classes in (0..=PathClasses::LONGEST).map(PathClasses::up_to) {
             let text = classes.names().collect::<Vec<_>>().join(" ");
-            assert_eq!(Classes::parse(&text), Some(classes));
+            assert_eq!(PathClasses::parse(&text), Some(classes));
         }
-        assert_eq!(Classes::parse("LE LDE rest"), None);
+        assert_eq!(PathClasses::parse("LE LDE rest"), None);
     }
 }

@@ -1,16 +1,16 @@
 //! The picture taken apart by path class: layers whose sum is the picture, to the last bit.
 
-use super::film::Exposure;
+use super::accumulate::Film;
 use super::pixel::mean;
 use super::splats;
 use crate::math::Rgb;
 use crate::raster::Image;
 use rayon::prelude::*;
 
-impl Exposure {
+impl Film {
     /// The mean light of each path class, with the classes' names in their order; nothing without classes.
     ///
-    /// The layers of a pixel, added in this order in f64 and rounded to f32, give the value of [`Exposure::image`]
+    /// The layers of a pixel, added in this order in f64 and rounded to f32, give the value of [`Film::image`]
     /// exactly: what rounding leaves over goes to the largest of them.
     #[must_use]
     pub fn path_layers(&self) -> Vec<(String, Image)> {
@@ -88,14 +88,14 @@ fn sum(values: &[f32]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::exposure::Classes;
+    use crate::render::film::PathClasses;
     use crate::sampling::stream::{Independent, Stream};
 
     #[test]
     fn the_layers_of_a_million_pixels_add_up_exactly() {
-        let classes = Classes::up_to(3);
-        let mut film = Exposure::new(1000, 340, Some(classes)).unwrap();
-        film.expose(|row| {
+        let classes = PathClasses::up_to(3);
+        let mut film = Film::new(1000, 340, Some(classes)).unwrap();
+        film.accumulate(|row| {
             for x in 0..1000 {
                 let samples = 1 + (x % 3) as u32;
                 for s in 0..samples {

@@ -1,7 +1,7 @@
 //! The sums of a film as channels of unsigned integers: four words of 32 bits for each number.
 
-use super::classes::Classes;
-use super::film::Exposure;
+use super::accumulate::Film;
+use super::classes::PathClasses;
 use super::fixed::Fixed;
 
 /// One word of the film's state in every pixel.
@@ -24,7 +24,7 @@ pub enum Slot {
 /// All words with the names of their channels: `sums.n`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
 /// `splats`, also `splats.sums.R0` and so on.
 #[must_use]
-pub fn slots(classes: Option<Classes>, splats: bool) -> Vec<(String, Slot)> {
+pub fn slots(classes: Option<PathClasses>, splats: bool) -> Vec<(String, Slot)> {
     type Kinds = (fn(usize, usize) -> Slot, fn(usize, usize) -> Slot, fn(usize, usize, usize) -> Slot);
     let own: Kinds = (Slot::Sum, Slot::Square, Slot::Path);
     let others: Kinds = (Slot::SplatSum, Slot::SplatSquare, Slot::SplatPath);
@@ -33,7 +33,7 @@ pub fn slots(classes: Option<Classes>, splats: bool) -> Vec<(String, Slot)> {
     for (prefix, (sum, square, path)) in [("", own), ("splats.", others)].into_iter().take(1 + usize::from(splats)) {
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{word}"), sum(c, k))));
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}squares.{word}"), square(c, k))));
-        for (class, name) in classes.into_iter().flat_map(Classes::names).enumerate() {
+        for (class, name) in classes.into_iter().flat_map(PathClasses::names).enumerate() {
             slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{name}.{word}"), path(class, c, k))));
         }
     }
@@ -43,7 +43,7 @@ pub fn slots(classes: Option<Classes>, splats: bool) -> Vec<(String, Slot)> {
 impl Slot {
     /// The word in pixel number `i`.
     #[must_use]
-    pub fn get(self, film: &Exposure, i: usize) -> u32 {
+    pub fn get(self, film: &Film, i: usize) -> u32 {
         let of = |number: Option<&Fixed>, k: usize| number.map_or(0, |number| (number.bits() >> (32 * k)) as u32);
         let splats = film.splats.as_ref();
         match self {
@@ -54,14 +54,14 @@ impl Slot {
             Slot::SplatSum(c, k) => of(splats.map(|s| &s.pixels[i].sum[c]), k),
             Slot::SplatSquare(c, k) => of(splats.map(|s| &s.pixels[i].square[c]), k),
             Slot::SplatPath(class, c, k) => {
-                of(splats.map(|s| &s.classes[i * film.classes().map_or(0, Classes::count) + class][c]), k)
+                of(splats.map(|s| &s.classes[i * film.classes().map_or(0, PathClasses::count) + class][c]), k)
             }
         }
     }
 
     /// Puts the word into pixel number `i`, where it must have been 0.
-    pub fn set(self, film: &mut Exposure, i: usize, value: u32) {
-        let classes = film.classes().map_or(0, Classes::count);
+    pub fn set(self, film: &mut Film, i: usize, value: u32) {
+        let classes = film.classes().map_or(0, PathClasses::count);
         let put = |number: Option<&mut Fixed>, k: usize| {
             if let Some(number) = number {
                 *number += Fixed::from_bits(u128::from(value) << (32 * k));
