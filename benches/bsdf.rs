@@ -2,7 +2,7 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use etalon::bsdf::{Normals, Scatter};
+use etalon::bsdf::{NormalSampling, Scatter};
 use etalon::errata::Conventions;
 use etalon::math::Rgb;
 use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -34,7 +34,7 @@ fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material
             }
         });
     });
-    if !bsdf.is_delta() {
+    if !bsdf.lobes().are_delta() {
         group.bench_function(format!("{name}/eval_pdf"), |b| {
             b.iter(|| {
                 for pair in inputs.windows(2) {
@@ -50,14 +50,14 @@ fn normals(group: &mut BenchmarkGroup<WallTime>, name: &str, distribution: impl 
     group.bench_function(format!("{name}/visible normal"), |b| {
         b.iter(|| {
             for &(wo, _, u) in &inputs {
-                black_box(distribution.sample_visible(wo.to_array(), u));
+                black_box(distribution.sample_vndf(wo.to_array(), u));
             }
         });
     });
     group.bench_function(format!("{name}/any normal"), |b| {
         b.iter(|| {
             for &(_, _, u) in &inputs {
-                black_box(distribution.sample_all(u));
+                black_box(distribution.sample_ndf(u));
             }
         });
     });
@@ -79,7 +79,7 @@ fn materials(c: &mut Criterion) {
     for distribution in [Distribution::Beckmann, Distribution::Ggx] {
         let (eta, k) = (Rgb::new(0.216_46, 0.428_33, 1.3284), Rgb::new(3.2390, 2.4599, 1.8661));
         let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution, two_sided: false });
-        for normals in [Normals::Visible, Normals::All, Normals::Hemisphere] {
+        for normals in [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere] {
             material(&mut group, &format!("{distribution:?} {normals:?}"), metal, ScatterModel { normals, ..exact });
         }
         if distribution == Distribution::Beckmann {

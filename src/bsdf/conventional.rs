@@ -1,7 +1,7 @@
 //! A rough conductor by the second report's conventions; see [`Conventions`].
 
-use super::conductor::{Facet, reflect_at};
-use super::{BsdfSample, MetalFresnel, Scatter};
+use super::rough_conductor::{Facet, reflect_at};
+use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
 use crate::errata::Conventions;
 use crate::errata::microfacet::{direction_pdf_without_cosine, lambda_with_pi};
 use crate::math::Rgb;
@@ -17,7 +17,7 @@ use glam::Vec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConventionalConductor {
     pub distribution: Beckmann<f32>,
-    pub fresnel: MetalFresnel,
+    pub fresnel: ConductorFresnel,
     pub conventions: Conventions,
 }
 
@@ -30,7 +30,7 @@ impl ConventionalConductor {
             return self.fresnel.reflectance(cos);
         }
         let channel = |eta, k| fresnel_approximate(cos, eta, k).unpolarized();
-        let MetalFresnel { eta, k, .. } = self.fresnel;
+        let ConductorFresnel { eta, k, .. } = self.fresnel;
         Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
     }
 
@@ -44,11 +44,19 @@ impl ConventionalConductor {
 
     #[inline]
     fn density(&self, facet: &Facet) -> f32 {
-        0.25 * self.distribution.pdf_all(facet.wm) / facet.cos
+        0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos
     }
 }
 
 impl Scatter for ConventionalConductor {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::GlossyReflection])
+    }
+
+    fn is_reciprocal(&self) -> bool {
+        false
+    }
+
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         Facet::between(wo, wi).map_or(0.0, |facet| self.density(&facet))
@@ -64,9 +72,9 @@ impl Scatter for ConventionalConductor {
 
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let wi = reflect_at(wo, self.distribution.sample_all(u))?;
+        let wi = reflect_at(wo, self.distribution.sample_ndf(u))?;
         let (f, pdf) = self.eval_pdf(wo, wi);
-        (pdf > 0.0).then(|| BsdfSample { wi, weight: f * wi.z / pdf, pdf, delta: false })
+        (pdf > 0.0).then(|| BsdfSample::reflected(wi, f * wi.z / pdf, pdf, Lobe::GlossyReflection))
     }
 }
 

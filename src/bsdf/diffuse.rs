@@ -2,7 +2,7 @@
 //!
 //! Directions are in the local frame, the normal at +z. `f` is the BSDF value without the cosine.
 
-use super::{BsdfSample, Scatter};
+use super::{BsdfSample, Lobe, Lobes, Scatter};
 use crate::math::Rgb;
 use crate::sampling::warp;
 use glam::{DVec3, Vec3};
@@ -16,6 +16,7 @@ pub struct Diffuse {
 }
 
 impl Diffuse {
+    /// Reflects the share `albedo` of each channel.
     #[must_use]
     pub fn new(albedo: Rgb) -> Self {
         Self { f: eval(albedo), albedo }
@@ -29,6 +30,10 @@ fn reflects(wo: Vec3, wi: Vec3) -> bool {
 }
 
 impl Scatter for Diffuse {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::DiffuseReflection])
+    }
+
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         if reflects(wo, wi) { (self.f, wi.z.abs() * FRAC_1_PI) } else { (Rgb::ZERO, 0.0) }
@@ -39,7 +44,7 @@ impl Scatter for Diffuse {
         let mut wi = sample(u.map(f64::from)).as_vec3();
         wi.z = wi.z.copysign(wo.z);
         let pdf = self.pdf(wo, wi);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight: self.albedo, pdf, delta: false })
+        (pdf > 0.0).then(|| BsdfSample::reflected(wi, self.albedo, pdf, Lobe::DiffuseReflection))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Perfect mirrors: of a given reflectance, and of a polished metal.
 
-use super::{BsdfSample, MetalFresnel, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
 use crate::math::Rgb;
 use glam::Vec3;
 
@@ -13,28 +13,38 @@ pub(super) fn reflect(wo: Vec3) -> Vec3 {
 /// Reflects the given share of light, on either side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mirror {
+    /// Reflected share of each channel.
     pub reflectance: Rgb,
 }
 
 impl Scatter for Mirror {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::SpecularReflection])
+    }
+
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
-        BsdfSample::delta(reflect(wo), self.reflectance)
+        Some(BsdfSample::specular_reflection(reflect(wo), self.reflectance, 1.0))
     }
 }
 
 /// A smooth conductor, seen from the side of the normal (z > 0): reflects what Fresnel's equations say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothConductor {
-    pub fresnel: MetalFresnel,
+    /// Of the polished metal.
+    pub fresnel: ConductorFresnel,
 }
 
 impl Scatter for SmoothConductor {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::SpecularReflection])
+    }
+
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
-        BsdfSample::delta(reflect(wo), self.fresnel.reflectance(wo.z))
+        Some(BsdfSample::specular_reflection(reflect(wo), self.fresnel.reflectance(wo.z), 1.0))
     }
 }

@@ -3,7 +3,7 @@
 use super::pdf_without_cosine;
 use super::*;
 use crate::errata::Conventions;
-use crate::optics::metals::by_name;
+use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
 use crate::sampling::direction_density;
 use crate::scene::{Conductor as ConductorMaterial, Material, ScatterModel};
@@ -12,18 +12,13 @@ use glam::DVec3;
 
 const ALPHAS: [f32; 7] = [1e-4, 1e-3, 0.005, 0.05, 0.25, 0.5, 1.0];
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
-const NORMALS: [Normals; 3] = [Normals::Visible, Normals::All, Normals::Hemisphere];
+const NORMALS: [NormalSampling; 3] = [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere];
 const DISTRIBUTIONS: [Distribution; 2] = [Distribution::Beckmann, Distribution::Ggx];
 
-fn rgb(values: [f64; 3]) -> Rgb {
-    Rgb::from_array(values.map(|x| x as f32))
-}
-
 fn gold(alpha: f32, distribution: Distribution) -> Material {
-    let metal = by_name("Au").unwrap();
     Material::Conductor(ConductorMaterial {
-        eta: rgb(metal.eta),
-        k: rgb(metal.k),
+        eta: GOLD.eta_rgb(),
+        k: GOLD.k_rgb(),
         alpha,
         distribution,
         two_sided: false,
@@ -52,8 +47,8 @@ fn all_materials() -> Vec<(String, Bsdf)> {
                 list.push((name, gold(alpha, distribution).bsdf(model)));
             }
         }
-        let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
-        list.push((format!("report {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(report)));
+        let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+        list.push((format!("conventional {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(conventional)));
     }
     let (reflectance, transmittance) = (Rgb::splat(0.9), Rgb::splat(0.8));
     let plain = [
@@ -73,6 +68,39 @@ fn all_materials() -> Vec<(String, Bsdf)> {
         list.extend(plain.iter().map(|m| (format!("{m:?}"), m.bsdf(model))));
     }
     list
+}
+
+#[test]
+fn every_entry_of_the_registry_is_documented_and_tested() {
+    let tested: std::collections::HashSet<&str> = all_materials().iter().map(|(_, bsdf)| bsdf.name()).collect();
+    for (name, doc) in ALL {
+        assert!(doc.len() > 10 && tested.contains(name), "{name}: {doc}");
+    }
+    assert_eq!(tested.len(), ALL.len());
+}
+
+#[test]
+fn lobes_are_chosen_with_their_probabilities_and_importance_keeps_its_power() {
+    for (name, bsdf) in all_materials() {
+        for wo in directions() {
+            let all = [
+                Lobe::DiffuseReflection,
+                Lobe::DiffuseTransmission,
+                Lobe::GlossyReflection,
+                Lobe::GlossyTransmission,
+                Lobe::SpecularReflection,
+                Lobe::SpecularTransmission,
+            ];
+            let total: f32 = all.map(|lobe| bsdf.lobe_probability(wo, lobe)).iter().sum();
+            assert!((total - 1.0).abs() < 1e-6, "{name} {wo}: {total}");
+            for u in numbers().take(20) {
+                let Some(s) = bsdf.sample(wo, u[1], u) else { continue };
+                let adjoint = bsdf.sample_for(Transport::Importance, wo, u[1], u).unwrap();
+                assert_eq!(adjoint.weight, s.weight * (s.eta * s.eta), "{name}");
+                assert_eq!(s.eta == 1.0, !s.lobe.is_transmission() || s.weight == adjoint.weight, "{name}");
+            }
+        }
+    }
 }
 
 /// Numbers in the unit square, its corners among them.
@@ -102,8 +130,12 @@ fn every_sample_keeps_the_contract() {
                 assert_eq!(s.pdf.to_bits(), pdf.to_bits(), "{case}");
                 assert_eq!(pdf.to_bits(), bsdf.pdf(wo, s.wi).to_bits(), "{case}");
                 assert_eq!(f, bsdf.eval(wo, s.wi), "{case}");
-                assert_eq!(s.delta, bsdf.is_delta(), "{case}");
-                assert_eq!(s.delta, s.pdf == 0.0, "{case}");
+                assert!(bsdf.lobes().contains(s.lobe), "{case}");
+                assert_eq!(s.is_delta(), bsdf.lobes().are_delta(), "{case}");
+                assert_eq!(s.is_delta(), s.pdf == 0.0, "{case}");
+                assert_eq!(s.lobe.is_transmission(), s.wi.z * wo.z < 0.0, "{case}");
+                assert_eq!(s.probability.to_bits(), bsdf.lobe_probability(wo, s.lobe).to_bits(), "{case}");
+                assert_eq!(bsdf.pdf_reverse(wo, s.wi).to_bits(), bsdf.pdf(s.wi, wo).to_bits(), "{case}");
                 // Both sides are rounded a few times, and a density below 10⁻³⁰ has lost its last bits.
                 let (left, right) = (s.weight * s.pdf, f * s.wi.z.abs());
                 let error = (left - right).abs().max_element();
@@ -167,7 +199,7 @@ fn nothing_reflects_more_than_it_gets() {
         for distribution in DISTRIBUTIONS {
             for degrees in DEGREES {
                 let wo = towards(degrees, 1.0);
-                let [visible, all] = [Normals::Visible, Normals::All].map(|normals| {
+                let [visible, all] = [NormalSampling::Vndf, NormalSampling::Ndf].map(|normals| {
                     furnace(&white(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() }), wo).0
                 });
                 let case = format!("{distribution:?} {alpha} at {degrees}: {visible} {all}");
@@ -192,9 +224,9 @@ fn smooth_materials_lose_nothing() {
     let glass = Material::Glass { reflectance: one, transmittance: one, eta: 1.45 };
     let model = ScatterModel::default();
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
-    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
+    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
     for wo in directions() {
-        for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(report)] {
+        for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(conventional)] {
             for i in 0..1000 {
                 let Some(s) = bsdf.sample(wo, i as f32 / 1000.0, [0.5; 2]) else { panic!("glass loses light") };
                 // Power, that is radiance over n², is what is conserved.
@@ -254,12 +286,12 @@ fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outc
 }
 
 #[test]
-fn the_second_reports_metal_follows_its_own_density_and_not_the_printed_one() {
+fn the_conventional_conductor_follows_its_own_density_and_not_the_one_without_cosine() {
     let wo = towards(40.0, 1.0);
-    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
-    let bsdf = gold(0.3, Distribution::Beckmann).bsdf(report);
+    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let bsdf = gold(0.3, Distribution::Beckmann).bsdf(conventional);
     let own = tested(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
     assert!(own.is_accepted(), "{own}");
-    let printed = tested(&bsdf, |wo, wi| pdf_without_cosine(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);
-    assert_eq!(printed.verdict, Verdict::Reject, "{printed}");
+    let wrong = tested(&bsdf, |wo, wi| pdf_without_cosine(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);
+    assert_eq!(wrong.verdict, Verdict::Reject, "{wrong}");
 }

@@ -2,6 +2,7 @@
 
 use super::Real;
 use super::error_function::polynomial;
+pub use etalon_stats::warp::turns;
 use std::f32::consts::PI as PI32;
 use std::f64::consts::PI;
 
@@ -106,21 +107,6 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     (f64::from_bits(s ^ sign_s), f64::from_bits(c ^ sign_c))
 }
 
-/// The angle of (x, y) in turns, in \[0, 1).
-#[inline]
-#[must_use]
-pub fn turns(y: f64, x: f64) -> f64 {
-    let t = y.atan2(x) * (0.5 / PI);
-    // Adding 1 to a tiny negative angle rounds to 1, which is the seam: 0.
-    if t >= 0.0 {
-        t
-    } else if t + 1.0 < 1.0 {
-        t + 1.0
-    } else {
-        0.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -157,12 +143,5 @@ mod tests {
             let (es, ec) = (t * 2.0 * PI).sin_cos();
             assert!((s - es).abs() < 1e-15 && (c - ec).abs() < 1e-15, "{t}: {s} {es}, {c} {ec}");
         }
-    }
-
-    #[test]
-    fn the_seam_is_zero() {
-        assert_eq!(turns(-1e-30, 1.0), 0.0);
-        assert_eq!(turns(0.0, 1.0), 0.0);
-        assert!(turns(-1e-10, 1.0) > 0.999);
     }
 }

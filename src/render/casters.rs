@@ -17,7 +17,7 @@ use super::solids;
 use super::wide::{Wide, wide};
 use crate::math::circular::Circular;
 use crate::math::{Frame, Rgb};
-use crate::scene::{Light, Material, Rectangle, Role, Scene, Shape};
+use crate::scene::{EmitterVisibility, Light, Material, Rectangle, Scene, Shape};
 use glam::Vec3;
 use pulp::Arch;
 use std::f32::consts::{PI, TAU};
@@ -173,7 +173,7 @@ impl Casters {
 /// The glowing rectangles of a scene.
 fn lamps(scene: &Scene) -> Vec<Rectangle> {
     let glowing = scene.objects.iter().filter_map(|object| match (&object.shape, &object.emission) {
-        (Shape::Rectangle(r), Some(emission)) if emission.role == Role::Lamp => Some(*r),
+        (Shape::Rectangle(r), Some(emission)) if emission.visibility == EmitterVisibility::Sampled => Some(*r),
         _ => None,
     });
     let unseen = scene.lights.iter().filter_map(|light| match light {

@@ -1,6 +1,6 @@
 //! Lights that stand for a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
-use super::{Sampling, Settings};
+use super::settings::{Sampling, Settings};
 use crate::envmap::samplers::FixedLight;
 use crate::error::{Error, Result};
 use crate::scene::{Light, Scene};

@@ -1,8 +1,8 @@
 //! What each object does to light, made ready: scene materials become BSDFs under the settings of the render.
 
-use super::Settings;
 use super::lights::Sampled;
-use crate::bsdf::Bsdf;
+use super::settings::Settings;
+use crate::bsdf::{Bsdf, Scatter};
 use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};
 
@@ -37,7 +37,7 @@ impl Face {
             Material::Diffuse { albedo } => Kind::Diffuse { albedo },
             ref other => {
                 let bsdf = other.bsdf(settings.model);
-                if bsdf.is_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
+                if bsdf.lobes().are_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };
         let face = |(i, object): (usize, &crate::scene::Object)| Self {

@@ -1,6 +1,6 @@
 //! Tells whether two renders have the same samples, so that only such are merged.
 
-use super::Settings;
+use super::settings::Settings;
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 

@@ -21,15 +21,15 @@ use super::lights::{SampleLight, Sampled};
 use super::needs::Needs;
 use super::numbers::Numbers;
 use super::rough;
+use super::settings::{Sampling, Settings};
 use super::shine;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, RoughHit, Workspace};
-use super::{Sampling, Settings};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::error::Result;
 use crate::math::{Frame, Rgb};
 use crate::render::exposure::{Classes, Word};
-use crate::scene::{Emission, Request, Role, Scene};
+use crate::scene::{Emission, EmitterVisibility, Request, Scene};
 use glam::Vec3;
 use pulp::Arch;
 use std::ops::Range;
@@ -73,7 +73,9 @@ impl<'a> Integrator<'a> {
     ) -> Result<Self> {
         let lights = Sampled::all(scene, settings)?;
         let faces = Face::all(scene, settings, &lights);
-        let unsampled = |face: &Face| face.light.is_none() && face.emission.is_some_and(|e| e.role == Role::Lamp);
+        let unsampled = |face: &Face| {
+            face.light.is_none() && face.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
+        };
         let light_tracing = LightTracing::new(scene, request, settings, &faces, &lights, &geometry);
         let left_to_chance = settings.sampling.by_light() && faces.iter().any(unsampled);
         Ok(Self {
@@ -242,12 +244,12 @@ impl<'a> Integrator<'a> {
         if caustic::is_brought(work.paths.caustic[i]) && face.light.is_some_and(traced) {
             return;
         }
-        let share = match (emission.role, face.light) {
+        let share = match (emission.visibility, face.light) {
             _ if pdf == f32::INFINITY => 1.0,
-            (Role::Picture, _) => 0.0,
-            (Role::Lamp, Some(_)) if pdf == 0.0 => 0.0,
-            (Role::Lamp, None) => f32::from(u8::from(pdf > 0.0 || self.sampling.by_light())),
-            (Role::Lamp, Some(light)) => {
+            (EmitterVisibility::CameraOnly, _) => 0.0,
+            (EmitterVisibility::Sampled, Some(_)) if pdf == 0.0 => 0.0,
+            (EmitterVisibility::Sampled, None) => f32::from(u8::from(pdf > 0.0 || self.sampling.by_light())),
+            (EmitterVisibility::Sampled, Some(light)) => {
                 let other = self.lights[light].pdf(at(&work.paths.rays.origin, i));
                 power_heuristic(pdf, self.request.light_samples as f32 * other)
             }

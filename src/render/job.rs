@@ -1,20 +1,21 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
-use super::exposure::{Classes, Exposure, Part, Row};
+use super::exposure::{Classes, Dropped, Exposure, Part, Row};
+use super::fingerprint;
 use super::geometry::{Geometry, at};
 use super::integrator::Integrator;
 use super::lanes::LANES;
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::needs::Needs;
+use super::settings::{Settings, check};
 use super::strategies::Strategies;
 use super::workspace::Workspace;
-use super::{Settings, check, fingerprint};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
 use crate::memory;
-use crate::raster::Metadata;
+use crate::raster::{Image, Metadata};
 use crate::scene::bvh::MeshBvh;
 use crate::scene::{Object, Request, Scene, Shape};
 use std::ops::Range;
@@ -206,3 +207,42 @@ impl<'a> Job<'a> {
 
 /// [`Job::expose`] for some set of needs.
 type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
+
+/// A finished picture and how it came about.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    pub image: Image,
+    /// The film: every pixel's samples, their standard error, and the light by path class.
+    pub part: Part,
+    pub request: Request,
+    /// Wall-clock time of preparation and rendering, without reading or writing files.
+    pub seconds: f64,
+    pub dropped: Dropped,
+    /// What the scene did not need and the kernel hence does not have.
+    pub left_out: Vec<&'static str>,
+}
+
+/// Renders a scene on rayon's current thread pool.
+///
+/// The picture depends on the scene, the request and the settings alone, to the last bit: not on the number of
+/// threads, and not on what was left out.
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible request and for settings that exclude each other, [`Error::Interrupted`] if
+/// `control` stopped it.
+pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &dyn Control) -> Result<Rendered> {
+    let job = Job::new(scene, request, settings)?;
+    let mut part = job.part(Metadata::default())?;
+    job.run(&mut part, 0..request.spp, control);
+    if !part.is_complete() {
+        return Err(Error::Interrupted);
+    }
+    Ok(Rendered {
+        image: part.exposure.image(),
+        dropped: part.exposure.dropped(),
+        part,
+        request: *request,
+        seconds: job.seconds(),
+        left_out: job.left_out(),
+    })
+}

@@ -1,9 +1,9 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
-use super::Settings;
 use super::cut_lights;
 use super::geometry::{at, set};
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::settings::Settings;
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::scene::{Falloff, Light, Rectangle, Role, Scene, Shape, Sphere};
+use crate::scene::{EmitterVisibility, Falloff, Light, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
@@ -262,7 +262,8 @@ impl Sampled {
             }
         };
         let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
-            let emission = object.emission.filter(|e| e.role == Role::Lamp && e.radiance != Rgb::ZERO)?;
+            let emission =
+                object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
             let kind = match &object.shape {
                 Shape::Rectangle(r) => panel(r, emission.radiance, emission.two_sided),
                 // From inside a sphere only its back is seen.

@@ -1,6 +1,7 @@
 //! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
 
-use super::Settings;
+use super::settings::Settings;
+use crate::bsdf::Scatter;
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// A part of the renderer that some scenes can do without, as a bit.
@@ -61,7 +62,7 @@ impl Needs {
             request.max_depth > 0
                 && scene.objects.iter().any(|object| match &object.material {
                     Material::Diffuse { .. } => false,
-                    other => other.bsdf(settings.model).is_delta() == delta,
+                    other => other.bsdf(settings.model).lobes().are_delta() == delta,
                 })
         };
         let cut_lights = settings.density.has_fixed_lights() && scene.environment.is_some();
@@ -130,7 +131,7 @@ mod tests {
     use super::*;
     use crate::envmap::EnvMap;
     use crate::raster::Image;
-    use crate::render::Sampling;
+    use crate::render::settings::Sampling;
     use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;

@@ -3,7 +3,7 @@
 use super::geometry::{at, set};
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
 use super::wide::{Wide, wide};
-use crate::bsdf::{Bsdf, BsdfSample, Conductor, Normals, Scatter};
+use crate::bsdf::{Bsdf, NormalSampling, RoughConductor, Scatter};
 use crate::math::Rgb;
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
@@ -27,15 +27,15 @@ impl Default for Scattered {
 pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: usize, out: &mut Scattered) {
     match bsdf {
         // Loops without a case distinction inside, which vectorize.
-        Bsdf::Beckmann(c) if c.normals == Normals::Visible => wide(arch, Draw { conductor: c, wo, u, count, out }),
-        Bsdf::Ggx(c) if c.normals == Normals::Visible => wide(arch, Draw { conductor: c, wo, u, count, out }),
+        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => wide(arch, Draw { conductor: c, wo, u, count, out }),
+        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, Draw { conductor: c, wo, u, count, out }),
         other => {
             for i in 0..count {
-                let none = BsdfSample { wi: Vec3::Z, weight: Rgb::ZERO, pdf: 0.0, delta: false };
-                let sample = other.sample(at(wo, i), 0.0, [u[0][i], u[1][i]]).unwrap_or(none);
-                set(&mut out.wi, i, sample.wi);
-                set(&mut out.weight, i, sample.weight);
-                out.pdf[i] = sample.pdf;
+                let sample = other.sample(at(wo, i), 0.0, [u[0][i], u[1][i]]);
+                let (wi, weight, pdf) = sample.map_or((Vec3::Z, Rgb::ZERO, 0.0), |s| (s.wi, s.weight, s.pdf));
+                set(&mut out.wi, i, wi);
+                set(&mut out.weight, i, weight);
+                out.pdf[i] = pdf;
             }
         }
     }
@@ -45,8 +45,8 @@ pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: us
 /// `out.wi`.
 pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
     match bsdf {
-        Bsdf::Beckmann(c) if c.normals == Normals::Visible => wide(arch, Eval { conductor: c, wo, count, out }),
-        Bsdf::Ggx(c) if c.normals == Normals::Visible => wide(arch, Eval { conductor: c, wo, count, out }),
+        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => wide(arch, Eval { conductor: c, wo, count, out }),
+        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, Eval { conductor: c, wo, count, out }),
         other => {
             for i in 0..count {
                 let (f, pdf) = other.eval_pdf(at(wo, i), at(&out.wi, i));
@@ -58,7 +58,7 @@ pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Sc
 }
 
 struct Draw<'a, D> {
-    conductor: &'a Conductor<D>,
+    conductor: &'a RoughConductor<D>,
     wo: &'a Lane3,
     u: &'a [Lane; 2],
     count: usize,
@@ -73,7 +73,7 @@ impl<D: SampleNormals<f32>> Wide for Draw<'_, D> {
             let (wo, u) = (block(self.wo, number), block(self.u, number));
             let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
             for i in 0..BLOCK {
-                let sample = conductor.draw_visible(at(&wo, i), [u[0][i], u[1][i]]);
+                let sample = conductor.sample_vndf(at(&wo, i), [u[0][i], u[1][i]]);
                 set(&mut wi, i, sample.wi);
                 set(&mut weight, i, sample.weight);
                 pdf[i] = sample.pdf;
@@ -86,7 +86,7 @@ impl<D: SampleNormals<f32>> Wide for Draw<'_, D> {
 }
 
 struct Eval<'a, D> {
-    conductor: &'a Conductor<D>,
+    conductor: &'a RoughConductor<D>,
     wo: &'a Lane3,
     count: usize,
     out: &'a mut Scattered,
@@ -100,7 +100,7 @@ impl<D: SampleNormals<f32>> Wide for Eval<'_, D> {
             let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
             let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
             for i in 0..BLOCK {
-                let (f, density) = conductor.eval_visible(at(&wo, i), at(&wi, i));
+                let (f, density) = conductor.eval_vndf(at(&wo, i), at(&wi, i));
                 set(&mut weight, i, f);
                 pdf[i] = density;
             }

@@ -12,7 +12,7 @@ use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO3, block, blocks, put};
 use super::lights::PanelLight;
 use super::wide::{Wide, wide};
 use super::workspace::RoughHit;
-use crate::bsdf::{Bsdf, Normals};
+use crate::bsdf::{Bsdf, NormalSampling};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 use pulp::Arch;
@@ -39,7 +39,7 @@ pub fn trust(bsdf: &Bsdf) -> f32 {
         Bsdf::Ggx(c) => (c.distribution.alpha, c.normals),
         _ => return 1.0,
     };
-    if alpha >= BROAD && normals == Normals::Visible { TRUST } else { 1.0 }
+    if alpha >= BROAD && normals == NormalSampling::Vndf { TRUST } else { 1.0 }
 }
 
 /// Bends the numbers that a sample of a lamp is drawn with at each hit on broad metal; `density` becomes the density of

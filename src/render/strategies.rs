@@ -1,7 +1,7 @@
 //! How directions towards the light are chosen: by the light, by the surface, or by both.
 
 use super::needs::Needs;
-use super::{Sampling, Settings};
+use super::settings::{Sampling, Settings};
 use crate::bsdf::diffuse;
 use crate::envmap::samplers::SurfaceSampler;
 use crate::error::{Error, Result};

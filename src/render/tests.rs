@@ -2,10 +2,13 @@
 
 use super::*;
 use crate::envmap::EnvMap;
+use crate::envmap::samplers::MapSampling;
 use crate::math::Rgb;
+use crate::raster::Image;
+use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Emission, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle, Role, Shape, Sphere,
-    builtin,
+    Camera, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle,
+    Request, Scene, Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -107,7 +110,8 @@ fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
 }
 
 fn lamp(shape: Shape) -> Object {
-    let emission = Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, role: Role::Lamp });
+    let emission =
+        Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, visibility: EmitterVisibility::Sampled });
     Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
 }
 
@@ -194,7 +198,7 @@ fn lights_without_extent_are_exact_and_the_sky_fills_half_the_sphere() {
 #[test]
 fn inside_a_glowing_ball_light_adds_up_to_its_geometric_series() {
     // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
-    let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp });
+    let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     for albedo in [0.5f32, 0.9] {
         let shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
         let object = Object { shape, material: Material::Diffuse { albedo: Rgb::splat(albedo) }, emission };

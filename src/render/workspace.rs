@@ -1,12 +1,12 @@
 //! What one thread works with while it follows paths: their lanes, what they have hit, and the light found so far.
 
-use super::Settings;
 use super::casters::Cone;
 use super::exposure::{Classes, Splat, Word};
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
 use super::numbers::Numbers;
 use super::rough::Scattered;
+use super::settings::Settings;
 use crate::math::{Frame, Rgb};
 use glam::Vec3;
 use std::ops::Range;

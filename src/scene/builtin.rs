@@ -2,8 +2,8 @@
 
 use super::statue::statue;
 use super::{
-    Camera, Conductor, Distribution, Emission, Environment, Material, Mesh, Object, Projection, Rectangle, Request,
-    Role, Scene, Shape, Sphere,
+    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Projection,
+    Rectangle, Request, Scene, Shape, Sphere,
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
@@ -51,7 +51,11 @@ fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
         wall([-1.0, 0.75, 0.0], y, z, RED),
         wall([1.0, 0.75, 0.0], z, y, BLUE),
         Object {
-            emission: Some(Emission { radiance: Rgb::splat(10.0), two_sided: false, role: Role::Lamp }),
+            emission: Some(Emission {
+                radiance: Rgb::splat(10.0),
+                two_sided: false,
+                visibility: EmitterVisibility::Sampled,
+            }),
             ..wall([0.0, 1.49, 0.0], 0.4 * x, 0.3 * z, Rgb::ZERO)
         },
     ];

@@ -1,4 +1,4 @@
-//! How surfaces scatter and emit light.
+//! How surfaces scatter light, and what light they emit.
 
 use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
@@ -64,7 +64,7 @@ pub struct Emission {
     pub radiance: Rgb,
     /// Whether the back emits as well as the front (the side of the normal).
     pub two_sided: bool,
-    pub role: Role,
+    pub visibility: EmitterVisibility,
 }
 
 impl Emission {
@@ -76,12 +76,13 @@ impl Emission {
     }
 }
 
-/// What an emitting surface does in the scene.
+/// Who sees an emitter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Role {
-    /// It lights surfaces and is seen.
+pub enum EmitterVisibility {
+    /// It is an area light: light samples find it, and so do rays.
     #[default]
-    Lamp,
-    /// It is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same place lights for it.
-    Picture,
+    Sampled,
+    /// It lights no surface and is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same
+    /// place lights for it.
+    CameraOnly,
 }

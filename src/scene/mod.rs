@@ -19,7 +19,7 @@ pub use camera::{Camera, Projection, Ray};
 pub use environment::Environment;
 pub use first_hit::FirstHit;
 pub use light::{Falloff, Light};
-pub use material::{Conductor, Distribution, Emission, Material, Role};
+pub use material::{Conductor, Distribution, Emission, EmitterVisibility, Material};
 pub use mesh::{Mesh, Surface};
 pub use rectangle::Rectangle;
 pub use request::Request;
@@ -44,10 +44,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Whether anything lights surfaces. Emission of [`Role::Picture`] is only seen.
+    /// Whether anything lights surfaces. Emission of [`EmitterVisibility::CameraOnly`] is only seen.
     #[must_use]
     pub fn has_light(&self) -> bool {
-        let emits = |object: &Object| object.emission.is_some_and(|emission| emission.role == Role::Lamp);
+        let emits =
+            |object: &Object| object.emission.is_some_and(|emission| emission.visibility == EmitterVisibility::Sampled);
         self.environment.is_some() || !self.lights.is_empty() || self.objects.iter().any(emits)
     }
 

@@ -2,8 +2,8 @@
 
 use super::material::{Conductor, Material};
 use crate::bsdf::{
-    self, Bsdf, ConventionalConductor, DielectricFresnel, Diffuse, Glass, MetalFresnel, Mirror, Normals, Refraction,
-    SmoothConductor,
+    self, Bsdf, ConductorFresnel, ConventionalConductor, Dielectric, DielectricFresnel, Diffuse, Mirror,
+    NormalSampling, Refraction, SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -12,7 +12,7 @@ use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ScatterModel {
     /// How rough conductors are sampled.
-    pub normals: Normals,
+    pub normals: NormalSampling,
     /// What glass reflects.
     pub dielectric: DielectricFresnel,
     /// The conventions, which where they differ from the correct ones take precedence over the above.
@@ -33,7 +33,7 @@ impl Material {
                 } else {
                     model.dielectric
                 };
-                Bsdf::Glass(Glass { reflectance, transmittance, eta, fresnel })
+                Bsdf::Dielectric(Dielectric { reflectance, transmittance, eta, fresnel })
             }
             Self::Conductor(conductor) => conductor.bsdf(model),
         }
@@ -43,7 +43,7 @@ impl Material {
 impl Conductor {
     /// Other conventions are of Beckmann's distribution only; they leave GGX alone.
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
-        let fresnel = MetalFresnel::new(self.eta, self.k);
+        let fresnel = ConductorFresnel::new(self.eta, self.k);
         let normals = model.normals;
         if self.alpha < Self::SMOOTH_ALPHA {
             return Bsdf::SmoothConductor(SmoothConductor { fresnel });
@@ -58,9 +58,11 @@ impl Conductor {
                         conventions: model.conventions,
                     });
                 }
-                Bsdf::Beckmann(bsdf::Conductor { distribution, fresnel, normals })
+                Bsdf::Beckmann(bsdf::RoughConductor { distribution, fresnel, normals })
             }
-            Distribution::Ggx => Bsdf::Ggx(bsdf::Conductor { distribution: Ggx::new(self.alpha), fresnel, normals }),
+            Distribution::Ggx => {
+                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::new(self.alpha), fresnel, normals })
+            }
         }
     }
 }

@@ -154,6 +154,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_metal_of_the_registry_is_in_the_table() {
+        let Table { rows, curves } = table(2).unwrap();
+        for (i, metal) in metals::METALS.iter().enumerate() {
+            assert!(rows[3 * i..3 * i + 3].iter().all(|row| row.symbol == metal.symbol && !row.source.is_empty()));
+            assert!(curves[i].metal.contains(metal.symbol));
+        }
+        assert_eq!(rows.len(), 3 * metals::METALS.len());
+    }
+
+    #[test]
     fn the_albedo_is_an_integral_that_can_be_had_otherwise() {
         // R = c gives 2/3; and the approximation's is known in closed form.
         assert!((albedo(|c| c) - 2.0 / 3.0).abs() < 1e-12);

@@ -2,7 +2,7 @@
 
 use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::Mean;
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
 use crate::scene::{Conductor, Material, Request, Scene};
@@ -95,7 +95,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
 pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
     let request = Request { spp: (request.spp / 8).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
-    settings.model.normals = Normals::All;
+    settings.model.normals = NormalSampling::Ndf;
     Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.exposure, mask))
 }
 

@@ -4,7 +4,7 @@
 use super::object_ids::Kind;
 use super::pixel_mean::Mean;
 use super::roughness::{Shot, shoot};
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::errata::Conventions;
 use crate::error::Result;
 use crate::raster::{Image, ToneMap, to_rgb8};
@@ -83,12 +83,12 @@ impl Comparison {
 
 /// Renders the scene twice, with independent random numbers.
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
-    let shot = |normals: Normals, offset: u64| {
+    let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
         settings.model.normals = normals;
         shoot(scene, request, &settings)
     };
-    let (importance, hemisphere) = (shot(Normals::Visible, 0)?, shot(Normals::Hemisphere, 1)?);
+    let (importance, hemisphere) = (shot(NormalSampling::Vndf, 0)?, shot(NormalSampling::Hemisphere, 1)?);
     let z = |mask: &[bool]| {
         let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.exposure, mask));
         one.z(&other)

@@ -13,9 +13,10 @@ use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use crate::render::exposure::{Part, shard};
-use crate::render::{self, Job, Settings};
+use crate::render::{Job, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use model::ModelArgs;
 use pictures::{Pictures, ToneName};
@@ -42,10 +43,10 @@ pub struct Render {
     /// The same as -o
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// How directions towards the light are chosen: by the light, by the material, by both (a diffuse surface needs no
-    /// material samples where the light density has the cosine in it; caustics are traced from the lamps), or uniformly
-    #[arg(long, value_enum, default_value_t = SamplingName::Mis)]
-    sampling: SamplingName,
+    /// How directions towards the light are chosen. A diffuse surface needs no material samples where the light density has
+    /// the cosine in it
+    #[arg(long, value_enum, default_value_t = Sampling::default())]
+    sampling: Sampling,
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
     hemisphere: bool,
@@ -98,12 +99,14 @@ Examples:
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SamplingName {
-    Light,
-    Bsdf,
-    Mis,
-    Hemisphere,
+impl ValueEnum for Sampling {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.about()))
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -222,13 +225,7 @@ impl Render {
 
     fn settings(&self, seed: u64) -> Result<Settings> {
         Ok(Settings {
-            sampling: match self.sampling {
-                _ if self.hemisphere => render::Sampling::Hemisphere,
-                SamplingName::Light => render::Sampling::Light,
-                SamplingName::Bsdf => render::Sampling::Bsdf,
-                SamplingName::Mis => render::Sampling::Mis,
-                SamplingName::Hemisphere => render::Sampling::Hemisphere,
-            },
+            sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling },
             density: self.light_density,
             stream: match self.stream {
                 StreamName::Sobol => StreamKind::Sobol,
@@ -250,12 +247,12 @@ impl Render {
             .with("spp", request.spp)
             .with("lightSamples", request.light_samples)
             .with("maxDepth", request.max_depth)
-            .with("sampling", lower(settings.sampling))
+            .with("sampling", settings.sampling.name())
             .with("lightDensity", settings.density.density())
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
             .with("fresnel", lower(settings.model.dielectric))
-            .with("normals", lower(settings.model.normals))
+            .with("normals", settings.model.normals.name())
     }
 }
 

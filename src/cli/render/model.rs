@@ -1,6 +1,6 @@
 //! Flags for what light does at surfaces: the right formulas, approximations, the reports' conventions.
 
-use crate::bsdf::{DielectricFresnel, Normals};
+use crate::bsdf::{DielectricFresnel, NormalSampling};
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::scene::ScatterModel;
@@ -61,9 +61,9 @@ impl ModelArgs {
     pub fn model(&self) -> Result<ScatterModel> {
         let mut model = ScatterModel {
             normals: match self.normals.unwrap_or(NormalsName::Visible) {
-                NormalsName::Visible => Normals::Visible,
-                NormalsName::All => Normals::All,
-                NormalsName::Hemisphere => Normals::Hemisphere,
+                NormalsName::Visible => NormalSampling::Vndf,
+                NormalsName::All => NormalSampling::Ndf,
+                NormalsName::Hemisphere => NormalSampling::Hemisphere,
             },
             dielectric: match self.fresnel.unwrap_or(FresnelName::Exact) {
                 FresnelName::Exact => DielectricFresnel::Exact,

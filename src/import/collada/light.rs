@@ -4,7 +4,7 @@ use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
 use crate::import::transform::in_range;
 use crate::math::Rgb;
-use crate::scene::{Emission, Falloff, Light, Material, Object, Rectangle, Role, Shape};
+use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Material, Object, Rectangle, Shape};
 use glam::{DMat4, DVec3, Vec3};
 
 /// How near an emitting mesh must come to an area light to be what is seen of it, as a part of the light's diagonal.
@@ -72,7 +72,7 @@ pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Li
         if pictures.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
             return true;
         }
-        let emission = Some(Emission { radiance, two_sided: false, role: Role::Lamp });
+        let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });
         let material = Material::Diffuse { albedo: Rgb::ZERO };
         objects.push(Object { shape: Shape::Rectangle(rectangle), material, emission });
         false

@@ -3,7 +3,7 @@
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
-use crate::scene::{Conductor, Distribution, Emission, Material, Role};
+use crate::scene::{Conductor, Distribution, Emission, EmitterVisibility, Material};
 
 /// The material of a surface, and its emission.
 pub type Surface = (Material, Option<Emission>);
@@ -49,7 +49,7 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
                 let node = document.require(node, "radiance")?;
                 let radiance = document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")?;
                 // Seen only: in this dialect the lights do the lighting.
-                let emission = Emission { radiance, two_sided: true, role: Role::Picture };
+                let emission = Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly };
                 found = Some((Material::Diffuse { albedo: Rgb::ZERO }, Some(emission)));
                 continue;
             }

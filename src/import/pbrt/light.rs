@@ -9,7 +9,7 @@ use crate::import::place::{At, quote};
 use crate::import::transform::{self, in_range};
 use crate::math::Rgb;
 use crate::raster::Image;
-use crate::scene::{Emission, Environment, Falloff, Light, Role};
+use crate::scene::{Emission, EmitterVisibility, Environment, Falloff, Light};
 use glam::{DMat3, DMat4, DVec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ pub fn area(mut p: Params, warnings: &mut Vec<String>) -> Result<(Emission, u32)
     let two_sided = p.flag("twosided")?.unwrap_or(false);
     let samples = samples(&mut p)?;
     p.finish(&[], warnings)?;
-    Ok((Emission { radiance, two_sided, role: Role::Lamp }, samples))
+    Ok((Emission { radiance, two_sided, visibility: EmitterVisibility::Sampled }, samples))
 }
 
 /// Light along `from` → `to`. What pbrt calls its radiance L is the irradiance of a surface that faces it.

@@ -1,8 +1,11 @@
 //! Parts of a render as OpenEXR files: a picture for viewers, and the sums to go on from.
 
 use super::classes::Classes;
+use super::dropped::Dropped;
+use super::film::Exposure;
+use super::part::Part;
+use super::ranges::Ranges;
 use super::sums::slots;
-use super::{Dropped, Exposure, Part, Ranges};
 use crate::error::{Error, Result};
 use crate::raster::{Channel, ExrFile, Layer, Metadata, Precision, Samples, write_exr_channels};
 use std::path::Path;

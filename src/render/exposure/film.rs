@@ -1,8 +1,11 @@
 //! The pixels of a film: exposed row by row, turned into pictures, merged.
 
+use super::classes::Classes;
+use super::dropped::Dropped;
 use super::fixed::Fixed;
+use super::pixel::Pixel;
+use super::row::Row;
 use super::splats::Splats;
-use super::{Classes, Dropped, Pixel, Row};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::memory;

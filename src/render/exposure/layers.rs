@@ -1,6 +1,6 @@
 //! The picture taken apart by path class: layers whose sum is the picture, to the last bit.
 
-use super::Exposure;
+use super::film::Exposure;
 use super::pixel::mean;
 use super::splats;
 use crate::math::Rgb;

@@ -1,7 +1,8 @@
 //! Parts of a render put together.
 
+use super::part::Part;
+use super::ranges::Ranges;
 use super::ranges::list;
-use super::{Part, Ranges};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::Metadata;

@@ -1,6 +1,7 @@
 //! A render, or a part of one: the film, which samples are on it, and of what.
 
-use super::{Exposure, Ranges};
+use super::film::Exposure;
+use super::ranges::Ranges;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use std::ops::Range;
@@ -8,7 +9,8 @@ use std::ops::Range;
 /// What has been rendered so far of a picture.
 ///
 /// ```
-/// use etalon::raster::{Metadata, Rgb};
+/// use etalon::math::Rgb;
+/// use etalon::raster::Metadata;
 /// use etalon::render::exposure::{Exposure, Part};
 ///
 /// // The second half of 16 samples, which could be interrupted between any two samples and written to a file.

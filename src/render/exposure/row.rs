@@ -1,7 +1,9 @@
 //! A row of the film while samples are added to it: impossible ones are dropped, counted and located.
 
+use super::dropped::Dropped;
 use super::fixed::{Fixed, LIMIT};
-use super::{Dropped, Pixel, Splat};
+use super::pixel::Pixel;
+use super::splats::Splat;
 use crate::math::Rgb;
 
 /// A row of the film, to add samples to.

@@ -1,7 +1,8 @@
 //! The sums of a film as channels of unsigned integers: four words of 32 bits for each number.
 
+use super::classes::Classes;
+use super::film::Exposure;
 use super::fixed::Fixed;
-use super::{Classes, Exposure};
 
 /// One word of the film's state in every pixel.
 #[derive(Debug, Clone, Copy)]

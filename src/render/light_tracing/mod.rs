@@ -21,6 +21,7 @@ use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
 use super::lanes::{LANES, NOTHING};
 use super::lens::Lens;
 use super::workspace::{Dimensions, Workspace};
+use crate::bsdf::{Scatter, Transport};
 use crate::math::Rgb;
 use glam::Vec3;
 use plan::EVERY;
@@ -158,7 +159,9 @@ impl Integrator<'_> {
             let wo = -at(&work.paths.rays.direction, i);
             let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
             let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
-            let Some(sample) = bsdf.sample_adjoint(frame.to_local(wo), uc, [0.0; 2]) else { continue };
+            let Some(sample) = bsdf.sample_for(Transport::Importance, frame.to_local(wo), uc, [0.0; 2]) else {
+                continue;
+            };
             let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
             work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));

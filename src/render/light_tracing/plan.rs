@@ -1,11 +1,13 @@
 //! Where paths from the lamps start, what they aim at, and where they are worth it.
 
+use crate::bsdf::Scatter;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
 use crate::render::faces::{Face, Kind};
 use crate::render::geometry::Geometry;
 use crate::render::lights::Sampled;
-use crate::render::{Sampling, Settings, solids};
+use crate::render::settings::{Sampling, Settings};
+use crate::render::solids;
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 use glam::Vec3;

@@ -2,12 +2,12 @@
 
 use super::plan::EVERY;
 use super::*;
-use crate::render::Settings;
+use crate::render::settings::Settings;
 use crate::render::{Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Conductor, Distribution, Emission, Material, Mesh, Object, Projection, Rectangle, Request, Role, Scene,
-    Shape, Sphere,
+    Camera, Conductor, Distribution, Emission, EmitterVisibility, Material, Mesh, Object, Projection, Rectangle,
+    Request, Scene, Shape, Sphere,
 };
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
@@ -30,7 +30,7 @@ fn room(objects: Vec<Object>, projection: Projection) -> Scene {
 }
 
 fn glow(radiance: f32) -> Emission {
-    Emission { radiance: Rgb::splat(radiance), two_sided: false, role: Role::Lamp }
+    Emission { radiance: Rgb::splat(radiance), two_sided: false, visibility: EmitterVisibility::Sampled }
 }
 
 const WIDE: Projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };

@@ -9,22 +9,22 @@ use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 /// A distribution that normals can be drawn from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
 pub trait SampleNormals<T: Real>: Microfacet<T> {
     /// A normal with density D(m) cos θₘ: facets as they lie.
-    fn sample_all(&self, u: [T; 2]) -> [T; 3];
+    fn sample_ndf(&self, u: [T; 2]) -> [T; 3];
 
     /// A normal with density D(m) max(0, wo·m) G₁(wo)/cos θₒ: facets as seen from `wo`, which has z ≥ 0.
     ///
     /// Every facet drawn faces `wo`, and the weight of a reflection is F G₂/G₁ ≤ 1.
-    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
+    fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
 
-    /// Density of [`sample_all`](Self::sample_all).
+    /// Density of [`sample_ndf`](Self::sample_ndf).
     #[inline(always)]
-    fn pdf_all(&self, wm: [T; 3]) -> T {
+    fn pdf_ndf(&self, wm: [T; 3]) -> T {
         self.d(wm) * wm[2]
     }
 
-    /// Density of [`sample_visible`](Self::sample_visible).
+    /// Density of [`sample_vndf`](Self::sample_vndf).
     #[inline(always)]
-    fn pdf_visible(&self, wo: [T; 3], wm: [T; 3]) -> T {
+    fn pdf_vndf(&self, wo: [T; 3], wm: [T; 3]) -> T {
         let facing = wo[0] * wm[0] + wo[1] * wm[1] + wo[2] * wm[2];
         self.d(wm) * facing.max(T::zero()) * self.g1_over_cos(wo)
     }
@@ -32,7 +32,7 @@ pub trait SampleNormals<T: Real>: Microfacet<T> {
 
 impl<T: Real> SampleNormals<T> for Beckmann<T> {
     #[inline(always)]
-    fn sample_all(&self, u: [T; 2]) -> [T; 3] {
+    fn sample_ndf(&self, u: [T; 2]) -> [T; 3] {
         let alpha = self.alpha.to_f64();
         // 1 − u is exact in f64, and u = 1 is kept from the logarithm.
         polar_normal(-alpha * alpha * (1.0 - u[0].to_f64()).max(slope::LEAST).ln(), u[1])
@@ -42,7 +42,7 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
     /// distributed, the one along weighted by what is seen of it. Source: Heitz & d'Eon, "Importance Sampling
     /// Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014.
     #[inline(always)]
-    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
+    fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let alpha = self.alpha.to_f64();
         let [x, y, z] = wo.map(Real::to_f64);
         let sin = (x * x + y * y).sqrt();
@@ -57,7 +57,7 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
 
 impl<T: Real> SampleNormals<T> for Ggx<T> {
     #[inline(always)]
-    fn sample_all(&self, u: [T; 2]) -> [T; 3] {
+    fn sample_ndf(&self, u: [T; 2]) -> [T; 3] {
         let (alpha, u0) = (self.alpha.to_f64(), u[0].to_f64());
         polar_normal(alpha * alpha * u0 / (1.0 - u0).max(slope::LEAST), u[1])
     }
@@ -68,7 +68,7 @@ impl<T: Real> SampleNormals<T> for Ggx<T> {
     /// drawn, and both sin θ_c and h_z follow from it without a difference. Source: Dupuy & Benyoub, "Sampling Visible
     /// GGX Normals with Spherical Caps", HPG 2023.
     #[inline(always)]
-    fn sample_visible(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
+    fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let one = T::one();
         let v = normalize([self.alpha * wo[0], self.alpha * wo[1], wo[2]]);
         let (sin_phi, cos_phi) = sin_cos_turns(u[1].to_f64());
@@ -110,8 +110,8 @@ mod tests {
             for u in numbers() {
                 let (wide_wo, wide_u) = (wo.map(f64::from), u.map(f64::from));
                 let pairs = [
-                    (single.sample_visible(wo, u), double.sample_visible(wide_wo, wide_u)),
-                    (single.sample_all(u), double.sample_all(wide_u)),
+                    (single.sample_vndf(wo, u), double.sample_vndf(wide_wo, wide_u)),
+                    (single.sample_ndf(u), double.sample_ndf(wide_u)),
                 ];
                 for (a, b) in pairs {
                     let length2: f32 = a.iter().map(|x| x * x).sum();
@@ -121,7 +121,7 @@ mod tests {
                         assert!((f64::from(a) - b).abs() < 4e-6 * alpha.max(b.abs()), "{alpha} {wo:?} {u:?}: {a} {b}");
                     }
                 }
-                let facing: f64 = double.sample_visible(wide_wo, wide_u).iter().zip(wide_wo).map(|(m, o)| m * o).sum();
+                let facing: f64 = double.sample_vndf(wide_wo, wide_u).iter().zip(wide_wo).map(|(m, o)| m * o).sum();
                 assert!(facing > -1e-9, "{alpha} {wo:?} {u:?}: a facet that is not seen");
             }
         }
@@ -141,7 +141,7 @@ mod tests {
         // The share of normals up to tan θ is 1 − exp(−tan²/α²) for Beckmann, tan²/(α² + tan²) for GGX.
         for u in [0.0, 0.1, 0.5, 0.999] {
             let tan2 = |w: [f64; 3]| (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2]);
-            let (beckmann, ggx) = (Beckmann::new(0.3).sample_all([u, 0.2]), Ggx::new(0.3).sample_all([u, 0.2]));
+            let (beckmann, ggx) = (Beckmann::new(0.3).sample_ndf([u, 0.2]), Ggx::new(0.3).sample_ndf([u, 0.2]));
             assert!((1.0 - (-tan2(beckmann) / 0.09).exp() - u).abs() < 1e-14);
             assert!((tan2(ggx) / (0.09 + tan2(ggx)) - u).abs() < 1e-14);
         }

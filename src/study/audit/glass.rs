@@ -1,7 +1,7 @@
 //! Both reports' glass: Schlick's polynomial of the incident cosine, inside as outside.
 
 use super::{Curves, Suspect, curve};
-use crate::bsdf::{DielectricFresnel, Glass, Scatter};
+use crate::bsdf::{Dielectric, DielectricFresnel, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
 use crate::optics::dielectric;
@@ -19,7 +19,7 @@ pub fn suspect() -> Suspect {
         Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
             let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);
             let fresnel = if printed { DielectricFresnel::SingleCosineSchlick } else { DielectricFresnel::Exact };
-            let glass = Glass { reflectance, transmittance, eta, fresnel };
+            let glass = Dielectric { reflectance, transmittance, eta, fresnel };
             let wo = DVec3::new(sin, 0.0, -cos).as_vec3();
             let draw = move |u: &[f64]| {
                 glass.sample(wo, u[0] as f32, [0.5; 2]).map(|sample| Sample::atom(sample.wi.as_dvec3().to_array()))

@@ -1,7 +1,7 @@
 //! The second report's metal: the density that it prints, its Fresnel term, its shadowing.
 
 use super::{Curves, Suspect, curve, exact};
-use crate::bsdf::{ConventionalConductor, MetalFresnel, Scatter, pdf_without_cosine};
+use crate::bsdf::{ConductorFresnel, ConventionalConductor, Scatter, pdf_without_cosine};
 use crate::errata::Conventions;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
@@ -59,7 +59,7 @@ fn brdf(wo: DVec3, wi: DVec3) -> f64 {
 }
 
 fn metal(conventions: Conventions) -> ConventionalConductor {
-    let fresnel = MetalFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
+    let fresnel = ConductorFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
     ConventionalConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
 }
 
@@ -83,7 +83,7 @@ fn printed_density() -> Result<Suspect> {
     let facets = Beckmann::new(ALPHA);
     let right = move |wi: DVec3| {
         let m = facet(wo, wi);
-        0.25 * facets.pdf_all(m.to_array()) / wo.dot(m)
+        0.25 * facets.pdf_ndf(m.to_array()) / wo.dot(m)
     };
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
     Ok(Suspect {
@@ -161,7 +161,7 @@ fn shadowing_with_pi() -> Result<Suspect> {
     let wo = viewer(SEEN_AT);
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/shadowing/{name}"), Directions::hemisphere(Pole::Z), move || {
-            let draw = move |u: &[f64]| Some(Sample::new(facets.sample_visible(wo.to_array(), [u[0], u[1]])));
+            let draw = move |u: &[f64]| Some(Sample::new(facets.sample_vndf(wo.to_array(), [u[0], u[1]])));
             let g1 = if printed { printed_g1(wo) } else { facets.g1(wo.to_array()) };
             (
                 sampler(2, draw),

@@ -1,7 +1,7 @@
 //! What the choice of microfacet normals costs and brings, over the roughness of a metal.
 
 use super::doubling::{Deadline, Times};
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::raster::Metadata;
 use crate::render::{Job, Settings};
@@ -12,8 +12,11 @@ use crate::study::pixel_mean::Mean;
 use etalon_stats::estimate::Estimate;
 
 /// The ways of drawing normals, by name.
-pub const NORMALS: [(&str, Normals); 3] =
-    [("visible normals", Normals::Visible), ("all normals", Normals::All), ("hemisphere", Normals::Hemisphere)];
+pub const NORMALS: [(&str, NormalSampling); 3] = [
+    ("visible normals", NormalSampling::Vndf),
+    ("all normals", NormalSampling::Ndf),
+    ("hemisphere", NormalSampling::Hemisphere),
+];
 
 /// One way of drawing normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +60,7 @@ pub fn measure(
                 metal.alpha = alpha;
             }
         }
-        let job = |(_, normals): (&str, Normals)| {
+        let job = |(_, normals): (&str, NormalSampling)| {
             let mut settings = Settings { seed, stream: StreamKind::Independent, ..Settings::default() };
             settings.model.normals = normals;
             Job::new(&scene, &request, &settings)

@@ -1,6 +1,6 @@
 //! The registry of sampling strategies: their names, and what each asks of the renderer.
 
-use crate::bsdf::Normals;
+use crate::bsdf::NormalSampling;
 use crate::envmap::samplers::{self, MapSampling};
 use crate::error::{Error, Result};
 use crate::render::{Sampling, Settings};
@@ -17,7 +17,7 @@ pub struct Strategy {
     sampling: Sampling,
     density: MapSampling,
     stream: StreamKind,
-    normals: Normals,
+    normals: NormalSampling,
 }
 
 impl From<Strategy> for String {
@@ -74,7 +74,7 @@ pub const SUFFIXES: [Suffix; 2] = [
     Suffix {
         name: "all-normals",
         about: "rough metal samples the distribution of all normals in place of the visible ones",
-        apply: |strategy| strategy.normals = Normals::All,
+        apply: |strategy| strategy.normals = NormalSampling::Ndf,
     },
 ];
 
@@ -92,7 +92,7 @@ impl FromStr for Strategy {
             ))
         })?;
         let mut strategy =
-            Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: Normals::Visible };
+            Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
         for part in parts {
             let suffix = SUFFIXES.iter().find(|suffix| suffix.name == part).ok_or_else(|| {
                 Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
@@ -202,7 +202,7 @@ mod tests {
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
                 let normals = strategy.settings(1).model.normals;
-                assert_eq!(normals == Normals::All, suffix.contains("all-normals"), "{name}");
+                assert_eq!(normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
         }
         for wrong in [

@@ -4,7 +4,7 @@ use super::bound::{Bound, rounding};
 use super::family::{Family, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
 use super::fresnel::COSINE;
 use super::number::{Machine, Number};
-use crate::bsdf::MetalFresnel;
+use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;
 
@@ -61,7 +61,7 @@ pub const FAMILY: Family = Family {
 
 /// The renderer's, three channels at once without branches.
 fn rendered(x: &[f32]) -> Value<f32> {
-    scalar(MetalFresnel::new(Rgb::splat(x[0]), Rgb::splat(x[1])).reflectance(x[2]).x)
+    scalar(ConductorFresnel::new(Rgb::splat(x[0]), Rgb::splat(x[1])).reflectance(x[2]).x)
 }
 
 fn stable(x: &[f64]) -> Value<f64> {

@@ -58,12 +58,12 @@ fn split<T: Number>(x: &[T]) -> (T, [T; 3], [T; 3]) {
 
 fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, wm) = split(x);
-    scalar(Beckmann::new(alpha).pdf_visible(wo, wm))
+    scalar(Beckmann::new(alpha).pdf_vndf(wo, wm))
 }
 
 fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, wm) = split(x);
-    scalar(Ggx::new(alpha).pdf_visible(wo, wm))
+    scalar(Ggx::new(alpha).pdf_vndf(wo, wm))
 }
 
 /// D(m) (wo·m) G₁(wo) / cos θₒ, for functions of α, sin² and cos.

@@ -71,12 +71,12 @@ fn split<T: Number>(x: &[T]) -> (T, [T; 3], [T; 2]) {
 
 fn beckmann_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, u) = split(x);
-    Some(Beckmann::new(alpha).sample_visible(wo, u))
+    Some(Beckmann::new(alpha).sample_vndf(wo, u))
 }
 
 fn ggx_stable<T: Machine>(x: &[T]) -> Value<T> {
     let (alpha, wo, u) = split(x);
-    Some(Ggx::new(alpha).sample_visible(wo, u))
+    Some(Ggx::new(alpha).sample_vndf(wo, u))
 }
 
 /// The spherical cap as printed: z = (1 − u)(1 + v_z) − v_z, sin = √(1 − z²). Source: Dupuy & Benyoub, HPG 2023.

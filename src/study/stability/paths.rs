@@ -10,7 +10,7 @@ use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
-    Camera, Emission, Material, Object, Projection, Rectangle, Request, Role, ScatterModel, Scene, Shape,
+    Camera, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape,
 };
 use glam::{DVec3, Vec3};
 
@@ -63,7 +63,7 @@ fn closed_room() -> Result<Scene> {
         let rectangle = Rectangle::new(normal * HALF, x * HALF, y * HALF);
         let shape =
             Shape::Rectangle(rectangle.ok_or_else(|| Error::parameter("wall", "its sides are not perpendicular"))?);
-        let emission = Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp };
+        let emission = Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled };
         Ok(Object { shape, material: Material::Diffuse { albedo: Rgb::ONE }, emission: Some(emission) })
     };
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];

@@ -54,7 +54,7 @@ fn area_lights_are_seen_once_and_light_once() {
     assert_eq!(alone.scene.lights, []);
     let lamp = alone.scene.objects.last().unwrap();
     let radiance = Rgb::new(3.0, 2.0, 1.0);
-    assert_eq!(lamp.emission, Some(Emission { radiance, two_sided: false, role: Role::Lamp }));
+    assert_eq!(lamp.emission, Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }));
     assert_eq!(lamp.material, Material::Diffuse { albedo: Rgb::ZERO });
     let shape = rectangle(lamp);
     assert_eq!((shape.centre(), shape.normal(), shape.area()), (Vec3::new(0.0, 9.0, 0.0), Vec3::NEG_Y, 8.0));
@@ -73,8 +73,12 @@ fn area_lights_are_seen_once_and_light_once() {
     };
     let near = both(9.01);
     assert!(matches!(near.lights[..], [Light::Rectangle { rectangle, .. }] if rectangle == shape), "{:?}", near.lights);
-    let roles = |objects: &[Object]| objects.iter().filter_map(|o| o.emission).map(|e| e.role).collect::<Vec<_>>();
-    assert_eq!(roles(&near.objects), [Role::Picture]);
+    let roles =
+        |objects: &[Object]| objects.iter().filter_map(|o| o.emission).map(|e| e.visibility).collect::<Vec<_>>();
+    assert_eq!(roles(&near.objects), [EmitterVisibility::CameraOnly]);
     let far = both(5.0);
-    assert_eq!((roles(&far.objects), far.lights.len()), (vec![Role::Picture, Role::Lamp], 0));
+    assert_eq!(
+        (roles(&far.objects), far.lights.len()),
+        (vec![EmitterVisibility::CameraOnly, EmitterVisibility::Sampled], 0)
+    );
 }

@@ -10,7 +10,8 @@ use etalon::import::Imported;
 use etalon::import::collada::{ColladaOptions, read};
 use etalon::math::Rgb;
 use etalon::scene::{
-    Conductor, Distribution, Emission, Falloff, Light, Material, Object, Projection, Rectangle, Request, Role, Shape,
+    Conductor, Distribution, Emission, EmitterVisibility, Falloff, Light, Material, Object, Projection, Rectangle,
+    Request, Shape,
 };
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};

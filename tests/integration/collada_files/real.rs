@@ -80,7 +80,8 @@ fn the_courses_spheres_are_read_whole() {
         walls.push((wall.centre(), wall.normal()));
         let albedo = match (object.emission, wall.centre()) {
             (Some(emission), centre) => {
-                let picture = Emission { radiance: Rgb::splat(10.0), two_sided: true, role: Role::Picture };
+                let picture =
+                    Emission { radiance: Rgb::splat(10.0), two_sided: true, visibility: EmitterVisibility::CameraOnly };
                 assert_eq!(emission, picture);
                 assert!(centre.abs_diff_eq(Vec3::new(0.0, 1.49, 0.0), 5e-3), "{centre}");
                 assert!(wall.half_sides().iter().any(|s| s.abs().abs_diff_eq(0.4 * Vec3::X, 1e-4)));

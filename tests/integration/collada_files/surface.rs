@@ -39,7 +39,7 @@ fn materials_of_every_kind() {
     }
     let glow = of(&effect("m", "<emission><radiance>9 8 7</radiance></emission>"));
     let radiance = Rgb::new(9.0, 8.0, 7.0);
-    assert_eq!(glow.emission, Some(Emission { radiance, two_sided: true, role: Role::Picture }));
+    assert_eq!(glow.emission, Some(Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly }));
     assert_eq!(glow.material, Material::Diffuse { albedo: Rgb::ZERO });
     // Without the course's profile: phong's diffuse colour, and grey for all else.
     let common = |shader: &str| {

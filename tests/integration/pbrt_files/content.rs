@@ -122,7 +122,7 @@ fn lamps_are_shapes_that_glow() {
         let objects = objects(&format!("AreaLightSource \"diffuse\" {parameters} Shape \"sphere\""));
         objects[0].emission.unwrap()
     };
-    let white = Emission { radiance: Rgb::ONE, two_sided: false, role: Role::Lamp };
+    let white = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
     assert_eq!(emission(""), white);
     let bright = Emission { radiance: Rgb::new(2.0, 4.0, 8.0), two_sided: true, ..white };
     assert_eq!(emission("\"rgb L\" [4 8 16] \"float scale\" .5 \"bool twosided\" true"), bright);

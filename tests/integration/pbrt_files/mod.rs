@@ -9,8 +9,8 @@ use etalon::math::Rgb;
 use etalon::raster::Image;
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
 use etalon::scene::{
-    Camera, Conductor, Distribution, Emission, Environment, Falloff, Light, Material, Object, Projection, Request,
-    Role, Shape,
+    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Object,
+    Projection, Request, Shape,
 };
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};

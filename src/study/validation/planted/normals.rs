@@ -22,10 +22,10 @@ fn view() -> DVec3 {
 fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
-        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_all([u[0], u[1]])));
+        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_ndf([u[0], u[1]])));
         (
             sampler(2, draw),
-            direction_density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_all(m.to_array()) }),
+            direction_density(move |m: DVec3| if faulty { wrong(m) } else { facets.pdf_ndf(m.to_array()) }),
         )
     })
 }
@@ -42,9 +42,9 @@ where
     M: SampleNormals<f64> + Send + Sync + 'static,
 {
     Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
-        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_visible(wo.to_array(), [u[0], u[1]])));
+        let draw = move |u: &[f64]| Some(Sample::new(facets.sample_vndf(wo.to_array(), [u[0], u[1]])));
         let pdf = move |m: DVec3| {
-            if faulty { wrong(&facets, wo, m) } else { facets.pdf_visible(wo.to_array(), m.to_array()) }
+            if faulty { wrong(&facets, wo, m) } else { facets.pdf_vndf(wo.to_array(), m.to_array()) }
         };
         (sampler(2, draw), direction_density(pdf))
     })
@@ -59,7 +59,7 @@ fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64,
             let (sin, (sin_phi, cos_phi)) = (tan2.sqrt() * cos, sin_cos_turns(turns));
             Some(Sample::new([sin * cos_phi, sin * sin_phi, cos]))
         };
-        (sampler(2, draw), direction_density(|m: DVec3| Beckmann::new(ALPHA).pdf_all(m.to_array())))
+        (sampler(2, draw), direction_density(|m: DVec3| Beckmann::new(ALPHA).pdf_ndf(m.to_array())))
     })
 }
 
@@ -76,7 +76,7 @@ pub fn faults() -> Vec<Planted> {
         all(
             "normals/alpha-for-roughness",
             "α² in the pdf where the sampler has α: one of them took α for a roughness",
-            |m| Beckmann::new(ALPHA * ALPHA).pdf_all(m.to_array()),
+            |m| Beckmann::new(ALPHA * ALPHA).pdf_ndf(m.to_array()),
         ),
         all(
             "normals/zero-over-zero",
@@ -99,7 +99,7 @@ pub fn faults() -> Vec<Planted> {
             "visible normals sampled, divided by the pdf of the full distribution",
             Beckmann::new(ALPHA),
             view(),
-            |facets, _, m| facets.pdf_all(m.to_array()),
+            |facets, _, m| facets.pdf_ndf(m.to_array()),
         ),
         visible(
             "normals/missing-g1",

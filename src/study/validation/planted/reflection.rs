@@ -22,7 +22,7 @@ fn reflected(m: [f64; 3]) -> Option<DVec3> {
 }
 
 fn visible(u: [f64; 2]) -> Option<DVec3> {
-    reflected(FACETS.sample_visible(WO.to_array(), u))
+    reflected(FACETS.sample_vndf(WO.to_array(), u))
 }
 
 /// The normal between `WO` and `wi`.
@@ -31,7 +31,7 @@ fn facet(wi: DVec3) -> DVec3 {
 }
 
 /// D(m) G₁(wo)/(4 cos θₒ): the pdf of what visible normals reflect.
-fn pdf_visible(wi: DVec3) -> f64 {
+fn pdf_vndf(wi: DVec3) -> f64 {
     0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(WO.to_array())
 }
 
@@ -80,8 +80,8 @@ pub fn faults() -> Vec<Planted> {
             "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
             half,
             |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_visible(WO.to_array(), facet(wi).to_array());
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array());
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -89,8 +89,8 @@ pub fn faults() -> Vec<Planted> {
             "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
             half,
             |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| pdf_visible(wi) * WO.dot(facet(wi)) / WO.z;
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                let wrong: fn(DVec3) -> f64 = |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z;
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -100,7 +100,7 @@ pub fn faults() -> Vec<Planted> {
             |faulty| {
                 let wrong: fn(DVec3) -> f64 =
                     |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array());
-                pair(visible, if faulty { wrong } else { pdf_visible })
+                pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
         Planted::of(
@@ -118,7 +118,7 @@ pub fn faults() -> Vec<Planted> {
                     let again = || if faulty { visible([u[2], u[3]]) } else { None };
                     visible([u[0], u[1]]).or_else(again).map(|w| Sample::new(w.to_array()))
                 };
-                (sampler(4, draw), direction_density(pdf_visible).with_mass(Mass::AtMostOne))
+                (sampler(4, draw), direction_density(pdf_vndf).with_mass(Mass::AtMostOne))
             },
         ),
     ]

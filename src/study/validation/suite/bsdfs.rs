@@ -1,9 +1,10 @@
-//! Directions that materials scatter into: diffuse ones, rough metal by every way to sample its normals, the second report's.
+//! Directions that BSDFs scatter into: diffuse ones, rough conductors by every way to sample their normals and by other
+//! conventions.
 //!
 //! Everything in f32 as renders do it, with random numbers of 24 bits; the pdfs are those by which renders divide.
 
 use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
-use crate::bsdf::{Bsdf, Normals, Scatter};
+use crate::bsdf::{Bsdf, NormalSampling, Scatter};
 use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
@@ -19,13 +20,14 @@ fn metal(alpha: f64, distribution: Distribution) -> Material {
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
 
-pub fn cases() -> Vec<Case> {
+/// The cases, each with its BSDF's name in the registry.
+pub fn cases() -> Vec<(&'static str, Case)> {
     let mut cases = Vec::new();
     let half = Directions::hemisphere(Pole::Z);
     for (name, distribution) in DISTRIBUTIONS {
         for alpha in ALPHAS {
             for degrees in DEGREES {
-                for (how, normals) in [("visible", Normals::Visible), ("all", Normals::All)] {
+                for (how, normals) in [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)] {
                     let bsdf = metal(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
                     let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
                     cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
@@ -33,7 +35,7 @@ pub fn cases() -> Vec<Case> {
             }
         }
         // Uniform over the hemisphere whatever the material's roughness.
-        let uniform = ScatterModel { normals: Normals::Hemisphere, ..ScatterModel::default() };
+        let uniform = ScatterModel { normals: NormalSampling::Hemisphere, ..ScatterModel::default() };
         for degrees in DEGREES {
             let bsdf = metal(0.25, distribution).bsdf(uniform);
             let name = format!("bsdf/{name}/hemisphere/0.25/{degrees}");
@@ -57,14 +59,15 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// The directions that `bsdf` samples for `wo`.
-fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> Case {
+fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
-    Case::of(name, domain, move || {
+    let case = Case::of(name, domain, move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, 0.0, [short(u[0]), short(u[1])])?;
             Some(Sample::with_pdf(sample.wi.as_dvec3().to_array(), f64::from(sample.pdf)))
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
         (sampler(2, draw), direction_density(pdf).with_mass(mass))
-    })
+    });
+    (bsdf.name(), case)
 }

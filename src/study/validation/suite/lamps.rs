@@ -4,7 +4,7 @@ use super::{Case, short};
 use crate::math::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
-use crate::scene::{Emission, Light, Material, Object, Rectangle, Role, Scene, Shape, Sphere, builtin};
+use crate::scene::{Emission, EmitterVisibility, Light, Material, Object, Rectangle, Scene, Shape, Sphere, builtin};
 use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -38,7 +38,7 @@ fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
 }
 
 fn emitting(shape: Shape) -> Option<Sampled> {
-    let emission = Emission { radiance: Rgb::ONE, two_sided: false, role: Role::Lamp };
+    let emission = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
     light_of(Some(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }), None)
 }
 

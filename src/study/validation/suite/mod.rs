@@ -22,12 +22,16 @@ pub fn cases() -> Vec<Case> {
     all.extend(maps::cases());
     all.extend(strata::cases());
     all.extend(normals::cases());
-    all.extend(bsdfs::cases());
-    all.extend(smooth::cases());
+    all.extend(of_bsdfs().map(|(_, case)| case));
     all.extend(rectangles::cases());
     all.extend(lamps::cases());
     all.extend(renders::cases());
     all
+}
+
+/// The cases of all BSDFs, each with its BSDF's name in the registry.
+fn of_bsdfs() -> impl Iterator<Item = (&'static str, Case)> {
+    bsdfs::cases().into_iter().chain(smooth::cases())
 }
 
 /// Widths of the lobes, and angles of incidence in degrees, that microfacets are tested at.
@@ -51,6 +55,7 @@ fn short(u: f64) -> f32 {
 mod tests {
     use super::super::run;
     use super::*;
+    use crate::envmap::samplers::{self, Method};
     use etalon_stats::{Protocol, SampleCount};
     use std::collections::HashSet;
 
@@ -59,6 +64,19 @@ mod tests {
         let cases = cases();
         let names: HashSet<&str> = cases.iter().map(|case| case.name.as_str()).collect();
         assert!(cases.len() >= 200 && names.len() == cases.len(), "{} of {}", names.len(), cases.len());
+    }
+
+    #[test]
+    fn every_bsdf_and_every_map_sampler_has_a_case() {
+        let tested: HashSet<&str> = of_bsdfs().map(|(bsdf, _)| bsdf).collect();
+        for (name, _) in crate::bsdf::ALL {
+            assert!(tested.contains(name), "{name}");
+        }
+        let cases = maps::cases();
+        for entry in samplers::ALL.iter().filter(|entry| !matches!(entry.method, Method::FixedLights(_))) {
+            let prefix = format!("map/nave/{}", entry.name);
+            assert!(cases.iter().any(|case| case.name.starts_with(&prefix)), "{prefix}");
+        }
     }
 
     #[test]

@@ -29,15 +29,15 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Normals of the full distribution (NDF), or visible from `wo` (VNDF).
+/// NormalSampling of the full distribution (NDF), or visible from `wo` (VNDF).
 fn double(name: String, d: impl SampleNormals<f64> + Send + Sync + 'static, wo: Option<DVec3>) -> Case {
     Case::of(name, Directions::hemisphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let u = [u[0], u[1]];
-            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo.to_array(), u));
+            let wm = wo.map_or_else(|| d.sample_ndf(u), |wo| d.sample_vndf(wo.to_array(), u));
             Some(Sample::new(wm))
         };
-        let pdf = move |wm: [f64; 3]| wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo.to_array(), wm));
+        let pdf = move |wm: [f64; 3]| wo.map_or_else(|| d.pdf_ndf(wm), |wo| d.pdf_vndf(wo.to_array(), wm));
         (sampler(2, draw), density(pdf))
     })
 }
@@ -48,12 +48,12 @@ fn single(name: String, d: impl SampleNormals<f32> + Send + Sync + 'static, wo: 
     Case::of(name, Directions::hemisphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let u = [short(u[0]), short(u[1])];
-            let wm = wo.map_or_else(|| d.sample_all(u), |wo| d.sample_visible(wo, u));
+            let wm = wo.map_or_else(|| d.sample_ndf(u), |wo| d.sample_vndf(wo, u));
             Some(Sample::new(wm.map(f64::from)))
         };
         let pdf = move |wm: [f64; 3]| {
             let wm = wm.map(|x| x as f32);
-            f64::from(wo.map_or_else(|| d.pdf_all(wm), |wo| d.pdf_visible(wo, wm)))
+            f64::from(wo.map_or_else(|| d.pdf_ndf(wm), |wo| d.pdf_vndf(wo, wm)))
         };
         (sampler(2, draw), density(pdf))
     })

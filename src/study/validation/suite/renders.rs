@@ -19,8 +19,8 @@ use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::sampling::{direction_density, hash};
 use crate::scene::{
-    Camera, Conductor, Distribution, Emission, Environment, Material, Object, Projection, Rectangle, Request, Role,
-    Scene, Shape, builtin,
+    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Object, Projection, Rectangle,
+    Request, Scene, Shape, builtin,
 };
 use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
@@ -208,7 +208,8 @@ pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     scene.camera.position = DVec3::ZERO;
     scene.camera.projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
     scene.objects[0].material = Material::Diffuse { albedo: Rgb::splat(0.5) };
-    scene.objects[0].emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, role: Role::Lamp });
+    scene.objects[0].emission =
+        Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     let truth = Truth::Uniform(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
     RenderTest { scene, request: request(16, max_depth), settings, truth }
 }

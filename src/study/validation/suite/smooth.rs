@@ -17,7 +17,8 @@ const ETA: f64 = 1.5;
 const INSIDE: [f64; 7] = [0.0, 20.0, 35.0, 41.0, 41.7, 42.0, 80.0];
 const OUTSIDE: [f64; 5] = [0.0, 30.0, 60.0, 85.0, 89.9];
 
-pub fn cases() -> Vec<Case> {
+/// The cases, each with its BSDF's name in the registry.
+pub fn cases() -> Vec<(&'static str, Case)> {
     let model = ScatterModel::default();
     let one = Rgb::ONE;
     let mirror = Material::Mirror { reflectance: one }.bsdf(model);
@@ -73,16 +74,17 @@ fn fresnel(wo: DVec3) -> f64 {
 }
 
 /// The directions that `bsdf` samples for `wo`, which are `atoms` of the direction that it is given after rounding.
-fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> Case {
+fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
-    Case::of(name, Directions::sphere(Pole::Z), move || {
+    let case = Case::of(name, Directions::sphere(Pole::Z), move || {
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
-            Some(Sample { atom: sample.delta, ..Sample::new(sample.wi.as_dvec3().to_array()) })
+            Some(Sample { atom: sample.is_delta(), ..Sample::new(sample.wi.as_dvec3().to_array()) })
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
         let atoms = atoms(wo.as_dvec3());
         let mass = atoms.iter().map(|atom| atom.probability).sum();
         (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
-    })
+    });
+    (bsdf.name(), case)
 }

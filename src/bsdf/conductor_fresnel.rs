@@ -7,7 +7,7 @@ use crate::math::Rgb;
 /// The formula is that of [`crate::optics::conductor::fresnel`], without branches; k is cut at 10⁶, where the
 /// reflectance is 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MetalFresnel {
+pub struct ConductorFresnel {
     /// Real part.
     pub(super) eta: Rgb,
     /// Imaginary part.
@@ -18,7 +18,7 @@ pub struct MetalFresnel {
     modulus2: Rgb,
 }
 
-impl MetalFresnel {
+impl ConductorFresnel {
     /// A metal of index `eta` + i `k` relative to the medium above it, both ≥ 0.
     #[must_use]
     pub fn new(eta: Rgb, k: Rgb) -> Self {
@@ -70,7 +70,7 @@ mod tests {
         indices.extend([([1.0, 1.5, 0.7], [0.0; 3]), ([1.0, 0.01, 100.0], [1e4, 3.0, 1e-3])]);
         for (eta, k) in indices {
             let (eta, k) = (eta.map(|x| x as f32), k.map(|x| x as f32));
-            let metal = MetalFresnel::new(Rgb::from_array(eta), Rgb::from_array(k));
+            let metal = ConductorFresnel::new(Rgb::from_array(eta), Rgb::from_array(k));
             for i in 0..=1000 {
                 let cos = i as f32 / 1000.0;
                 let r = metal.reflectance(cos).to_array();
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn extremes_are_finite() {
         for (eta, k) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1e30), (1e30, 1e30), (1.0, f32::INFINITY), (1e-20, 1e-20)] {
-            let metal = MetalFresnel::new(Rgb::splat(eta), Rgb::splat(k));
+            let metal = ConductorFresnel::new(Rgb::splat(eta), Rgb::splat(k));
             for cos in [0.0, 1e-30, 1e-9, 0.5, 1.0] {
                 let r = metal.reflectance(cos).x;
                 assert!((0.0..=1.0 + 1e-6).contains(&r), "{eta} {k} {cos}: {r}");

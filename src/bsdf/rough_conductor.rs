@@ -6,30 +6,45 @@
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both speak of the
 //! same f32 directions to the last bit.
 
-use super::{BsdfSample, MetalFresnel, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
 use crate::math::Rgb;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
 use glam::Vec3;
 
-/// How a rough conductor draws directions.
+/// How a rough conductor samples directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Normals {
-    /// By facets as seen from `wo`: weights F G₂/G₁ ≤ 1.
+pub enum NormalSampling {
+    /// By the distribution of visible normals, as seen from `wo` (VNDF): weights F G₂/G₁ ≤ 1.
     #[default]
-    Visible,
-    /// By facets as they lie: the weights are unbounded at grazing angles.
-    All,
-    /// Directions spread evenly over the hemisphere, which ignores the material.
+    Vndf,
+    /// By the full distribution of normals (NDF): the weights are unbounded at grazing angles.
+    Ndf,
+    /// Directions uniform over the hemisphere, which ignores the material.
     Hemisphere,
+}
+
+impl NormalSampling {
+    /// Its name at the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vndf => "visible",
+            Self::Ndf => "all",
+            Self::Hemisphere => "hemisphere",
+        }
+    }
 }
 
 /// A rough metal, seen from the side of the normal (z > 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Conductor<D> {
+pub struct RoughConductor<D> {
+    /// Of the microfacets' normals.
     pub distribution: D,
-    pub fresnel: MetalFresnel,
-    pub normals: Normals,
+    /// Of each microfacet.
+    pub fresnel: ConductorFresnel,
+    /// How directions are sampled.
+    pub normals: NormalSampling,
 }
 
 /// The facet that reflects `wi` to `wo`.
@@ -91,19 +106,19 @@ fn reflect(wo: Vec3, wm: [f32; 3]) -> (Vec3, bool) {
 /// Density per solid angle of the even hemisphere.
 const EVEN: f32 = warp::UNIFORM_HEMISPHERE_PDF as f32;
 
-impl<D: SampleNormals<f32>> Conductor<D> {
+impl<D: SampleNormals<f32>> RoughConductor<D> {
     /// Density per solid angle of the direction that `facet` reflects to.
     #[inline(always)]
     fn density(&self, wo: Vec3, facet: &Facet) -> f32 {
         match self.normals {
-            Normals::Visible => self.density_visible(wo, facet),
-            Normals::All => 0.25 * self.distribution.pdf_all(facet.wm) / facet.cos,
-            Normals::Hemisphere => EVEN,
+            NormalSampling::Vndf => self.pdf_vndf(wo, facet),
+            NormalSampling::Ndf => 0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos,
+            NormalSampling::Hemisphere => EVEN,
         }
     }
 
     #[inline(always)]
-    fn density_visible(&self, wo: Vec3, facet: &Facet) -> f32 {
+    fn pdf_vndf(&self, wo: Vec3, facet: &Facet) -> f32 {
         0.25 * self.distribution.d(facet.wm) * self.distribution.g1_over_cos(wo.to_array())
     }
 
@@ -122,8 +137,10 @@ impl<D: SampleNormals<f32>> Conductor<D> {
         let d = &self.distribution;
         let (o, i) = (wo.to_array(), wi.to_array());
         match self.normals {
-            Normals::All => d.g2_over_cosines(o, i) * wi.z * facet.cos / facet.wm[2],
-            Normals::Visible | Normals::Hemisphere => 0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / EVEN,
+            NormalSampling::Ndf => d.g2_over_cosines(o, i) * wi.z * facet.cos / facet.wm[2],
+            NormalSampling::Vndf | NormalSampling::Hemisphere => {
+                0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / EVEN
+            }
         }
     }
 
@@ -131,31 +148,35 @@ impl<D: SampleNormals<f32>> Conductor<D> {
     /// is no sample the weight and the density are 0.
     #[inline(always)]
     #[must_use]
-    pub fn draw_visible(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
+    pub fn sample_vndf(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
         let d = &self.distribution;
-        let (wi, leaves) = reflect(wo, d.sample_visible(wo.to_array(), u));
+        let (wi, leaves) = reflect(wo, d.sample_vndf(wo.to_array(), u));
         let facet = Facet::of(wo, wi);
-        let pdf = self.density_visible(wo, &facet);
+        let pdf = self.pdf_vndf(wo, &facet);
         // G₂/G₁ = a/(a + b) ≤ 1 even when rounded; D cancels.
         let a = wi.z * (wo.z + d.cos_lambda(wo.to_array()));
         let g = a / (a + wo.z * d.cos_lambda(wi.to_array()));
         let drawn = leaves & facet.exists & (pdf > 0.0);
         let weight = self.fresnel.reflectance(facet.cos) * if drawn { g } else { 0.0 };
-        BsdfSample { wi, weight, pdf: if drawn { pdf } else { 0.0 }, delta: false }
+        BsdfSample::reflected(wi, weight, if drawn { pdf } else { 0.0 }, Lobe::GlossyReflection)
     }
 
     /// [`Scatter::eval_pdf`] by visible normals as straight-line arithmetic.
     #[inline(always)]
     #[must_use]
-    pub fn eval_visible(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    pub fn eval_vndf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let facet = Facet::of(wo, wi);
-        let (f, pdf) = (self.strength(wo, wi, &facet), self.density_visible(wo, &facet));
+        let (f, pdf) = (self.strength(wo, wi, &facet), self.pdf_vndf(wo, &facet));
         let f = self.fresnel.reflectance(facet.cos) * if facet.exists { f } else { 0.0 };
         (f, if facet.exists { pdf } else { 0.0 })
     }
 }
 
-impl<D: SampleNormals<f32>> Scatter for Conductor<D> {
+impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::GlossyReflection])
+    }
+
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         Facet::between(wo, wi).map_or(0.0, |facet| self.density(wo, &facet))
@@ -173,12 +194,12 @@ impl<D: SampleNormals<f32>> Scatter for Conductor<D> {
             return None;
         }
         let wi = match self.normals {
-            Normals::Visible => {
-                let sample = self.draw_visible(wo, u);
+            NormalSampling::Vndf => {
+                let sample = self.sample_vndf(wo, u);
                 return (sample.pdf > 0.0).then_some(sample);
             }
-            Normals::All => reflect_at(wo, self.distribution.sample_all(u))?,
-            Normals::Hemisphere => warp::uniform_hemisphere(u.map(f64::from)).as_vec3(),
+            NormalSampling::Ndf => reflect_at(wo, self.distribution.sample_ndf(u))?,
+            NormalSampling::Hemisphere => warp::uniform_hemisphere(u.map(f64::from)).as_vec3(),
         };
         let facet = Facet::between(wo, wi)?;
         let pdf = self.density(wo, &facet);
@@ -186,6 +207,6 @@ impl<D: SampleNormals<f32>> Scatter for Conductor<D> {
             return None;
         }
         let weight = self.fresnel.reflectance(facet.cos) * self.weight(wo, wi, &facet);
-        Some(BsdfSample { wi, weight, pdf, delta: false })
+        Some(BsdfSample::reflected(wi, weight, pdf, Lobe::GlossyReflection))
     }
 }

@@ -5,7 +5,7 @@
 //! nothing by this factor. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, 5.2.
 
 use super::mirror::reflect;
-use super::{BsdfSample, Scatter};
+use super::{BsdfSample, Lobe, Lobes, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// η seen from `wo`: `eta` is the index inside (z < 0) over that outside.
 #[inline]
-pub(super) fn eta_from(wo: Vec3, eta: f32) -> f32 {
+fn eta_from(wo: Vec3, eta: f32) -> f32 {
     if wo.z < 0.0 { eta.recip() } else { eta }
 }
 
@@ -26,17 +26,23 @@ fn refract(wo: Vec3, eta: f32, g: f32) -> Vec3 {
 /// Refraction without reflection, on either side; beyond the critical angle no light passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refraction {
+    /// What transmitted light is multiplied by.
     pub transmittance: Rgb,
     /// Index of refraction of the inside over that of the outside.
     pub eta: f32,
 }
 
 impl Scatter for Refraction {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::SpecularTransmission])
+    }
+
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
         let eta = eta_from(wo, self.eta);
         let g = dielectric::eta_cos_t(wo.z.abs(), eta)?;
-        BsdfSample::delta(refract(wo, eta, g), self.transmittance / (eta * eta))
+        let weight = self.transmittance / (eta * eta);
+        Some(BsdfSample::specular_transmission(refract(wo, eta, g), weight, 1.0, eta))
     }
 }
 
@@ -55,47 +61,62 @@ pub enum DielectricFresnel {
 
 /// A smooth dielectric boundary, on either side. Reflection is chosen as often as Fresnel's equations reflect.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Glass {
+pub struct Dielectric {
+    /// What reflected light is multiplied by, besides Fresnel's reflectance.
     pub reflectance: Rgb,
+    /// What transmitted light is multiplied by, besides Fresnel's transmittance.
     pub transmittance: Rgb,
     /// Index of refraction of the inside over that of the outside.
     pub eta: f32,
+    /// Which formula tells the reflected share.
     pub fresnel: DielectricFresnel,
 }
 
-impl Scatter for Glass {
+impl Dielectric {
+    /// The probability of reflection, and the cosine of the refracted direction; `None` under total internal reflection.
     #[inline]
-    fn sample(&self, wo: Vec3, uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
-        let (cos, eta) = (wo.z.abs(), eta_from(wo, self.eta));
-        let (reflected, cos_t) = match self.fresnel {
+    fn reflection(&self, cos: f32, eta: f32) -> (f32, Option<f32>) {
+        let cos_t = || dielectric::eta_cos_t(cos, eta).map(|g| g / eta);
+        match self.fresnel {
             DielectricFresnel::Exact => {
                 let r = dielectric::fresnel(cos, eta);
                 (r.unpolarized(), r.cos_t)
             }
-            DielectricFresnel::Schlick => {
-                (schlick::schlick(cos, eta), dielectric::eta_cos_t(cos, eta).map(|g| g / eta))
-            }
-            DielectricFresnel::SingleCosineSchlick => {
-                (schlick_incident_cosine(cos, eta), dielectric::eta_cos_t(cos, eta).map(|g| g / eta))
-            }
-        };
-        split(wo, uc, eta, reflected, cos_t, self.reflectance, self.transmittance)
+            DielectricFresnel::Schlick => (schlick::schlick(cos, eta), cos_t()),
+            DielectricFresnel::SingleCosineSchlick => (schlick_incident_cosine(cos, eta), cos_t()),
+        }
     }
 }
 
-/// Reflects with probability `reflected`, else refracts at cosine `cos_t`; without one all light is reflected.
-#[inline]
-pub(super) fn split(
-    wo: Vec3,
-    uc: f32,
-    eta: f32,
-    reflected: f32,
-    cos_t: Option<f32>,
-    reflectance: Rgb,
-    transmittance: Rgb,
-) -> Option<BsdfSample> {
-    match cos_t {
-        Some(cos_t) if uc >= reflected => BsdfSample::delta(refract(wo, eta, cos_t * eta), transmittance / (eta * eta)),
-        _ => BsdfSample::delta(reflect(wo), reflectance),
+impl Scatter for Dielectric {
+    fn lobes(&self) -> Lobes {
+        Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission])
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
+        let eta = eta_from(wo, self.eta);
+        Some(match self.reflection(wo.z.abs(), eta) {
+            (reflected, Some(cos_t)) if uc >= reflected => {
+                let wi = refract(wo, eta, cos_t * eta);
+                BsdfSample::specular_transmission(wi, self.transmittance / (eta * eta), 1.0 - reflected, eta)
+            }
+            (reflected, Some(_)) => BsdfSample::specular_reflection(reflect(wo), self.reflectance, reflected),
+            (_, None) => BsdfSample::specular_reflection(reflect(wo), self.reflectance, 1.0),
+        })
+    }
+
+    fn lobe_probability(&self, wo: Vec3, lobe: Lobe) -> f32 {
+        let (reflected, cos_t) = self.reflection(wo.z.abs(), eta_from(wo, self.eta));
+        let reflected = if cos_t.is_some() { reflected } else { 1.0 };
+        match lobe {
+            Lobe::SpecularReflection => reflected,
+            Lobe::SpecularTransmission => 1.0 - reflected,
+            _ => 0.0,
+        }
+    }
+
+    fn is_reciprocal(&self) -> bool {
+        self.fresnel != DielectricFresnel::SingleCosineSchlick
     }
 }

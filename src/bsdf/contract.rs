@@ -1,0 +1,232 @@
+//! What every BSDF promises: [`Scatter`], its samples, and the kinds of lobes.
+
+use crate::math::Rgb;
+use glam::Vec3;
+
+/// A kind of lobe: the part of a BSDF that a sample comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lobe {
+    /// Reflection in nearly all directions.
+    DiffuseReflection,
+    /// Transmission in nearly all directions.
+    DiffuseTransmission,
+    /// Reflection around the mirror direction.
+    GlossyReflection,
+    /// Transmission around the refracted direction.
+    GlossyTransmission,
+    /// Reflection in the mirror direction alone, a delta distribution.
+    SpecularReflection,
+    /// Transmission in the refracted direction alone, a delta distribution.
+    SpecularTransmission,
+}
+
+impl Lobe {
+    /// Whether it is a delta distribution: one direction, which no other strategy can sample.
+    #[inline]
+    #[must_use]
+    pub const fn is_delta(self) -> bool {
+        matches!(self, Self::SpecularReflection | Self::SpecularTransmission)
+    }
+
+    /// Whether light passes to the other side.
+    #[inline]
+    #[must_use]
+    pub const fn is_transmission(self) -> bool {
+        matches!(self, Self::DiffuseTransmission | Self::GlossyTransmission | Self::SpecularTransmission)
+    }
+
+    /// Whether it is diffuse.
+    #[inline]
+    #[must_use]
+    pub const fn is_diffuse(self) -> bool {
+        matches!(self, Self::DiffuseReflection | Self::DiffuseTransmission)
+    }
+}
+
+/// The lobes that a BSDF has: its flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Lobes(u8);
+
+impl Lobes {
+    /// The set of some lobes.
+    #[must_use]
+    pub const fn of(lobes: &[Lobe]) -> Self {
+        let (mut bits, mut i) = (0, 0);
+        while i < lobes.len() {
+            bits |= 1 << lobes[i] as u8;
+            i += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether a lobe is among them.
+    #[inline]
+    #[must_use]
+    pub const fn contains(self, lobe: Lobe) -> bool {
+        self.0 & 1 << lobe as u8 != 0
+    }
+
+    /// Whether all are delta distributions, so that light sampling is in vain.
+    #[inline]
+    #[must_use]
+    pub const fn are_delta(self) -> bool {
+        const DELTA: Lobes = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
+        self.0 & !DELTA.0 == 0
+    }
+
+    /// Whether light may pass to the other side.
+    #[inline]
+    #[must_use]
+    pub const fn transmit(self) -> bool {
+        const TRANSMISSION: Lobes =
+            Lobes::of(&[Lobe::DiffuseTransmission, Lobe::GlossyTransmission, Lobe::SpecularTransmission]);
+        self.0 & TRANSMISSION.0 != 0
+    }
+
+    /// Whether all are diffuse.
+    #[inline]
+    #[must_use]
+    pub const fn are_diffuse(self) -> bool {
+        const DIFFUSE: Lobes = Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]);
+        self.0 & !DIFFUSE.0 == 0
+    }
+}
+
+/// What is carried along a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Transport {
+    /// Radiance: the path comes from the camera, `wo` points towards the viewer.
+    #[default]
+    Radiance,
+    /// Importance: the path comes from a light, `wo` points towards that light, and the BSDF is the adjoint f(wi, wo).
+    Importance,
+}
+
+/// A direction sampled from a BSDF.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfSample {
+    /// Unit direction in the local frame.
+    pub wi: Vec3,
+    /// f |cos θᵢ| over the density: what the light from `wi` is multiplied by.
+    pub weight: Rgb,
+    /// Density per solid angle, equal to [`Scatter::pdf`] to the last bit; 0 of delta lobes.
+    pub pdf: f32,
+    /// The lobe that it comes from.
+    pub lobe: Lobe,
+    /// The probability with which the lobe was chosen, [`Scatter::lobe_probability`]. `weight` is divided by it, and for
+    /// other than delta lobes `pdf` has it as a factor.
+    pub probability: f32,
+    /// The index of refraction on the side of `wi` over that on the side of `wo`: 1 unless transmitted. Radiance changes by
+    /// 1/η² across the interface, and Russian roulette should not count that as a loss.
+    pub eta: f32,
+}
+
+impl BsdfSample {
+    /// A sample of the only lobe, which reflects.
+    #[inline(always)]
+    pub(super) fn reflected(wi: Vec3, weight: Rgb, pdf: f32, lobe: Lobe) -> Self {
+        Self { wi, weight, pdf, lobe, probability: 1.0, eta: 1.0 }
+    }
+
+    /// The mirror direction, chosen with this probability.
+    #[inline(always)]
+    pub(super) fn specular_reflection(wi: Vec3, weight: Rgb, probability: f32) -> Self {
+        Self { wi, weight, pdf: 0.0, lobe: Lobe::SpecularReflection, probability, eta: 1.0 }
+    }
+
+    /// The refracted direction, chosen with this probability.
+    #[inline(always)]
+    pub(super) fn specular_transmission(wi: Vec3, weight: Rgb, probability: f32, eta: f32) -> Self {
+        Self { wi, weight, pdf: 0.0, lobe: Lobe::SpecularTransmission, probability, eta }
+    }
+
+    /// Whether the direction is one of finitely many, which no other strategy can sample.
+    #[inline]
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        self.lobe.is_delta()
+    }
+}
+
+/// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
+pub trait Scatter {
+    /// The lobes that it has.
+    fn lobes(&self) -> Lobes;
+
+    /// The BSDF f(wo, wi), without the cosine (1/sr); 0 for delta lobes and where nothing is scattered.
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval_pdf(wo, wi).0
+    }
+
+    /// Density per solid angle of [`sample`](Self::sample) at `wi`; 0 for delta lobes. Its integral falls short of 1 by
+    /// the probability of `None` and of delta lobes.
+    #[inline]
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.eval_pdf(wo, wi).1
+    }
+
+    /// The density of the other direction: of sampling `wo` on a path that comes from `wi`.
+    #[inline]
+    fn pdf_reverse(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.pdf(wi, wo)
+    }
+
+    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) for little more than the price of one.
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    /// Samples a direction: `uc` in \[0, 1) chooses among lobes, `u` in \[0, 1)² the place within. `None` stands for a
+    /// sample that carries no light.
+    fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample>;
+
+    /// The probability with which [`sample`](Self::sample) chooses a lobe for `wo`.
+    fn lobe_probability(&self, _wo: Vec3, lobe: Lobe) -> f32 {
+        f32::from(u8::from(self.lobes().contains(lobe)))
+    }
+
+    /// Whether f(wi, wo) is f(wo, wi), refraction's η² apart, so that a path may be made from either end.
+    fn is_reciprocal(&self) -> bool {
+        true
+    }
+
+    /// [`eval`](Self::eval) for what the path carries.
+    #[inline]
+    fn eval_for(&self, transport: Transport, wo: Vec3, wi: Vec3) -> Rgb {
+        match transport {
+            Transport::Radiance => self.eval(wo, wi),
+            Transport::Importance => self.eval(wi, wo),
+        }
+    }
+
+    /// [`sample`](Self::sample) for what the path carries, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
+    ///
+    /// The two differ in refraction alone: it changes radiance by 1/η² but not power. Source: Veach, "Robust Monte Carlo
+    /// Methods for Light Transport Simulation", 1997, 5.2.
+    #[inline]
+    fn sample_for(&self, transport: Transport, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let sample = self.sample(wo, uc, u)?;
+        Some(match transport {
+            Transport::Radiance => sample,
+            Transport::Importance => BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_are_sets_of_lobes() {
+        let glass = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
+        assert!(glass.are_delta() && glass.transmit() && !glass.are_diffuse());
+        assert!(glass.contains(Lobe::SpecularReflection) && !glass.contains(Lobe::GlossyReflection));
+        let rough = Lobes::of(&[Lobe::GlossyReflection]);
+        assert!(!rough.are_delta() && !rough.transmit() && !rough.are_diffuse());
+        assert!(Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]).are_diffuse());
+        assert!(Lobes::default().are_delta(), "what scatters nothing needs no light samples");
+    }
+}
