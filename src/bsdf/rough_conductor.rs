@@ -131,7 +131,7 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
         if d > 0.0 { 0.25 * d * rest } else { 0.0 }
     }
 
-    /// f cos θᵢ over the density, for F = 1, where normals are not drawn as seen.
+    /// f cos θᵢ over the density, for F = 1, where normals are not sampled by visibility.
     #[inline]
     fn weight(&self, wo: Vec3, wi: Vec3, facet: &Facet) -> f32 {
         let d = &self.distribution;

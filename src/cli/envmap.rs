@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub enum Envmap {
     /// Print a map's size, range, flux and contrast
     Info(InfoArgs),
-    /// Draw importance samples over a map
+    /// Show importance samples of a map
     Sample(SampleArgs),
     /// Divide a map by median cut
     Cut(CutArgs),
@@ -104,7 +104,7 @@ struct LookArgs {
     /// Pure power law 1/GAMMA instead of the sRGB curve
     #[arg(long, value_name = "GAMMA", value_parser = gamma)]
     gamma: Option<f32>,
-    /// Side of the windows that mark samples, in texels
+    /// Side of the markers of samples, in texels
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=65536))]
     window: u32,
 }
@@ -124,7 +124,7 @@ fn gamma(text: &str) -> std::result::Result<f32, String> {
 }
 
 fn sampler_help() -> String {
-    format!("How directions are sampled. {}", map_samplers())
+    format!("How directions are sampled. {}", map_samplers(|sampling| !sampling.has_fixed_lights()))
 }
 
 /// Reads a direction, not necessarily a unit vector.
@@ -135,7 +135,7 @@ fn direction(text: &str) -> std::result::Result<DVec3, String> {
 }
 
 #[derive(Args)]
-#[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue window at each sample) and \
+#[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
                         etalon envmap sample grace.exr --flip -n 64,256,1024")]
 pub struct SampleArgs {
@@ -152,8 +152,8 @@ pub struct SampleArgs {
     /// The same as --sampler compensated
     #[arg(long, conflicts_with_all = ["sampler", "model"])]
     compensated: bool,
-    /// `report` draws as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
-    /// corners, half a texel off
+    /// `report` samples as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
+    /// corners, an error of half a texel
     #[arg(long, value_enum, default_value_t = Model::Exact, conflicts_with = "sampler")]
     model: Model,
     #[command(flatten)]
@@ -281,7 +281,7 @@ pub struct CutArgs {
     /// Put a region's light at its energy centroid, or at the first report's median pixel
     #[arg(long, value_enum, default_value_t = CentroidName::Energy)]
     centroid: CentroidName,
-    /// How the longer side of a region is told, which the cut divides: in texels, as in the first report, or on the
+    /// How the longer side of a region, which the cut divides, is measured: in texels, as in the first report, or on the
     /// sphere, where texels near the poles are narrow
     #[arg(long, value_enum, default_value_t = SidesName::Texels)]
     sides: SidesName,
@@ -328,7 +328,7 @@ impl CutArgs {
         console.result(&outputs, || {
             let line = |r: &CutOutput| {
                 format!(
-                    "{} regions: flux off by {:.1e}, most energetic one {:.3} times the mean\n{}",
+                    "{} regions: relative error of the flux {:.1e}, most energetic one {:.3} times the mean\n{}",
                     r.n,
                     r.flux_error,
                     r.imbalance,
@@ -346,7 +346,7 @@ impl CutArgs {
 pub struct ProposalArgs {
     #[arg(help = MAP_HELP)]
     map: OsString,
-    /// Number of draws with each kind of number
+    /// Number of samples with each kind of number
     #[arg(short, value_name = "N", default_value_t = 100_000)]
     n: usize,
     #[command(flatten)]

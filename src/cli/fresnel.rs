@@ -31,7 +31,7 @@ pub struct Fresnel {
     /// Number of angles from 0 to 90 degrees
     #[arg(long, value_name = "N", default_value_t = 901)]
     points: usize,
-    /// `report` draws what the first report drew: Schlick with the incident cosine on the exit side (off by up to 0.97
+    /// `report` plots what the first report shows: Schlick with the incident cosine on the exit side (an error of up to 0.97
     /// beside the critical angle), curves ended at the critical angle
     #[arg(long, value_enum, default_value_t = Model::Exact)]
     model: Model,
@@ -40,8 +40,8 @@ pub struct Fresnel {
 /// The metals of the table, each with its source.
 fn metal_help() -> String {
     let [r, g, b] = metals::WAVELENGTHS_NM;
-    let known: Vec<String> = metals::METALS.iter().map(|m| format!("{} ({})", m.symbol, m.source)).collect();
-    format!("A metal at {r}, {g} and {b} nm, by symbol or name: {}", known.join(", "))
+    let known: Vec<String> = metals::METALS.iter().map(|m| format!("{}: {}", m.symbol, m.source)).collect();
+    format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
 }
 
 /// The JSON object: the study's numbers and the files.

@@ -118,7 +118,7 @@ enum Command {
 /// Which formulas a command uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Model {
-    /// The right ones
+    /// The correct ones
     Exact,
     /// The reports', mistakes included
     Report,
@@ -129,14 +129,15 @@ fn map_sampling(text: &str) -> std::result::Result<MapSampling, String> {
     text.parse().map_err(|_| format!("the samplers are {}", MapSampling::names().join(", ")))
 }
 
-/// The environment-map samplers, each with what it does.
-fn map_samplers() -> String {
+/// The environment-map samplers among some, each with what it does.
+fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
     let line = |entry: &Entry| {
         let number = if entry.has_regions { "-K" } else { "" };
         let density = if entry.density == entry.name { String::new() } else { format!(" ({})", entry.density) };
         format!("{}{number}{density}: {}", entry.name, entry.doc)
     };
-    samplers::ALL.iter().map(|entry| line(entry)).collect::<Vec<_>>().join("; ")
+    let some = samplers::ALL.iter().filter(|entry| among(MapSampling::new(entry)));
+    some.map(|entry| line(entry)).collect::<Vec<_>>().join("; ")
 }
 
 /// Reads a number of bytes, for example `512M`.

@@ -31,7 +31,7 @@ pub enum Split {
 /// How the longer side of a region is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SideRule {
-    /// In texels of the map, as the first report does.
+    /// In texels of the map, as in Debevec's paper.
     #[default]
     Texels,
     /// On the sphere: the width counts sin θ of the region's middle row, as Debevec advises for lat-long maps.

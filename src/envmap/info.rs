@@ -5,7 +5,7 @@ use crate::math::mean_rgb;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Statistics of a map. "Intensity" is (R + G + B) / 3; sums run over the cleaned texels in f64.
+/// Statistics of a map. "Intensity" is the mean of R, G, B; sums run over the cleaned texels in f64.
 #[derive(Debug, Clone, Serialize)]
 pub struct Info {
     pub width: usize,
@@ -90,7 +90,7 @@ impl Info {
 
     /// Why this map is probably stored upside-down, where that can be told.
     ///
-    /// Pixels alone do not tell a floor from a ceiling. Two cases are told: a map whose size, flux and peak are those
+    /// Pixels alone do not tell a floor from a ceiling. Two cases are known: a map whose size, flux and peak are those
     /// of a probe that is known to be distributed with row 0 as the floor, and an outdoor map whose sun (more than a
     /// tenth of all light within 2°) stands below the horizon.
     #[must_use]
@@ -110,7 +110,7 @@ impl Info {
         })
     }
 
-    /// Whether this is Debevec's Grace Cathedral probe at 1024×512, the first report's map, either way up.
+    /// Whether this is Debevec's Grace Cathedral probe at 1024×512 (by its size, flux and brightest texel), either way up.
     #[must_use]
     pub fn is_grace(&self) -> bool {
         const FLUX: [f64; 3] = [0.281_32, 0.155_77, 0.192_89];

@@ -3,7 +3,7 @@
 //! A block of texels wholly above the horizon of n contributes n·M₁, where M₁ = ∫ L ω dω over the block is known in
 //! closed form; one wholly below contributes nothing. Only blocks on the horizon are opened, down to texels. One of
 //! flux F and angular radius ρ that is left unopened there contributes between max(n·M₁, 0) and Fρ/2 more; it is
-//! estimated as if its cosines were spread evenly, and what is unknown adds up to a bound. In fact the errors are of
+//! estimated as if its cosines were uniform, and what is unknown adds up to a bound. In fact the errors are of
 //! either sign and small: a few 10⁻⁶ of the whole, see the tests.
 
 use super::latlong::{Block, EnvMap, LatLong};

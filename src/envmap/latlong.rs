@@ -5,8 +5,8 @@
 //! * θ = π v, measured from +y;
 //! * φ = 2π u with direction (sin θ cos φ, cos θ, sin θ sin φ): u = 0 looks along +x, ¼ along +z, ½ along −x, ¾ along −z.
 //!
-//! This is how the first report's scene sees its map once row 0 is the ceiling. A texel is the region between its
-//! edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact: (cos θ₀ − cos θ₁) Δφ.
+//! A texel is the region between its edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact:
+//! (cos θ₀ − cos θ₁) Δφ.
 
 use crate::math::circular::{sin_cos_turns, turns};
 use crate::math::{Rgb, mean_rgb};

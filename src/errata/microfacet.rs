@@ -25,7 +25,7 @@ pub fn direction_pdf_without_cosine<T: Real>(d: T, cos: T) -> T {
 }
 
 /// Density of the normal as the second report's course forms it, p_θ p_φ / sin θ with p_θ = 2 sin θ/(α² cos³θ) exp(−tan²θ/α²) and
-/// p_φ = 1/2π: D cos θ, but 0/0 for the normal that u = 0 draws.
+/// p_φ = 1/2π: D cos θ, but 0/0 for the normal that u = 0.
 #[must_use]
 pub fn normal_pdf_by_angles(alpha: f32, theta: f32) -> f32 {
     let (sin, cos) = theta.sin_cos();

@@ -36,12 +36,14 @@ impl Frame {
     pub fn from_normal_and_tangent(normal: Vec3, tangent: Vec3) -> Self {
         // Gram-Schmidt: what of the tangent lies in the surface. Below this share of its length it is rounding.
         const LEAST_SHARE: f32 = 1e-3;
-        let in_surface = tangent - normal * normal.dot(tangent);
-        let length = in_surface.length();
+        let in_surface = |t: Vec3| t - normal * normal.dot(t);
+        let x = in_surface(tangent);
+        let length = x.length();
         if !(length > LEAST_SHARE * tangent.length() && length.is_finite()) {
             return Self::from_normal(normal);
         }
-        let x = in_surface / length;
+        // Once more: a tangent near the normal leaves the rounding of the first difference.
+        let x = in_surface(x / length).normalize();
         Self { x, y: normal.cross(x), z: normal }
     }
 

@@ -1,4 +1,4 @@
-//! Fresnel reflectance of a conductor: exact, and the approximation that the second report uses.
+//! Fresnel reflectance of a conductor: exact, and the approximation of old renderers.
 
 use super::dielectric;
 use crate::math::Real;
@@ -6,7 +6,9 @@ use crate::math::Real;
 /// R∥ and R⊥ of a conductor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConductorReflectance<T> {
+    /// Reflected share of the power polarized in the plane of incidence.
     pub parallel: T,
+    /// Reflected share of the power polarized across it.
     pub perpendicular: T,
 }
 
@@ -61,10 +63,10 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
     if re >= T::zero() { (larger, smaller) } else { (smaller, larger) }
 }
 
-/// The approximation of the second report, which drops s² against η² + k²:
+/// The approximation of pbrt-v2 and of the second report, which drops s² against η² + k²:
 /// R⊥ = (q − 2ηc + c²) / (q + 2ηc + c²), R∥ = (q c² − 2ηc + 1) / (q c² + 2ηc + 1), q = η² + k².
 ///
-/// Off by less than 0.007 (unpolarized) for gold and copper; for q < 5 it is unusable: fed with glass (k = 0,
+/// Its error is below 0.007 (unpolarized) for gold and copper; for q < 5 it is unusable: fed with glass (k = 0,
 /// η = 1.5) it errs by 0.099.
 #[must_use]
 pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {

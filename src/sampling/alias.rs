@@ -1,4 +1,4 @@
-//! The alias method: a piecewise-constant distribution drawn in constant time.
+//! The alias method: a piecewise-constant distribution sampled in constant time.
 
 use super::batch::{BATCH, Batch};
 use super::prefetch::prefetch;
@@ -72,7 +72,7 @@ impl AliasTable {
                 push(&mut entries, &mut small, l as u32);
             }
         }
-        // What is left over is 1 but for rounding, unless its weight is 0: such a cell must never be drawn.
+        // What is left over is 1 but for rounding, unless its weight is 0: such a cell must never be sampled.
         let heaviest = (0..n).max_by(|&a, &b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
         for mut next in [small, large] {
             while next != END {
@@ -90,7 +90,7 @@ impl AliasTable {
         Self { entries, total }
     }
 
-    /// Sum of the weights; when it is 0 nothing can be drawn.
+    /// Sum of the weights; when it is 0 nothing can be sampled.
     #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {
@@ -129,7 +129,7 @@ impl AliasTable {
 
     /// [`AliasTable::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
     /// cells are those of a grid with `width` columns; the second number of a pair is the position across the rows.
-    /// `values` has one value per cell; those of the drawn cells are prefetched.
+    /// `values` has one value per cell; those of the sampled cells are prefetched.
     ///
     /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::draw_batch`] does.
     #[inline(always)]

@@ -24,7 +24,7 @@ pub struct SphericalRectangle<T> {
 }
 
 /// Below this many steradians, in units of the type's precision, spherical coordinates no longer resolve the rectangle:
-/// 0.001 sr in f32. Its middle line in y then stands for all of it where x is drawn.
+/// 0.001 sr in f32. Its middle line in y then stands for all of it where x is sampled.
 const SMALL: f64 = 8192.0;
 
 impl<T: Circular> SphericalRectangle<T> {
@@ -76,7 +76,7 @@ impl<T: Circular> SphericalRectangle<T> {
 
 /// A number from `a` to `b` of density ∝ (d² + t²)^(−3/2).
 ///
-/// The sine h = t/√(d² + t²) is drawn evenly. Its difference over the interval and 1 − h², from the nearer end, are written
+/// The sine h = t/√(d² + t²) is sampled uniformly. Its difference over the interval and 1 − h², from the nearer end, are written
 /// without cancellation: h may be close to 1, and both ends to each other.
 #[inline(always)]
 fn between<T: Circular>([a, b]: [T; 2], d2: T, u: T) -> T {

@@ -76,7 +76,7 @@ pub struct Render {
 }
 
 fn density_help() -> String {
-    format!("How directions towards the environment are sampled. {}", map_samplers())
+    format!("How directions towards the environment are sampled. {}", map_samplers(|_| true))
 }
 
 const AFTER_HELP: &str = "\

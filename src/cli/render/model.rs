@@ -1,4 +1,4 @@
-//! Flags for what light does at surfaces: the right formulas, approximations, the reports' conventions.
+//! Flags for what light does at surfaces: the correct formulas, approximations, the reports' conventions.
 
 use crate::bsdf::{DielectricFresnel, NormalSampling};
 use crate::errata::Conventions;
@@ -12,10 +12,11 @@ pub struct ModelArgs {
     /// What glass reflects: Fresnel's equations, or Schlick's approximation on the less dense side
     #[arg(long, value_enum)]
     fresnel: Option<FresnelName>,
-    /// How rough metal draws directions: by the facets that are seen, by all facets, or evenly over the hemisphere
+    /// How rough metal samples directions: by the visible normals (VNDF), by all normals (NDF), or uniformly over the
+    /// hemisphere
     #[arg(long, value_enum)]
     normals: Option<NormalsName>,
-    /// The right formulas (exact), everything as the second report's renderer has it (report), or any of its single
+    /// The correct formulas (exact), everything as the second report's renderer has it (report), or any of its single
     /// conventions, with commas between them
     #[arg(long, value_enum, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
     model: Vec<ModelName>,
@@ -36,14 +37,14 @@ enum NormalsName {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ModelName {
-    /// The right formulas
+    /// The correct formulas
     Exact,
     /// All conventions below together
     Report,
     /// Metal: reflectance at the angle with the surface's normal, not the facet's; the two ways along a path then differ
     /// by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
     FresnelAtNormal,
-    /// Metal: a reflectance that drops a term, off by less than 0.008 for gold and copper
+    /// Metal: a reflectance that drops a term, with an error below 0.008 for gold and copper
     ApproximateFresnel,
     /// Glass: Schlick's polynomial of the cosine on the ray's own side; leaving glass of 1.5 at 40 degrees it reflects
     /// 0.041 where 0.245 is right, and of even light from inside 0.573 where 0.596 is right
@@ -51,8 +52,8 @@ enum ModelName {
     /// Metal: pi in place of its root in the shadowing, which is then off by up to 1.77 times (Lambda, grazing) and makes
     /// G exceed 1, up to 1.051
     LambdaPi,
-    /// Light of rectangular lamps falls off with the distance, not its square: 0.9 to 1.8 times the light in the
-    /// report's room
+    /// Light of rectangular area lights falls off with the distance, not its square: 0.9 to 1.8 times the light in the
+    /// report's Cornell box
     InverseDistance,
 }
 
@@ -86,7 +87,7 @@ impl ModelArgs {
         };
         model.conventions = conventions;
         if conventions.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
-            return Err(Error::parameter("normals", "the report's metal draws directions by all facets")
+            return Err(Error::parameter("normals", "the report's metal samples directions by all normals")
                 .with_hint("leave out `normals`, or the conventions for metal"));
         }
         if conventions.single_cosine_schlick && self.fresnel.is_some() {

@@ -1,4 +1,4 @@
-//! Many samples at once: drawn in small batches whose memory accesses overlap and whose arithmetic vectorizes.
+//! Many samples at once: in small batches whose memory accesses overlap and whose arithmetic vectorizes.
 
 use super::EnvSample;
 use crate::envmap::EnvMap;
@@ -63,15 +63,15 @@ impl EnvSamples {
 pub(super) trait Batched {
     fn map(&self) -> &EnvMap;
 
-    /// Sum of the table's weights; 0 when nothing can be drawn.
+    /// Sum of the table's weights; 0 when nothing can be sampled.
     fn total(&self) -> f64;
 
-    /// Draws a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
+    /// Samples a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
     /// instruction set.
     fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch);
 }
 
-/// Replaces `out` by the samples for all of `u`; by none when nothing can be drawn.
+/// Replaces `out` by the samples for all of `u`; by none when nothing can be sampled.
 ///
 /// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
 /// so every machine gets the same bits.

@@ -21,7 +21,8 @@ pub const ENTRY: &Entry = &Entry {
 };
 
 /// MIS compensation: the density with its solid-angle mean taken away, which leaves to BSDF sampling what BSDF
-/// sampling does well. It is 0 where the map is dimmer than its mean, so it is not complete: it must be combined with another strategy.
+/// sampling does well. It is 0 where the map is dimmer than its mean, so it is not complete: it must be combined with
+/// another strategy.
 ///
 /// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
 #[derive(Debug, Clone)]
@@ -53,10 +54,6 @@ impl DirectionSampler for CompensatedSampler {
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
         self.0.sample_many(u, out);
-    }
-
-    fn invert(&self, wi: DVec3) -> Option<[f64; 2]> {
-        self.0.invert(wi)
     }
 
     #[inline]

@@ -3,7 +3,7 @@
 //! The map is a pyramid of blocks. Each block knows its flux F = ∫ I dω and its first moment M = ∫ I ω dω, so the
 //! share that it sends to a surface of normal n is n·M exactly where it is wholly above the horizon, 0 where it is
 //! wholly below, and close to F r (1 + x)²/4 with x = n·M / (F r) where the horizon cuts it (r the sine of its angular
-//! radius; exact if cosines are spread evenly over ±r). A draw descends from the whole map to a block of the finest
+//! radius; exact if cosines are uniform over ±r). A sample descends from the whole map to a block of the finest
 //! level, choosing at each step between two halves twice, and takes a texel of that block by its flux. For a diffuse
 //! surface that sees the whole map nearly every sample then has the same weight, the irradiance itself.
 //!
@@ -34,11 +34,11 @@ const FINEST: usize = 1 << 19;
 /// Least share of F r that a block on the horizon is given, so that no light above it is ever missed.
 const FLOOR: f32 = 1e-3;
 
-/// A draw starts by weighing this many quads at most. Larger blocks are not used: they reach so far around the sphere
-/// that what they send to a surface is badly known, and draws would be lost below the horizon.
+/// A sample starts by weighing this many quads at most. Larger blocks are not used: they reach so far around the sphere
+/// that what they send to a surface is badly known, and samples would be lost below the horizon.
 const ROOT: usize = 8;
 
-/// Draws directions for a normal.
+/// Samples directions for a normal.
 #[derive(Debug, Clone)]
 pub struct CosineSampler {
     map: Arc<EnvMap>,
@@ -131,14 +131,14 @@ impl Level {
     }
 }
 
-/// Draws an index in proportion to a few weights, and stretches what is left of `u` to \[0, 1) again. Returns the
+/// Samples an index in proportion to a few weights, and stretches what is left of `u` to \[0, 1) again. Returns the
 /// index and its probability, [`share`]; `None` when all weights are 0.
 #[inline]
 fn pick(u: &mut f64, weights: &[f64]) -> Option<(usize, f64)> {
     let mut left = *u * weights.iter().sum::<f64>();
     let mut found = None;
     for (i, &w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-        // Rounding may leave a crumb beyond the last weight; it belongs to that one.
+        // Rounding may leave a remainder beyond the last weight; it belongs to that one.
         found = Some(i);
         *u = (left / w).min(1.0f64.next_down());
         if left < w {

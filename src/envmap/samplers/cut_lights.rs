@@ -25,7 +25,7 @@ pub const MEDIAN_CUT: &Entry = &Entry {
 pub const VARIANCE_CUT: &Entry = &Entry {
     name: "variance-cut",
     density: "variance-cut",
-    doc: "the same, cut where the larger variance of the halves is smallest",
+    doc: "fixed lights in place of the map, one for each region of a cut by variance: with bias",
     has_regions: true,
     complete: false,
     invertible: false,

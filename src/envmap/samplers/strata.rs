@@ -1,4 +1,4 @@
-//! Regions of a cut as strata: a region in proportion to its energy, then a direction evenly within it.
+//! Regions of a cut as strata: a region in proportion to its energy, then a direction uniformly within it.
 //!
 //! Unlike the lights of a cut, which stand at fixed places, such directions reach all of the map, so the estimate has
 //! no bias. Regions of equal energy are chosen equally often: with stratified numbers every one of them in turn.
@@ -12,11 +12,11 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Its entry in the registry. It is complete: a region of no energy is never drawn, and has no light.
+/// Its entry in the registry. It is complete: a region of no energy is never sampled, and has no light.
 pub const ENTRY: &Entry = &Entry {
     name: "strata",
     density: "strata",
-    doc: "a region of a median cut by its energy, uniformly within it",
+    doc: "radiance, constant over each of K regions of a median cut",
     has_regions: true,
     complete: true,
     invertible: false,
@@ -24,7 +24,7 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, regions| Ok(Box::new(StrataSampler::new(map, regions as usize)?))),
 };
 
-/// Draws directions by the regions of a median cut.
+/// Samples directions by the regions of a median cut.
 pub struct StrataSampler {
     map: Arc<EnvMap>,
     regions: Table1,

@@ -100,8 +100,9 @@ fn densities_integrate_to_one_and_are_complete_where_they_say_so() {
                     // What is missing are descents that ended among blocks without light above the horizon.
                     _ => assert!(mass > 0.5 && mass < 1.0 + 1e-6, "{}: {mass}", entry.name),
                 }
-                let has_contrast = map.image().pixels().len() > 2;
-                assert_eq!(missed == 0, entry.complete || !has_contrast, "{}: {missed}", entry.name);
+                assert!(missed == 0 || !entry.complete, "{}: {missed}", entry.name);
+                // What is said to miss light does so on the largest map.
+                assert!(missed > 0 || entry.complete || g.width() < 64, "{}", entry.name);
             }
         }
     }

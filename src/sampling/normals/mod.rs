@@ -1,4 +1,5 @@
-//! Microfacet normals, drawn by area or as seen from a direction, each with its density per solid angle of the normal.
+//! Microfacet normals, sampled by the full distribution (NDF) or as visible from a direction (VNDF), each with its density
+//! per solid angle of the normal.
 
 mod slope;
 
@@ -6,14 +7,14 @@ use crate::math::Real;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
-/// A distribution that normals can be drawn from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
+/// A distribution that normals can be sampled from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
 pub trait SampleNormals<T: Real>: Microfacet<T> {
-    /// A normal with density D(m) cos θₘ: facets as they lie.
+    /// A normal with density D(m) cos θₘ: the full distribution of normals (NDF).
     fn sample_ndf(&self, u: [T; 2]) -> [T; 3];
 
-    /// A normal with density D(m) max(0, wo·m) G₁(wo)/cos θₒ: facets as seen from `wo`, which has z ≥ 0.
+    /// A normal with density D(m) max(0, wo·m) G₁(wo)/cos θₒ: the distribution of visible normals (VNDF), which has z ≥ 0.
     ///
-    /// Every facet drawn faces `wo`, and the weight of a reflection is F G₂/G₁ ≤ 1.
+    /// Every normal sampled faces `wo`, and the weight of a reflection is F G₂/G₁ ≤ 1.
     fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
 
     /// Density of [`sample_ndf`](Self::sample_ndf).

@@ -59,7 +59,7 @@ impl Table2 {
         Self { width, rows: Table1::new(&sums), cdf, guide }
     }
 
-    /// Sum of the weights; when it is 0 nothing can be drawn.
+    /// Sum of the weights; when it is 0 nothing can be sampled.
     #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {
@@ -75,7 +75,7 @@ impl Table2 {
         }
     }
 
-    /// Draws the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
+    /// Samples the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
     #[inline]
     #[must_use]
     pub fn draw(&self, u: [f64; 2]) -> Option<Draw2> {
@@ -84,7 +84,7 @@ impl Table2 {
     }
 
     /// [`Table2::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
-    /// has one value per cell, row by row; those of the drawn cells are prefetched.
+    /// has one value per cell, row by row; those of the sampled cells are prefetched.
     ///
     /// A draw looks into four tables, each look-up depends on the one before, and in a large map each waits for memory.
     /// So the steps are taken one by one for all draws, each step prefetches for the next, and what is left to compute

@@ -1,6 +1,6 @@
 //! Piecewise-constant distributions: cumulative tables with a guide, in one and two dimensions.
 //!
-//! Probabilities are differences of the *stored* table, so that what is drawn and what the density says agree to the
+//! Probabilities are differences of the *stored* table, so that what is sampled and what the density says agree to the
 //! last bit. Cells are found through a guide (cutpoint) table: one look-up per draw and a short search, monotone in
 //! `u`, hence invertible and safe for stratified numbers. Source: Chen & Asau, "On generating random variates from an
 //! empirical distribution", AIIE Transactions 6(2), 1974.
@@ -177,7 +177,7 @@ impl Table1 {
         Cdf { cdf: &self.cdf, guide: &self.guide }
     }
 
-    /// Sum of the weights; when it is 0 nothing can be drawn.
+    /// Sum of the weights; when it is 0 nothing can be sampled.
     #[inline]
     #[must_use]
     pub fn total(&self) -> f64 {

@@ -43,16 +43,16 @@ pub fn methods() -> Vec<(String, String)> {
         let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
         if entry.has_regions {
-            names.push((format!("{name}-K"), format!("light, the environment by {doc}")));
+            names.push((format!("{name}-K"), format!("light; the environment: {doc}")));
         } else if entry.complete {
-            names.push((format!("light-{name}"), format!("light, the environment by {doc}")));
+            names.push((format!("light-{name}"), format!("light; the environment: {doc}")));
         }
         if sampling.has_fixed_lights() {
             continue;
         }
         let suffix = if entry.has_regions { "-K" } else { "" };
         let note = if sampling.needs_normal() { "; at diffuse surfaces, light alone" } else { "" };
-        names.push((format!("mis-{name}{suffix}"), format!("mis, the environment by {doc}{note}")));
+        names.push((format!("mis-{name}{suffix}"), format!("mis; the environment: {doc}{note}")));
     }
     names
 }
