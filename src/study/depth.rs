@@ -110,12 +110,14 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
     let (layers, dropped) = layers(scene, &request, &apart)?;
+    // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
         .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
         .filter(|(_, mask)| mask.contains(&true))
         .collect();
 
+    // Each image is the one before it plus the layers that appear at its depth, summed in f64.
     let mut images = Vec::new();
     let mut differences = Vec::new();
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
@@ -142,6 +144,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
     });
     let rows = rows.collect();
+    // Light of each layer by kind of object: shares, lit pixels, centroid.
     let mut classes = Vec::new();
     for (name, layer) in &layers {
         let depth = appears_at(name);
@@ -269,6 +272,7 @@ pub fn visible_area_lights(scene: &Scene) -> f64 {
     let light = |object: &Object| {
         let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) else { return 0.0 };
         let corners = rectangle.corners().map(|c| film(c.as_dvec3()));
+        // Twice the area of the projected quadrilateral (shoelace formula).
         let twice: f64 = (0..4)
             .map(|i| {
                 let (a, b) = (corners[i], corners[(i + 1) % 4]);

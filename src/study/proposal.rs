@@ -80,6 +80,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
             }
         }
     })?;
+    // Chi-square tests of single rows against their share of the energy.
     let expected: Vec<f64> = (0..energies.len()).map(|y| table.probability(y) * draws as f64).collect();
     let tests = chi_square(&uniform, &expected).zip(chi_square(&gaussian, &expected));
     Ok(tests.map(|(uniform_test, gaussian_test)| Proposal {

@@ -93,6 +93,7 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
         let [one, other] = [&importance, &hemisphere].map(|s| Mean::of(&s.rendered.part.film, mask));
         one.z(&other)
     };
+    // Signed distances from the silhouette give the rim and the bins of the profile.
     let depth = importance.objects.depth_inside(&importance.mask, (INSIDE + 1) as usize);
     let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
     let (z_picture, z_statue, z_rim) = (z(&vec![true; depth.len()]), z(&importance.mask), z(&rim));

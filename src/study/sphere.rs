@@ -91,6 +91,7 @@ pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Re
     let (scene, request) = builtin::sphere_env(environment);
     let request = Request { width: exact.size, height: exact.size, spp, ..request };
     let rendered = render(&scene, &request, settings, &Silent)?;
+    // Sums of the error, its square and the square of its ratio over the ring.
     let (mut sum, mut sum2, mut ratio2, mut truth, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let mut relative_error = vec![f64::NAN; exact.pixels.len()];
     let mut group_errors = [0.0; GROUPS];

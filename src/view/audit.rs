@@ -32,8 +32,10 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
     legend(&mut sheet, right / 2.0);
     for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
         let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
+        // What an exact check rejects needs no p-value.
+        let p = erratum.p.filter(|_| erratum.violation.is_none());
         let lines = [
-            (PRINTED.colour, format!("as printed: {}", verdict(erratum.verdict, erratum.p))),
+            (PRINTED.colour, format!("as printed: {}", verdict(erratum.verdict, p))),
             (CORRECTED.colour, format!("corrected: {}", verdict(erratum.right_verdict, erratum.right_p))),
             (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
         ];

@@ -1,4 +1,6 @@
 //! Views: the result of a study as a drawing, as rows of a table or as text. They lay out and compute nothing else.
+//!
+//! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
 pub mod audit;
 pub mod converge;

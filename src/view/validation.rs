@@ -21,7 +21,7 @@ pub struct Row<'a> {
     pub p: Option<f64>,
     /// Samples taken.
     pub samples: u64,
-    /// Relative density error (root mean square) that would be found with 90 % probability.
+    /// Relative error of the pdf (root mean square) that is detected with 90 % probability.
     pub detectable: Option<f64>,
     /// Integral of the pdf.
     pub mass: Option<f64>,

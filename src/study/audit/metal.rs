@@ -1,4 +1,4 @@
-//! The second report's metal: the density that it prints, its Fresnel term, its shadowing.
+//! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing.
 
 use super::{Curves, Suspect, curve, exact};
 use crate::bsdf::{ConductorFresnel, ConventionalConductor, Scatter, pdf_without_cosine};
@@ -87,7 +87,7 @@ fn printed_density() -> Result<Suspect> {
     };
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
     Ok(Suspect {
-        title: "density without cos θₘ",
+        title: "pdf without cos θₘ",
         report: "second report",
         printed: "p(ωᵢ) = D(m)/(4 ωₒ·m)",
         right: "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)",
@@ -98,7 +98,7 @@ fn printed_density() -> Result<Suspect> {
         curves: Curves {
             x: "/{θ}_{i} (degrees)",
             every: 45.0,
-            y: "density (1/sr)",
+            y: "pdf (1/sr)",
             printed: curve(-90.0, 90.0, |a| right(at(a)) / facet(wo, at(a)).z),
             right: curve(-90.0, 90.0, |a| right(at(a))),
             scattered: false,
