@@ -10,12 +10,14 @@ const UNIT: f64 = (1u64 << 29) as f64;
 
 impl Share {
     /// One number, to the nearest unit.
+    #[inline]
     #[must_use]
     pub fn new(value: f64) -> Self {
         Self((value.clamp(0.0, 1.0) * UNIT).round() as u64)
     }
 
     /// The sum.
+    #[inline]
     #[must_use]
     pub fn sum(self) -> f64 {
         self.0 as f64 / UNIT
@@ -23,6 +25,7 @@ impl Share {
 }
 
 impl AddAssign for Share {
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         self.0 += other.0;
     }

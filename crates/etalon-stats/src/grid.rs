@@ -112,6 +112,7 @@ impl Grid {
     }
 
     /// The number of the cell at chart coordinates.
+    #[inline]
     #[must_use]
     pub fn find(&self, [x, y]: [f64; 2]) -> usize {
         let index = |edges: &[f64], at: f64| edges[1..edges.len() - 1].partition_point(|&edge| edge <= at);

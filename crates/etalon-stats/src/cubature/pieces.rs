@@ -46,12 +46,14 @@ impl Piece {
     }
 
     /// The share of a density that is within reach.
+    #[inline]
     pub(super) fn seen(&self, pdf: f64) -> f64 {
         share_within(self.top, pdf)
     }
 
     /// The difference between the density at a probe, as far as it is within reach, and the rule's polynomial there, from −1
     /// to 1, in units of what the piece reaches.
+    #[inline]
     pub(super) fn difference(&self, probe: &Probe) -> f64 {
         if self.top == 0.0 {
             return 0.0;
@@ -137,6 +139,7 @@ impl Tree {
     }
 
     /// The number of the piece that a probe is in, and the density that it is expected to reach.
+    #[inline]
     pub(super) fn find(&self, at: [f64; 2]) -> (usize, f64) {
         let mut node = 0;
         loop {
@@ -150,6 +153,7 @@ impl Tree {
 }
 
 /// The share of a density that is within reach of `top`.
+#[inline]
 pub(super) fn share_within(top: f64, pdf: f64) -> f64 {
     if pdf > top { top / pdf } else { 1.0 }
 }

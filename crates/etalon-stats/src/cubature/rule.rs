@@ -28,6 +28,7 @@ const RULE: [(f64, f64, f64); KRONROD] = {
 };
 
 /// The nodes in a rectangle, row by row; on a line those with y = ½.
+#[inline]
 pub(super) fn nodes(at: &Cell, plane: bool) -> impl Iterator<Item = [f64; 2]> {
     let place = |[from, to]: [f64; 2], node: f64| 0.5 * (from + to) + 0.5 * (to - from) * node;
     let (x, y) = (at.x, at.y);
@@ -36,6 +37,7 @@ pub(super) fn nodes(at: &Cell, plane: bool) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// Sums over \[−1, 1\]²: Kronrod's rule along both axes; Gauss's along x; Gauss's along y.
+#[inline]
 pub(super) fn rules(values: &[f64]) -> [f64; 3] {
     if values.len() == KRONROD {
         let sum = |weight: fn(&(f64, f64, f64)) -> f64| {
@@ -76,6 +78,7 @@ const BARYCENTRIC: [f64; KRONROD] = {
 };
 
 /// Values at `x` in \[−1, 1\] of the 15 polynomials that are 1 at one node and 0 at the others.
+#[inline]
 fn lagrange(x: f64) -> [f64; KRONROD] {
     let mut basis = [0.0; KRONROD];
     for (value, (node, weight)) in basis.iter_mut().zip(RULE.iter().zip(BARYCENTRIC)) {
@@ -90,6 +93,7 @@ fn lagrange(x: f64) -> [f64; KRONROD] {
 }
 
 /// The polynomial through `values` at the [`nodes`] of `at`, whose integral is what Kronrod's rule returns.
+#[inline]
 pub(super) fn interpolate(values: &[f64], at: &Cell, [x, y]: [f64; 2]) -> f64 {
     let local = |v: f64, [from, to]: [f64; 2]| ((2.0 * v - from - to) / (to - from)).clamp(-1.0, 1.0);
     let along_x = lagrange(local(x, at.x));
