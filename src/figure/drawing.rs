@@ -177,7 +177,7 @@ impl Drawing {
                 .with_hint("give a name to write to")
         })?;
         let svg = self.svg();
-        let (png, pdf) = rayon::join(|| self.paint(&svg), || self.pdf());
+        let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
         let files = [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)];
         let mut written = Vec::with_capacity(files.len());
         for (extension, bytes) in files {

@@ -1,12 +1,14 @@
-//! A drawing as PNG, painted from its own SVG with the embedded fonts: no font of the system is ever asked for.
+//! A drawing as PNG. Text is filled outlines of the embedded fonts: no font of the system is ever asked for.
 
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Item};
 use super::rgb8::Rgb8;
-use super::text::Face;
+use super::shapes::{Anchor, Colour, Paint, Rect, Text};
+use super::text;
 use crate::error::{Error, Result};
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{self, fontdb};
-use std::sync::{Arc, LazyLock};
+use tiny_skia::{
+    FillRule, FilterQuality, IntSize, LineJoin, Path, PathBuilder, Pattern, Pixmap, SpreadMode, Stroke, StrokeDash,
+    Transform,
+};
 
 /// The longest PNG side, and the largest PNG (512 MiB while it is painted).
 const MAX_SIDE: f64 = 32768.0;
@@ -18,43 +20,155 @@ impl Drawing {
     /// # Errors
     /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
-        self.paint(&self.svg())
-    }
-
-    /// [`Self::png`] from the SVG at hand.
-    pub(super) fn paint(&self, svg: &str) -> Result<Vec<u8>> {
         let (w, h) = ((self.width() * self.scale()).ceil(), (self.height() * self.scale()).ceil());
-        let unpaintable = |what: String| {
+        let unpaintable = |what: &str| {
             Error::parameter("figure size", format!("{w} x {h} pixels: {what}"))
                 .with_hint(format!("a figure may have 1 to {MAX_SIDE} pixels a side and {MAX_PIXELS} in all"))
         };
         // Also false for NaN.
         if !(w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE && w * h <= MAX_PIXELS) {
-            return Err(unpaintable("cannot be painted".to_owned()));
+            return Err(unpaintable("cannot be painted"));
         }
-        let tree = usvg::Tree::from_str(svg, &options()).map_err(|e| unpaintable(e.to_string()))?;
-        let mut pixmap = Pixmap::new(w as u32, h as u32).ok_or_else(|| unpaintable("too large".to_owned()))?;
-        resvg::render(&tree, Transform::from_scale(self.scale() as f32, self.scale() as f32), &mut pixmap.as_mut());
+        let mut page = Pixmap::new(w as u32, h as u32).ok_or_else(|| unpaintable("too large"))?;
+        page.fill(tiny_skia::Color::WHITE);
+        let to_pixels = Transform::from_scale(self.scale() as f32, self.scale() as f32);
+        for item in self.items() {
+            paint_item(&mut page, to_pixels, item);
+        }
         // The page is opaque white below everything, so alpha carries nothing.
-        let mut rgb = Vec::with_capacity(pixmap.data().len() / 4 * 3);
-        for pixel in pixmap.data().chunks_exact(4) {
-            rgb.extend_from_slice(&pixel[..3]);
-        }
+        let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         Ok(Rgb8::new(w as usize, h as usize, rgb).png().to_vec())
     }
 }
 
-fn options() -> usvg::Options<'static> {
-    static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-        let mut fonts = fontdb::Database::new();
-        for face in Face::ALL {
-            fonts.load_font_source(fontdb::Source::Binary(Arc::new(face.bytes())));
+/// Paints one item. What has no extent, which makes no path, leaves no trace.
+fn paint_item(page: &mut Pixmap, to_pixels: Transform, item: &Item) {
+    match item {
+        Item::Path { points, closed, paint } => {
+            let mut builder = PathBuilder::new();
+            for (i, [x, y]) in points.iter().map(|p| p.map(|v| v as f32)).enumerate() {
+                if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+            }
+            if *closed {
+                builder.close();
+            }
+            paint_path(page, to_pixels, builder.finish(), paint);
         }
-        Arc::new(fonts)
-    });
-    usvg::Options { fontdb: FONTS.clone(), ..Default::default() }
+        Item::Rect { rect, paint } => paint_path(page, to_pixels, sides(rect).map(PathBuilder::from_rect), paint),
+        Item::Circle { centre: [x, y], radius, paint } => {
+            paint_path(page, to_pixels, PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32), paint);
+        }
+        Item::Text(text) => paint_path(page, to_pixels.pre_concat(placed(text)), outlines(text), &text.colour.into()),
+        Item::Image { rect, image } => paint_image(page, to_pixels, rect, image),
+    }
 }
 
+fn sides(rect: &Rect) -> Option<tiny_skia::Rect> {
+    tiny_skia::Rect::from_xywh(rect.x as f32, rect.y as f32, rect.width as f32, rect.height as f32)
+}
+
+fn paint_path(page: &mut Pixmap, to_pixels: Transform, path: Option<Path>, paint: &Paint) {
+    let Some(path) = path else { return };
+    if let Some(fill) = paint.fill {
+        page.fill_path(&path, &colour(fill), FillRule::Winding, to_pixels, None);
+    }
+    if let Some(stroke) = paint.stroke {
+        // A list of odd length is gone through twice, as in SVG.
+        let lengths = stroke.dash.iter().map(|&length| length as f32);
+        let dash = lengths.clone().chain(lengths.take(stroke.dash.len() % 2 * stroke.dash.len())).collect();
+        let dash = StrokeDash::new(dash, 0.0);
+        let style = Stroke { width: stroke.width as f32, line_join: LineJoin::Round, dash, ..Stroke::default() };
+        page.stroke_path(&path, &colour(stroke.colour), &style, to_pixels, None);
+    }
+}
+
+fn colour(Colour { r, g, b, alpha }: Colour) -> tiny_skia::Paint<'static> {
+    let mut paint = tiny_skia::Paint::default();
+    paint.set_color_rgba8(r, g, b, alpha);
+    paint
+}
+
+fn paint_image(page: &mut Pixmap, to_pixels: Transform, rect: &Rect, image: &Rgb8) {
+    let rgba = image.data().chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]).collect();
+    let size = IntSize::from_wh(image.width() as u32, image.height() as u32);
+    let Some(pixels) = size.and_then(|size| Pixmap::from_vec(rgba, size)) else { return };
+    let Some(sides) = sides(rect) else { return };
+    let (across, down) = (rect.width / image.width() as f64, rect.height / image.height() as f64);
+    // Enlarged pixels stay sharp squares.
+    let quality = if across >= 1.0 && down >= 1.0 { FilterQuality::Nearest } else { FilterQuality::Bicubic };
+    let to_rect = Transform::from_row(across as f32, 0.0, 0.0, down as f32, rect.x as f32, rect.y as f32);
+    let shader = Pattern::new(pixels.as_ref(), SpreadMode::Pad, quality, 1.0, to_rect);
+    page.fill_rect(sides, &tiny_skia::Paint { shader, ..tiny_skia::Paint::default() }, to_pixels, None);
+}
+
+/// From the start of a text's baseline to the drawing.
+fn placed(text: &Text) -> Transform {
+    let [x, y] = text.at.map(|v| v as f32);
+    let start = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => -text.width() / 2.0,
+        Anchor::End => -text.width(),
+    };
+    let at_point = Transform::from_translate(x, y);
+    let turned = if text.upwards { at_point.pre_rotate(-90.0) } else { at_point };
+    turned.pre_translate(start as f32, text.drop() as f32)
+}
+
+/// The letters of a text, from the start of its baseline.
+fn outlines(text: &Text) -> Option<Path> {
+    let (mut outlines, mut x) = (Outlines { path: PathBuilder::new(), scale: 0.0, at: [0.0; 2] }, 0.0);
+    for run in text::runs(&text.markup, text.size, text.bold) {
+        let tables = run.face.tables();
+        outlines.scale = (run.size / f64::from(tables.units_per_em())) as f32;
+        for c in run.text.chars() {
+            // What has no glyph shows the font's empty box, but for control characters.
+            let c = if c.is_control() { ' ' } else { c };
+            outlines.at = [x as f32, -run.rise as f32];
+            tables.outline_glyph(tables.glyph_index(c).unwrap_or_default(), &mut outlines);
+            x += run.size * run.face.advance(c);
+        }
+    }
+    outlines.path.finish()
+}
+
+/// A path of glyphs, each scaled from font units (y up) and put in its place (y down).
+struct Outlines {
+    path: PathBuilder,
+    scale: f32,
+    at: [f32; 2],
+}
+
+impl Outlines {
+    fn place(&self, x: f32, y: f32) -> (f32, f32) {
+        (self.at[0] + self.scale * x, self.at[1] - self.scale * y)
+    }
+}
+
+impl ttf_parser::OutlineBuilder for Outlines {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ((x1, y1), (x, y)) = (self.place(x1, y1), self.place(x, y));
+        self.path.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ((x1, y1), (x2, y2), (x, y)) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
+    }
+}
 #[cfg(test)]
 mod tests {
     use super::super::shapes::{Colour, Rect, Text};
