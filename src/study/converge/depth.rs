@@ -93,14 +93,13 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn each_depth_has_more_light_and_takes_more_time() {
+    fn each_depth_has_more_light() {
         let (scene, request) = builtin::cornell_spheres();
         let request = Request { width: 40, height: 30, spp: 16, light_samples: 1, ..request };
         let depths = measure(&scene, &request, 3, 1, &Deadline::after(60.0)).unwrap();
         let missing: Vec<f64> = depths.levels.iter().map(|l| l.missing.value).collect();
         assert!(missing.windows(2).all(|pair| pair[0] > pair[1]), "{missing:?}");
         assert_eq!((missing[DEPTHS.len() - 1], depths.levels[DEPTHS.len() - 1].time_share), (0.0, 1.0));
-        assert!(depths.levels[0].time_share < 0.7, "{:?}", depths.levels[0]);
         let none = measure(&scene, &request, 3, 1, &Deadline::after(0.0)).unwrap();
         assert!(none.levels.is_empty() && none.replicates == 0);
     }

@@ -89,7 +89,7 @@ fn meshes_have_their_outside_where_pbrt_has_it() {
     assert_eq!(mesh.normals[1], Vec3::Z);
     for (turned, corners) in [("", [0, 1, 2]), ("ReverseOrientation ", [0, 2, 1])] {
         let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]";
-        let one = objects(&format!("{turned}{shape}"));
+        let one = objects(&format!("AreaLightSource \"diffuse\" {turned}{shape}"));
         let Shape::Mesh(mesh) = &one[0].shape else { panic!("{one:?}") };
         let uv = corners.map(|i| [Vec2::ZERO, Vec2::X, Vec2::Y][i as usize]);
         assert_eq!((&mesh.triangles[..], &mesh.uv[..], mesh.tangent(0)), (&[corners][..], &[uv][..], Some(Vec3::X)));
