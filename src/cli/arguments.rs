@@ -1,4 +1,4 @@
-//! The arguments of a run as a whole: which files it reads, and what tells its results from those of another run.
+//! The arguments of a run as a whole: the files that it reads, and the arguments that the names of its results contain.
 
 use crate::error::{Error, Result};
 use crate::files::is_same_file;
@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 /// Arguments that name what is written.
 const OUTPUTS: [&str; 4] = ["out", "file", "resume", "junit"];
 
-/// Arguments that change nothing in the results but where they go, how fast they come and what is said.
+/// Arguments that do not change the results, only their place, the time that they take and what is printed.
 const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
 
-/// What the command line holds beside the parsed values.
+/// The arguments that were given, by their role.
 #[derive(Default)]
 pub struct Arguments {
     /// Files and built-in names that are read.
@@ -64,13 +64,18 @@ impl Arguments {
         }
     }
 
-    /// Where results go. Their default names tell all arguments that differ from the defaults, but for those (`in_name`,
-    /// by their ids) that the names tell already.
+    /// Where results go. Default names contain the arguments that differ from their defaults, except those (`in_name`, by
+    /// their ids) that the name contains already.
     pub fn target(&self, out: Option<&Path>, in_name: &[&str]) -> Target {
         let texts = self.differing.iter().filter(|(id, _)| !in_name.contains(&id.as_str()));
         let variant: String = texts.map(|(_, text)| format!("-{text}")).collect();
         Target::new(out).with_variant(&variant).with_inputs(&self.inputs)
     }
+}
+
+/// The program's name and arguments, for the metadata of images.
+pub fn command_line() -> String {
+    std::env::args_os().map(|arg| arg.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 /// Whether the values of an argument are paths (or names of what is built in, where paths may stand).
@@ -105,8 +110,8 @@ fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
     Some(format!("{name}{joint}{value}"))
 }
 
-/// A value as a part of a file name: numbers in their shortest form, paths without folders and extension. A checksum tells
-/// values apart that differ in characters which file names had better not have.
+/// A value as a part of a file name: numbers in their shortest form, paths without folders and extension. A checksum
+/// distinguishes values that differ only in characters that file names should not have.
 fn value_text(value: &OsStr, is_path: bool) -> String {
     if let Some(text) = value.to_str() {
         if let Ok(number) = text.parse::<u64>() {

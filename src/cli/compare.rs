@@ -1,8 +1,8 @@
 //! `etalon compare`: the difference of two images, in numbers and in colour.
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::map_file::short_name;
-use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::interrupt;

@@ -1,8 +1,8 @@
 //! `etalon converge`: error against run time.
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written, file_name};
 use crate::scene::{Material, Request, Scene};

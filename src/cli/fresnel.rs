@@ -1,7 +1,8 @@
 //! `etalon fresnel`: reflectance curves.
 
 use super::console::Console;
-use super::{Global, Model, Verdict};
+use super::global::{Global, Verdict};
+use super::values::Model;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::optics::metals;

@@ -1,7 +1,8 @@
 //! `etalon merge`: parts of a render put together.
 
+use super::arguments::command_line;
 use super::console::Console;
-use super::{Global, Verdict, command_line};
+use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::output::{self, Written};
 use crate::raster::{self, Metadata};

@@ -1,8 +1,8 @@
 //! `etalon reproduce`: all figures, with their checks.
 
 use super::console::Console;
+use super::global::{DEFAULT_SEED, Global, Verdict};
 use super::map_file::{self, MapOptions};
-use super::{DEFAULT_SEED, Global, Verdict};
 use crate::envmap::info::Info;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
@@ -96,11 +96,7 @@ impl Reproduce {
         let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
         let output = Output { figures: &figures, passed, failed, interrupted, seconds: start.elapsed().as_secs_f64() };
         console.result(&output, || human(&output, folder));
-        Ok(match failed {
-            _ if interrupted => Verdict::Inconclusive,
-            0 => Verdict::Good,
-            _ => Verdict::Rejected,
-        })
+        Ok(Verdict::of(failed == 0, interrupted))
     }
 
     /// Refuses a map that one of the figures in `folder` would replace.

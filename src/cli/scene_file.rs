@@ -133,7 +133,7 @@ impl SceneArgs {
         };
         let (scene, request) = entry.make(environment, mesh)?;
         if self.envmap.is_some() && entry.map_scale().is_none() {
-            return Err(Error::parameter("--envmap", format!("the scene {name} has no environment map to replace"))
+            return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
                 .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
         }
         let (scene, request) = match self.resolution() {

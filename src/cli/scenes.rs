@@ -1,7 +1,7 @@
 //! `etalon scenes`: what can be rendered.
 
 use super::console::Console;
-use super::{Global, Verdict};
+use super::global::{Global, Verdict};
 use crate::error::Result;
 use crate::import::SCENE_EXTENSIONS;
 use crate::scene::builtin;

@@ -1,7 +1,7 @@
 //! `etalon stability`: errors of the code that renders, over stiff and extreme inputs.
 
 use super::console::Console;
-use super::{Global, Verdict};
+use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::output::{self, Written};
 use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
@@ -82,11 +82,7 @@ impl Stability {
         let output = Output { rows, bounds, effort, interrupted, written: &written };
         console.result(&output, || human(&output));
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
-        Ok(match all_hold {
-            _ if interrupted => Verdict::Inconclusive,
-            true => Verdict::Good,
-            false => Verdict::Rejected,
-        })
+        Ok(Verdict::of(all_hold, interrupted))
     }
 }
 

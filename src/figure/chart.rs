@@ -1,6 +1,7 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
 use super::axis::Span;
+use super::colour_bar;
 use super::drawing::Drawing;
 use super::frame::{self, Sides};
 use super::legend::Legend;
@@ -43,7 +44,10 @@ impl Chart {
         let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
         let mut room = Sides::default();
         match &panel.heatmap {
-            Some(map) => room = map.draw(&mut sketch.drawing, &sketch.frame),
+            Some(map) => {
+                sketch.drawing.image(sketch.frame, map.image());
+                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.frame);
+            }
             None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
         }
         sketch.marks(&panel.marks);

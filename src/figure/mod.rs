@@ -4,6 +4,7 @@ pub mod axis;
 pub mod backend;
 mod chart;
 mod clip;
+mod colour_bar;
 pub mod colourmap;
 pub mod drawing;
 mod frame;

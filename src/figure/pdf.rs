@@ -1,15 +1,13 @@
 //! A drawing as a one-page PDF: vector shapes, selectable text in subsets of the embedded fonts, compressed images.
 
 use super::drawing::{Drawing, Item};
-use super::pdf_font::{self, Subset};
+use super::pdf_font::{self, Subset, deflate};
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Colour, Paint, Point, Text};
 use super::text::{self, Face};
-use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{LineJoinStyle, Predictor};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use std::collections::BTreeMap;
-use std::io::Write;
 
 /// A drawing unit is a CSS pixel: 1/96 inch, in points.
 const POINTS: f64 = 0.75;
@@ -246,11 +244,6 @@ fn png_stream(image: &Rgb8) -> Vec<u8> {
         rest = &next[4..];
     }
     stream
-}
-
-pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }
 
 /// Two decimals, as in the SVG.

@@ -1,10 +1,11 @@
 //! Fonts in a PDF: the glyphs that the page uses, their widths, and what they mean to someone who copies the text.
 
-use super::pdf::deflate;
 use super::text::{self, Face};
+use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use std::collections::BTreeMap;
+use std::io::Write;
 use subsetter::GlyphRemapper;
 
 /// The glyphs of a font that the page uses, and what they mean.
@@ -93,4 +94,10 @@ pub(super) fn name(face: Face) -> &'static str {
         Face::Oblique => "F1",
         Face::Bold => "F2",
     }
+}
+
+/// `bytes` as a zlib stream, which PDF calls FlateDecode.
+pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }

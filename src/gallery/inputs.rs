@@ -107,17 +107,9 @@ fn known_metal(symbol: &str) -> Result<&'static metals::Metal> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::envmap::EnvMap;
-    use crate::envmap::synthetic::Synthetic;
-    use std::sync::Arc;
-
-    /// The smallest inputs.
-    pub fn inputs() -> Inputs {
-        let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
-        Inputs { map, originals: None, seed: 1, effort: Effort::Quick }
-    }
+    use crate::gallery::tests::inputs;
 
     #[test]
     fn quick_renders_are_smaller() {

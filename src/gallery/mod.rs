@@ -20,3 +20,6 @@ pub use originals::Originals;
 pub use registry::registry;
 pub use reproduce::{Reproduced, Reproduction, reproduce};
 pub use studies::{Studies, Study};
+
+#[cfg(test)]
+mod tests;

@@ -46,8 +46,8 @@ impl Studies {
 
 #[cfg(test)]
 mod tests {
-    use super::super::inputs::tests::inputs;
     use super::*;
+    use crate::gallery::tests::inputs;
     use std::cell::Cell;
 
     thread_local!(static RUNS: Cell<u32> = const { Cell::new(0) });

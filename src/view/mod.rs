@@ -16,5 +16,6 @@ pub mod sphere;
 pub mod stability;
 pub mod stability_summary;
 pub mod statue;
+pub mod text;
 pub mod validation;
 pub mod validation_cells;

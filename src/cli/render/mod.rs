@@ -6,9 +6,11 @@ mod resume;
 mod summary;
 mod work;
 
+use super::arguments::command_line;
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::{Global, Verdict, command_line, map_samplers, map_sampling};
+use super::values::{map_samplers, map_sampling};
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;

@@ -1,7 +1,7 @@
 //! `etalon validate --calibrate`: the harness on itself.
 
 use crate::cli::console::Console;
-use crate::cli::{Global, Verdict};
+use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written};
 use crate::study::validation::{Calibration, Case, calibrate};
@@ -26,11 +26,7 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
     let table = output::table(&view::calibration_rows(&found))?;
     let written = target.written(output::write(&stem, &view::calibration_drawing(&found), &table)?);
     console.result(&Output { calibration: &found, written: &written }, || text(&found) + &written.text());
-    Ok(match found.accepted {
-        _ if found.interrupted => Verdict::Inconclusive,
-        true => Verdict::Good,
-        false => Verdict::Rejected,
-    })
+    Ok(Verdict::of(found.accepted, found.interrupted))
 }
 
 fn text(found: &Calibration) -> String {

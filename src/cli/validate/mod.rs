@@ -6,9 +6,9 @@ mod planted;
 mod summary;
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::map_file::{self, MapOptions};
-use super::{Global, Verdict};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files;
 use crate::output::{self, Written};
 use crate::study::validation::{Case, Tested, Validation, run, select, suite};
@@ -75,12 +75,8 @@ struct Output<'a> {
 }
 
 impl Validate {
-    /// Runs the command; errors name its flags.
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        self.execute(global, console).map_err(with_flag)
-    }
-
-    fn execute(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
             return planted::run(&self.protocol(global), global, console);
         }
@@ -142,20 +138,6 @@ impl Validate {
         }
         select(all, &self.names)
     }
-}
-
-/// The same error with the flag that sets the parameter in place of the library's name for it.
-fn with_flag(mut error: Error) -> Error {
-    if let Error::Parameter { name, .. } = &mut error {
-        let flag = match name.as_str() {
-            "level" | "samples" | "detect" | "domain" => format!("--{name}"),
-            "seeds" => "--calibrate".to_owned(),
-            "command" => "--exec".to_owned(),
-            _ => return error,
-        };
-        *name = flag;
-    }
-    error
 }
 
 /// Writes the counts of one test, if it has any.

@@ -2,7 +2,7 @@
 
 use super::summary::p_value;
 use crate::cli::console::Console;
-use crate::cli::{Global, Verdict};
+use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
 use crate::output::{self, Written};
@@ -29,11 +29,7 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let written = target.written(vec![path]);
     console.result(&Output { findings: &findings, written: &written }, || text(&findings, &written));
-    Ok(match findings.is_good() {
-        _ if findings.interrupted => Verdict::Inconclusive,
-        true => Verdict::Good,
-        false => Verdict::Rejected,
-    })
+    Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
 
 fn text(findings: &Findings, written: &Written) -> String {

@@ -1,10 +1,11 @@
 //! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
 
-use super::html::{Escaped, Seconds, counted};
+use super::html::{Escaped, Seconds};
 use super::picture::Picture;
 use super::record::Record;
 use crate::gallery::check::Check;
 use crate::gallery::figure::Figure;
+use crate::view::text::counted;
 use std::fmt::Write;
 use std::path::Path;
 

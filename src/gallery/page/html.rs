@@ -33,11 +33,6 @@ impl Display for Seconds {
     }
 }
 
-/// "1 figure", "2 figures".
-pub fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

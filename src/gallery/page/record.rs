@@ -115,28 +115,10 @@ pub(super) fn write_records(folder: &Path, records: &Records) -> Result<()> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
     use crate::gallery::registry;
-
-    /// A record with one good and one bad check.
-    pub fn record() -> Record {
-        Record {
-            seconds: 0.25,
-            checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
-            errata: Vec::new(),
-            setup: Setup {
-                version: "0".into(),
-                seed: 1,
-                map: "nave".into(),
-                options: "--quick".into(),
-                cpu: "abacus".into(),
-                cores: 1,
-                threads: 1,
-                system: "none".into(),
-            },
-        }
-    }
+    use crate::gallery::tests::record;
 
     #[test]
     fn records_survive_and_lost_figures_leave() {
