@@ -2,8 +2,8 @@
 
 use super::shapes::{Colour, Stroke};
 
-// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. Private to this module's
-// folder: a view takes its colours from the roles below.
+// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. It is private to `figure`: views
+// take colours by the roles below.
 pub(super) const ORANGE: Colour = Colour::rgb(230, 159, 0);
 pub(super) const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
 pub(super) const GREEN: Colour = Colour::rgb(0, 158, 115);
@@ -82,10 +82,26 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 /// Borders of regions, and the rim of a centroid's marker.
 pub const BORDER: Colour = Colour::WHITE;
 
-/// The colour of the `index`-th sampling strategy of a comparison.
+/// The sampling strategies that have the same colour in every figure.
+const STRATEGIES: [(&str, Colour); 8] = [
+    ("bsdf", IMPORTANCE_SAMPLING),
+    ("visible normals", IMPORTANCE_SAMPLING),
+    ("hemisphere", HEMISPHERE_SAMPLING),
+    ("light", GREEN),
+    ("light-cosine", ORANGE),
+    ("mis", BLACK),
+    ("mis-compensated", PURPLE),
+    ("strata-64", SKY_BLUE),
+];
+
+/// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
+/// remain, in the order of the palette.
 #[must_use]
-pub fn strategy(index: usize) -> Colour {
-    SERIES[index % SERIES.len()]
+pub fn strategies(names: &[&str]) -> Vec<Colour> {
+    let own = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
+    let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
+    let mut free = SERIES.into_iter().filter(|colour| !taken.contains(colour)).chain(SERIES.into_iter().cycle());
+    names.iter().filter_map(|name| own(name).or_else(|| free.next())).collect()
 }
 
 /// Dash patterns, in drawing units.

@@ -134,8 +134,9 @@ pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     let alpha = || Axis::log("/{α}");
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
     let mut efficiency = Panel::new(alpha(), Axis::log("1 / (MSE · processor time) (1/s)"));
+    let colours = theme::strategies(&NORMALS.map(|(name, _)| name));
     for (i, (name, _)) in NORMALS.iter().enumerate() {
-        let stroke = theme::series(i);
+        let stroke = Stroke { colour: colours[i], ..theme::series(i) };
         let add = |panel: Panel, of: &dyn Fn(&roughness::Level) -> [f64; 3]| {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
             let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
@@ -165,14 +166,18 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         by_number = by_number.clone().band("", stroke.colour, band(&number)).line(label, stroke, line(&number));
         by_time = by_time.clone().band("", stroke.colour, band(&time)).line(label, stroke, line(&time));
     };
+    let names = [&CUTS[..], &SAMPLED].concat();
+    let colours = theme::strategies(&names);
+    let stroke = |i: usize| Stroke { colour: colours[i], ..theme::series(i) };
     let labels = ["median cut: fixed lights", "variance minimisation: fixed lights"];
     for ((i, cut), label) in CUTS.into_iter().enumerate().zip(labels) {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
-        add(label, theme::series(i), points.collect());
+        add(label, stroke(i), points.collect());
     }
-    for (i, curve) in sampled.curves.iter().filter(|c| SAMPLED.contains(&c.strategy.name.as_str())).enumerate() {
+    for (i, name) in SAMPLED.into_iter().enumerate() {
+        let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
-        add(&format!("{}: sampled at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
+        add(&format!("{name}: sampled at each hit"), stroke(i + CUTS.len()), points);
     }
     Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }
