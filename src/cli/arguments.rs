@@ -59,7 +59,7 @@ impl Arguments {
         let onto = |path: &Path| self.inputs.iter().any(|input| input.is_file() && is_same_file(input, path));
         match self.outputs.iter().find(|(_, path)| onto(path)) {
             None => Ok(()),
-            Some((id, path)) => Err(Error::parameter(id, format!("{} is read by this command, too", path.display()))
+            Some((id, path)) => Err(Error::parameter(id, format!("{} is an input of this command", path.display()))
                 .with_hint("name another file: results would replace the input")),
         }
     }

@@ -1,4 +1,4 @@
-//! `etalon compare`: the difference of two images, in numbers and in colour.
+//! `etalon compare`: the difference of two images, as numbers and in false colour.
 
 use super::console::Console;
 use super::global::{Global, Verdict};
@@ -32,8 +32,9 @@ struct Output {
 }
 
 impl Compare {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        // Pictures of any kind may be compared, 8-bit ones too.
+        // Images of any kind may be compared, 8-bit ones too.
         let read = |path| {
             let (image, notes) = raster::read_with_notes(path, ReadOptions { allow_ldr: true })?;
             notes.iter().for_each(|note| console.warn(note));
@@ -71,13 +72,13 @@ impl Compare {
     }
 }
 
-/// Longest side of the difference as it is shown.
+/// Longest side of the drawing of the difference, in pixels.
 const LONGEST_SIDE: usize = 2048;
 
-/// Difference of the intensities, diverging colours around 0.
+/// Difference of (R + G + B)/3 in diverging colours around 0.
 fn difference(a: &Image, b: &Image) -> Result<Drawing> {
     let (width, height) = (a.width(), a.height());
-    // Large images are shown in squares of pixels, each by its mean.
+    // Large images are averaged over squares of pixels.
     let side = width.max(height).div_ceil(LONGEST_SIDE);
     let at = |x: usize, y: usize| (a.get(x, y).as_dvec3() - b.get(x, y).as_dvec3()).element_sum() / 3.0;
     let square = |x: usize, y: usize| {

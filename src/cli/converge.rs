@@ -21,13 +21,13 @@ pub struct Converge {
     /// Strategies, with commas between them (default: eight that suit the scene)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
-    /// Seconds for everything, the reference included
+    /// Seconds for the whole run, including the reference
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true)]
     budget: f64,
     /// Samples per pixel at which every curve ends
     #[arg(long, value_name = "N", default_value_t = 4096)]
     max_spp: u32,
-    /// Renders of each strategy with seeds of their own, for the confidence bands
+    /// Renders of each strategy with different seeds, for the confidence bands
     #[arg(long, value_name = "N", default_value_t = 8)]
     replicates: u32,
     /// Light samples at each hit
@@ -43,7 +43,7 @@ fn after_help() -> String {
     let suffixes: String = SUFFIXES.map(|suffix| format!("  ...+{:<12} {}\n", suffix.name, suffix.about)).concat();
     format!(
         "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
-         sphere), else against two\nlong renders for which half of the budget is spent; images are at most \
+         sphere), else against two\nlong renders that take half of the budget; images are at most \
          {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
          SCENE-converge-pictures.{{svg,png,pdf}}.\n\nExit codes: 0 good, 2 usage or bad input, 3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
@@ -65,6 +65,7 @@ struct Output<'a> {
 }
 
 impl Converge {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
         let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;

@@ -45,7 +45,7 @@ fn metal_help() -> String {
     format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
 }
 
-/// The JSON object: the study's numbers and the files.
+/// The JSON object: the study's result and the files.
 #[derive(Serialize)]
 struct Output<'a, T> {
     #[serde(flatten)]
@@ -55,6 +55,7 @@ struct Output<'a, T> {
 }
 
 impl Fresnel {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match (&self.metal, self.k) {
             (Some(name), _) => self.metal(&metal::by_name(name, self.points)?, name, global, console),
@@ -97,8 +98,8 @@ impl Fresnel {
 
     fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         if self.model == Model::Report {
-            return Err(Error::parameter("model", "the first report draws no metals")
-                .with_hint("the second report's approximation is always drawn beside the exact curves"));
+            return Err(Error::parameter("model", "the first report plots no metals")
+                .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
         let target = global.target(&["metal"]);

@@ -1,4 +1,4 @@
-//! `etalon merge`: parts of a render put together.
+//! `etalon merge`: parts of a render as one image.
 
 use super::arguments::command_line;
 use super::console::Console;
@@ -14,14 +14,12 @@ use std::path::PathBuf;
 
 /// Merge parts of a render (shards, or renders that were interrupted)
 #[derive(Args)]
-#[command(
-    after_help = "Writes the picture as EXR and PNG. Sums are exact: the merged picture is, bit for bit, that of \
-                        a render in one go, whatever the order of the parts. While samples are missing, the EXR file \
-                        keeps the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
-                        -o picture.exr"
-)]
+#[command(after_help = "Writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
+                        an undivided render, for any order of the parts. While samples are missing, the EXR file \
+                        has the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
+                        -o image.exr")]
 pub struct Merge {
-    /// Files that hold different samples of the same picture
+    /// Files with different samples of the same image
     #[arg(required = true)]
     parts: Vec<PathBuf>,
 }
@@ -43,6 +41,7 @@ struct Output {
 }
 
 impl Merge {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
@@ -70,7 +69,7 @@ impl Merge {
         };
         if !output.complete {
             let missing = list(&output.missing);
-            console.warn(&format!("samples {missing} of {} are missing; the file keeps the sums", output.of));
+            console.warn(&format!("samples {missing} of {} are missing; the file has the sums", output.of));
         }
         console.result(&output, || {
             format!(
@@ -87,7 +86,7 @@ impl Merge {
     }
 }
 
-/// Formats of the merged picture.
+/// Formats of the merged image.
 const FORMATS: [&str; 2] = ["exr", "png"];
 
 /// The metadata with this command in place of the one that made the parts.

@@ -68,7 +68,7 @@ enum Command {
     Converge(converge::Converge),
     /// Merge parts of a render
     Merge(merge::Merge),
-    /// Compare the code that renders with exact answers over stiff and extreme inputs
+    /// Compare the renderer's functions with exact values over stiff and extreme inputs
     Stability(stability::Stability),
     /// Test samplers against their pdfs
     Validate(validate::Validate),

@@ -58,10 +58,12 @@ struct Output<'a> {
 struct Listed {
     id: &'static str,
     title: &'static str,
+    /// The counterpart in a report.
     answers: String,
 }
 
 impl Reproduce {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
             let list: Vec<Listed> = gallery::registry()
@@ -80,7 +82,7 @@ impl Reproduce {
         let start = Instant::now();
         let inputs = self.inputs(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
-        self.spare_the_map(folder)?;
+        self.check_map(folder)?;
         let count = if self.only.is_empty() { gallery::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
         let made = gallery::reproduce(&inputs, &self.only, folder, &self.options(global), &mut |figure| {
@@ -100,7 +102,7 @@ impl Reproduce {
     }
 
     /// Refuses a map that one of the figures in `folder` would replace.
-    fn spare_the_map(&self, folder: &Path) -> Result<()> {
+    fn check_map(&self, folder: &Path) -> Result<()> {
         let map = [PathBuf::from(&self.envmap)];
         gallery::registry().iter().try_for_each(|figure| {
             let stem = folder.join(figure.id);
@@ -109,7 +111,7 @@ impl Reproduce {
         })
     }
 
-    /// The flags that make the same figures again, apart from where they go and how fast.
+    /// The flags that reproduce these figures.
     fn options(&self, global: &Global) -> String {
         let mut options = Vec::new();
         let mut add = |given: bool, flag: String| {
@@ -128,7 +130,7 @@ impl Reproduce {
         options.join(" ")
     }
 
-    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is turned without being asked.
+    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.
     fn inputs(&self, global: &Global, console: &Console) -> Result<Inputs> {
         let mut source = map_file::load(&self.envmap, self.options, console)?;
         let originals = match &self.scenes {
@@ -155,9 +157,9 @@ impl Reproduce {
 /// The map that is used when none is named.
 const DEFAULT_MAP: &str = "nave";
 
-/// A path as a shell takes it; absolute paths lose their folders.
+/// A path quoted for a shell; absolute paths without their folders.
 fn quoted(path: &str) -> String {
-    let path = gallery::page::without_place(path);
+    let path = gallery::page::without_folder(path);
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,@".contains(c);
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }

@@ -1,4 +1,4 @@
-//! `etalon stability`: errors of the code that renders, over stiff and extreme inputs.
+//! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
 use super::global::{Global, Verdict};
@@ -9,11 +9,12 @@ use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 
-/// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook formulas
+/// Compare the renderer's functions with exact values over stiff and extreme inputs, in f32 and f64, beside textbook
+/// formulas
 #[derive(Args)]
 #[command(
-    after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
-                  input; beside it stands the condition number: the relative change of the value per relative change \
+    after_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
+                  input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
@@ -49,6 +50,7 @@ struct Listed {
 }
 
 impl Stability {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
             list(console);

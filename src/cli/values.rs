@@ -8,7 +8,7 @@ use clap::ValueEnum;
 pub enum Model {
     /// The correct ones
     Exact,
-    /// The reports', mistakes included
+    /// The reports', errors included
     Report,
 }
 

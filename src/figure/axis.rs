@@ -1,4 +1,4 @@
-//! Axes: what they say, which range they show, and where a value lies along them.
+//! Axes: label, range, ticks, and the position of a value along them.
 
 use super::ticks::{self, Ticks};
 
@@ -14,7 +14,9 @@ pub enum Scale {
 /// An axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Text beside the axis, with markup.
     pub(super) label: String,
+    /// Linear or logarithmic.
     pub(super) scale: Scale,
     range: Option<(f64, f64)>,
     every: Option<f64>,

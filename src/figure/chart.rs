@@ -22,7 +22,9 @@ const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
+    /// The items.
     pub drawing: Drawing,
+    /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
@@ -62,12 +64,15 @@ impl Chart {
     }
 }
 
-/// A chart on the way.
+/// A chart while it is drawn.
 pub(super) struct Sketch {
+    /// The items so far.
     pub drawing: Drawing,
+    /// The frame, at the origin.
     pub frame: Rect,
+    /// Ranges of the x and the y axis.
     pub spans: (Span, Span),
-    /// What is taken within the frame, above it, and to its right.
+    /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.
     pub space: Occupancy,
     above: Occupancy,
     beside: Occupancy,

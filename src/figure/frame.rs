@@ -19,12 +19,16 @@ const LABEL_GAP: f64 = 8.0;
 /// From the frame up to the factor that all tick labels share.
 const FACTOR_GAP: f64 = 8.0;
 
-/// Room needed outside a frame.
+/// Space outside a frame, in drawing units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Sides {
+    /// To the left of it.
     pub left: f64,
+    /// To the right.
     pub right: f64,
+    /// Above.
     pub top: f64,
+    /// Below.
     pub bottom: f64,
 }
 

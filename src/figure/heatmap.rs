@@ -24,6 +24,7 @@ pub struct Heatmap {
     columns: usize,
     values: Vec<f64>,
     shading: Shading,
+    /// Text beside the colour bar, with markup.
     pub(super) label: String,
     range: Option<(f64, f64)>,
 }

@@ -46,6 +46,7 @@ impl Legend {
         (!entries.is_empty()).then_some(Self { entries })
     }
 
+    /// Number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

@@ -1,4 +1,4 @@
-//! Where a panel still has room: labels and legends are put only where nothing is drawn.
+//! Which cells of a panel are occupied: labels and legends go only where nothing is drawn.
 
 use super::shapes::{Point, Rect};
 
@@ -17,6 +17,7 @@ pub(super) struct Occupancy {
 }
 
 impl Occupancy {
+    /// An empty grid over `frame`.
     pub fn new(frame: Rect) -> Self {
         let (columns, rows) = ((frame.width / CELL).ceil() as usize, (frame.height / CELL).ceil() as usize);
         Self { frame, columns, rows, taken: vec![false; columns * rows], sums: None }

@@ -69,11 +69,11 @@ pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.
 // Roles in plots of numerical errors.
 
 /// The formula that renders.
-pub const STABLE_FORM: Colour = BLUE;
+pub const STABLE_VARIANT: Colour = BLUE;
 /// The formula as textbooks give it.
-pub const TEXTBOOK_FORM: Colour = VERMILION;
+pub const TEXTBOOK_VARIANT: Colour = VERMILION;
 /// The formula as a report gives it.
-pub const REPORT_FORM: Colour = PURPLE;
+pub const REPORT_VARIANT: Colour = PURPLE;
 
 // Roles over environment maps.
 

@@ -5,6 +5,7 @@
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
+    /// Value on the axis.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,
@@ -13,7 +14,9 @@ pub struct Tick {
 /// The ticks of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticks {
+    /// Those with labels.
     pub major: Vec<Tick>,
+    /// Values of those without labels.
     pub minor: Vec<f64>,
     /// The labels are in units of ten to this power.
     pub exponent: i32,

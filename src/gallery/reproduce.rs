@@ -20,17 +20,17 @@ use std::time::Instant;
 pub struct Reproduced {
     /// Of the figure.
     pub id: &'static str,
-    /// What was written.
+    /// Files of the figure.
     pub files: Vec<PathBuf>,
     /// Wall-clock time; studies that figures share count for the first of them.
     pub seconds: f64,
-    /// What its numbers must meet.
+    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
 }
 
-/// What a run made.
+/// The result of a run.
 pub struct Reproduction {
     /// In the order of the registry.
     pub figures: Vec<Reproduced>,
@@ -41,7 +41,7 @@ pub struct Reproduction {
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
 ///
 /// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They also cover figures that earlier runs
-/// left in the folder. `options` are the flags of this run, for the commands on the page. If the process is asked to stop,
+/// wrote to the folder. `options` are the flags of this run, for the commands on the page. If the process is asked to stop,
 /// the finished figures are covered.
 ///
 /// # Errors
@@ -89,7 +89,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     interrupt::check()?;
     let start = Instant::now();
     let Content { drawing, table, image, checks, errata } = (figure.make)(inputs, studies)?;
-    // Studies that were cut short return what they have: that is no figure.
+    // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;

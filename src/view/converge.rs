@@ -44,7 +44,7 @@ pub struct Row {
     pub mean_squared_bias: f64,
     /// Its standard error.
     pub mean_squared_bias_error: f64,
-    /// What the curve says, in a word or two.
+    /// The verdict on the curve.
     pub verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
     pub seconds_to_common_rmse: Option<f64>,
@@ -86,7 +86,7 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// A verdict in a word or two.
+/// A verdict as text.
 #[must_use]
 pub fn word(verdict: Verdict) -> &'static str {
     match verdict {

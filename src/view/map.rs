@@ -94,9 +94,9 @@ impl Display {
             return drawing;
         }
         let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
-        let seen = Image::from_pixels(rows.len(), 1, colours);
+        let strip = Image::from_pixels(rows.len(), 1, colours);
         // The brightest lights may clip; the colours of the other markers matter more.
-        let bytes = to_rgb8(&seen, &self.look.tone(|| auto_exposure(&seen) + 2.5));
+        let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
         for (r, rgb) in rows.iter().zip(bytes.chunks_exact(3)) {
             self.marker(&mut drawing, (r.x, r.y), side, Colour::rgb(rgb[0], rgb[1], rgb[2]));
         }

@@ -17,7 +17,7 @@ use clap::{ArgAction, Args, ValueEnum};
 use serde::Serialize;
 use std::ffi::OsString;
 
-/// Arguments of `etalon envmap cut`.
+/// Divide a map by median cut
 #[derive(Args)]
 #[command(after_help = "Writes MAP-cut-N.{csv,svg,png,pdf} (the map with the regions and their centroids) and \
                         MAP-cut-lights-N.{svg,png,pdf} (the centroids alone, in the colour of their region's flux).\n\n\

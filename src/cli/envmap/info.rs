@@ -9,7 +9,7 @@ use crate::error::Result;
 use clap::Args;
 use std::ffi::OsString;
 
-/// Arguments of `etalon envmap info`.
+/// Print a map's size, range, flux and contrast
 #[derive(Args)]
 pub struct Info {
     #[arg(help = MAP_HELP)]

@@ -10,7 +10,7 @@ use crate::raster::{self, Metadata, Precision, WriteOptions};
 use clap::Args;
 use serde::Serialize;
 
-/// Arguments of `etalon envmap make`.
+/// Write a built-in map
 #[derive(Args)]
 #[command(after_help = "Example:\n  etalon envmap make nave -o envmaps")]
 pub struct Make {

@@ -13,7 +13,7 @@ use etalon_stats::chi_square::ChiSquare;
 use serde::Serialize;
 use std::ffi::OsString;
 
-/// Arguments of `etalon envmap proposal`.
+/// Compare uniform with Gaussian random numbers for inversion
 #[derive(Args)]
 #[command(after_help = "Example:\n  etalon envmap proposal nave -n 100000")]
 pub struct Proposal {

@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// Arguments of `etalon envmap sample`.
+/// Show importance samples of a map
 #[derive(Args)]
 #[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \

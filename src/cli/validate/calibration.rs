@@ -1,4 +1,4 @@
-//! `etalon validate --calibrate`: the harness on itself.
+//! `etalon validate --calibrate`: are the p-values of the tests uniform under many seeds?
 
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
@@ -17,6 +17,7 @@ struct Output<'a> {
     written: &'a Written,
 }
 
+/// Tests the tests under `seeds` seeds; writes and prints the distribution of their p-values.
 pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
     let target = global.target(&[]);
     let stem = target.stem("calibration", "", &output::STUDY)?;

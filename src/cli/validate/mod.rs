@@ -36,10 +36,10 @@ pub struct Validate {
     /// List the tests and stop
     #[arg(long)]
     list: bool,
-    /// Test samplers with one planted fault each instead, all of which must be rejected
+    /// Instead, test samplers with one planted fault each, all of which must be rejected
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
-    /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
+    /// Samples of each test (default: as many as --detect takes), or a CSV file with them (see --pdf)
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
     /// Take as many samples as detect a relative error W of the pdf with 90 % probability
@@ -51,7 +51,7 @@ pub struct Validate {
     /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
-    /// Draw the counts of each test: observed, expected, and how far they are apart
+    /// Plot the counts of each test: observed, expected, residuals
     #[arg(long)]
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
@@ -88,7 +88,7 @@ impl Validate {
         if let Some(seeds) = self.calibrate {
             return calibration::run(&cases, &self.protocol(global), seeds, global, console);
         }
-        // Not only when all tests are done.
+        // Fail before the tests, not after them.
         self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
         let target = global.target(&[]);
         let stem = target.stem("validation", "", &output::STUDY)?;

@@ -1,4 +1,4 @@
-//! `etalon validate --planted`: can the suite fail? Every mistake must be rejected, and nothing without one.
+//! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
 
 use super::summary::p_value;
 use crate::cli::console::Console;
@@ -19,6 +19,7 @@ struct Output<'a> {
     written: &'a Written,
 }
 
+/// Runs all planted faults; writes and prints the findings.
 pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
     let target = global.target(&["planted"]);
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");

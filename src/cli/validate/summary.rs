@@ -1,12 +1,14 @@
-//! What a run found, as a table for people: test by test if they are few, else by family with what needs a look in full.
+//! Results of tests as text: a line for each test if they are few, else one for each family and one for each test that is not
+//! accepted.
 
 use crate::output::Written;
 use crate::study::validation::{Tested, Validation};
 use etalon_stats::Verdict;
 
-/// More tests than these are summed up.
+/// More tests than these are summarized by family.
 const FEW: usize = 40;
 
+/// The results of `validation` and the files, as text.
 pub fn text(validation: &Validation, written: &Written) -> String {
     let tests = &validation.tests;
     let mut text = String::new();
@@ -14,9 +16,9 @@ pub fn text(validation: &Validation, written: &Written) -> String {
         text += &table(tests.iter());
     } else {
         text += &families(tests);
-        let doubtful: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
-        if !doubtful.is_empty() {
-            text += &format!("\n{}", table(doubtful.into_iter()));
+        let not_accepted: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
+        if !not_accepted.is_empty() {
+            text += &format!("\n{}", table(not_accepted.into_iter()));
         }
     }
     text += &format!(
@@ -92,6 +94,7 @@ fn family(name: &str) -> String {
     words[..(words.len() - 1).min(2)].join("/")
 }
 
+/// A p-value with four decimals, or in scientific notation below 0.001.
 pub fn p_value(p: Option<f64>) -> String {
     p.map_or("-".into(), |p| if p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") })
 }

@@ -14,7 +14,7 @@ pub fn figures() -> Vec<Figure> {
         id: "audit",
         title: "Where the reports err, and which test detects it",
         report: Report::Both,
-        answers: "their own formulas",
+        reproduces: "their own formulas",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
                 image.",
         beside: None,

@@ -79,11 +79,11 @@ pub fn figures() -> Vec<Figure> {
             "Practically all light. Compare it with depth 5 to see how little was missing.",
         ),
     ];
-    let figure = |(place, (id, beside, answers, command, shows))| Figure {
+    let figure = |(place, (id, beside, reproduces, command, shows))| Figure {
         id,
         title: "Mirror and glass sphere, paths up to a depth",
         report: Report::Second,
-        answers,
+        reproduces,
         shows,
         beside: Some(beside),
         command: Some(command),

@@ -15,7 +15,7 @@ pub fn figures() -> Vec<Figure> {
         id: "depth-differences",
         title: "What each further scattering adds, by path class",
         report: Report::Second,
-        answers: "Figure 1, what appears at each depth",
+        reproduces: "Figure 1, what appears at each depth",
         shows: "Each depth minus the one before, on one scale, with the path classes that make up the difference.",
         beside: None,
         command: None,

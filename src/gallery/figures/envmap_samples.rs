@@ -16,11 +16,11 @@ const MARKER: usize = 5;
 
 /// Three numbers of samples on the map, and one without the map.
 pub fn figures() -> Vec<Figure> {
-    let on_the_map = |id, n, answers, beside, command| Figure {
+    let on_the_map = |id, n, reproduces, beside, command| Figure {
         id,
         title: "Importance samples of the map",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
         beside: Some(beside),
         command: Some(command),
@@ -52,7 +52,7 @@ pub fn figures() -> Vec<Figure> {
             id: "envmap-samples-only-256",
             title: "The samples alone, in the colour of their radiance",
             report: Report::First,
-            answers: "Figure 6, radiance of 256 samples",
+            reproduces: "Figure 6, radiance of 256 samples",
             shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
             beside: Some("envmap-samples-256"),
             command: Some("etalon envmap sample {map} -n 256"),

@@ -16,7 +16,7 @@ pub fn figures() -> Vec<Figure> {
         id: "error-depth",
         title: "Light missing at each maximum depth, and the time that it saves",
         report: Report::Second,
-        answers: "Figure 1, max_ray_depth",
+        reproduces: "Figure 1, max_ray_depth",
         shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
         beside: None,
         command: None,

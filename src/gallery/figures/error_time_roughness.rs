@@ -22,7 +22,7 @@ pub fn figures() -> Vec<Figure> {
         id: "error-time-roughness",
         title: "Efficiency over roughness, by the way of sampling normals",
         report: Report::Second,
-        answers: "Figure 3, over all roughnesses",
+        reproduces: "Figure 3, over all roughnesses",
         shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
         beside: None,
         command: None,

@@ -25,7 +25,7 @@ pub fn figures() -> Vec<Figure> {
             id: "fresnel-enter",
             title: "Reflectance from air into glass",
             report: Report::First,
-            answers: "Figure 1, reflectance from air into glass",
+            reproduces: "Figure 1, reflectance from air into glass",
             shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
                     approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
             beside: Some("fresnel-exit"),
@@ -36,7 +36,7 @@ pub fn figures() -> Vec<Figure> {
             id: "fresnel-exit",
             title: "Reflectance from glass into air",
             report: Report::First,
-            answers: "Figure 2, reflectance from glass into air",
+            reproduces: "Figure 2, reflectance from glass into air",
             shows: "The same from inside: total internal reflection beyond the critical angle.",
             beside: Some("fresnel-enter"),
             command: Some("etalon fresnel --eta-i 1.45 --eta-t 1"),

@@ -13,7 +13,7 @@ pub fn figures() -> Vec<Figure> {
         id: "iron",
         title: "Iron statue",
         report: Report::Second,
-        answers: "Figure 4, iron",
+        reproduces: "Figure 4, iron",
         shows: "The same statue in iron: all colours are reflected nearly alike.",
         beside: Some("roughness-0.5"),
         command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report"),

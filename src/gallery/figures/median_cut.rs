@@ -15,11 +15,11 @@ const MARKER: usize = 5;
 
 /// Four partitions of the map, and the lights of the last one.
 pub fn figures() -> Vec<Figure> {
-    let partition = |id, n, answers, beside, command| Figure {
+    let partition = |id, n, reproduces, beside, command| Figure {
         id,
         title: "Median cut of the map",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
         beside: Some(beside),
         command: Some(command),
@@ -34,7 +34,7 @@ pub fn figures() -> Vec<Figure> {
             id: "median-cut-radiance-64",
             title: "The lights of 64 regions",
             report: Report::First,
-            answers: "Figure 11, radiance of the centroids",
+            reproduces: "Figure 11, radiance of the centroids",
             shows: "One light at each centroid, in the colour of its region's flux.",
             beside: Some("median-cut-64"),
             command: Some("etalon envmap cut {map} -n 64"),

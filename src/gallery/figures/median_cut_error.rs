@@ -18,7 +18,7 @@ pub fn figures() -> Vec<Figure> {
         id: "median-cut-error",
         title: "Error of fixed lights in place of the map",
         report: Report::First,
-        answers: "Figures 7 to 11, their error",
+        reproduces: "Figures 7 to 11, their error",
         shows: "Error of the sphere lit by fixed lights of a median cut, over their number and over time, beside light samples \
                 of the map itself.",
         beside: None,

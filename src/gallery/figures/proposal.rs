@@ -18,7 +18,7 @@ pub fn figures() -> Vec<Figure> {
         id: "proposal",
         title: "Inversion needs uniform random numbers",
         report: Report::First,
-        answers: "text, proposal distributions",
+        reproduces: "text, proposal distributions",
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
         beside: None,

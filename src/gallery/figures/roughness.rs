@@ -39,11 +39,11 @@ impl Study for Statue {
 
 /// One figure for each α, each checked against the smoother one before it.
 pub fn figures() -> Vec<Figure> {
-    let figure = |id, alpha, smoother: Option<f32>, answers, beside, command| Figure {
+    let figure = |id, alpha, smoother: Option<f32>, reproduces, beside, command| Figure {
         id,
         title: "Golden statue of increasing roughness",
         report: Report::Second,
-        answers,
+        reproduces,
         shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights.",
         beside: Some(beside),
         command: Some(command),

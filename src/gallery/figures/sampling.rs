@@ -33,7 +33,7 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-importance",
             title: "Copper statue, importance sampling",
             report: Report::Second,
-            answers: "Figure 3a, importance sampling",
+            reproduces: "Figure 3a, importance sampling",
             shows: "Directions sampled in proportion to what the metal reflects: little noise with few samples.",
             beside: Some("sampling-hemisphere"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report"),
@@ -43,7 +43,7 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-hemisphere",
             title: "Copper statue, uniform hemisphere sampling",
             report: Report::Second,
-            answers: "Figure 3b, uniform hemisphere sampling",
+            reproduces: "Figure 3b, uniform hemisphere sampling",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
                     image looks dark and noisy.",
             beside: Some("sampling-importance"),
@@ -54,7 +54,7 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-error",
             title: "Noise of both, and the dark rim at the silhouette",
             report: Report::Second,
-            answers: "Figure 3, the dark rim of hemisphere sampling",
+            reproduces: "Figure 3, the dark rim of hemisphere sampling",
             shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
                     like a dark rim.",
             beside: None,

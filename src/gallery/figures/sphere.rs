@@ -25,11 +25,11 @@ impl Study for ExactImage {
 
 /// Four numbers of samples per pixel.
 pub fn figures() -> Vec<Figure> {
-    let sphere = |id, spp, answers, beside, command| Figure {
+    let sphere = |id, spp, reproduces, beside, command| Figure {
         id,
         title: "The sphere under the map, and its error",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral: noise, which \
                 decreases with the number of samples.",
         beside: Some(beside),

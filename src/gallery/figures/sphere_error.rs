@@ -19,7 +19,7 @@ pub fn figures() -> Vec<Figure> {
         id: "sphere-error",
         title: "Error of the sphere against samples and time",
         report: Report::First,
-        answers: "Figures 12 to 15, measured",
+        reproduces: "Figures 12 to 15, measured",
         shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
         beside: None,
         command: None,

@@ -45,7 +45,7 @@ pub fn figures() -> Vec<Figure> {
         id,
         title,
         report: Report::Neither,
-        answers: "stability study",
+        reproduces: "stability study",
         shows: if id == SUMS { SUMMARY } else { MAPS },
         beside: None,
         command: None,

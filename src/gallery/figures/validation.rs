@@ -18,7 +18,7 @@ pub fn figures() -> Vec<Figure> {
         id: "validation",
         title: "Every sampler against its pdf",
         report: Report::Neither,
-        answers: "samplers of both reports, tested",
+        reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
         beside: None,
