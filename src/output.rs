@@ -40,6 +40,7 @@ impl Target {
             }
             _ => (path, None),
         };
+        // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
         let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
         Self { folder: folder.into(), name, variant: String::new(), inputs: Vec::new(), before }

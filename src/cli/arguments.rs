@@ -100,9 +100,11 @@ fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
         Some(delimiter) => defaults.flat_map(|list| list.split(delimiter)).map(OsStr::new).collect(),
         None => defaults.map(OsStr::new).collect(),
     };
+    // Compare with the defaults as texts, value by value
     if given == texts(&defaults) {
         return None;
     }
+    // Join name and values: `r480x360`, `n64+256`, `eta-i-1.45`
     let is_tuple = arg.get_num_args().is_some_and(|range| range.min_values() > 1);
     let value = given.join(if is_tuple { "x" } else { "+" });
     let is_number = value.starts_with(|c: char| c.is_ascii_digit());

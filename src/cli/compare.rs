@@ -8,6 +8,7 @@ use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::interrupt;
 use crate::output::{self, Written};
 use crate::raster::{self, Comparison, Image, ReadOptions};
+use crate::view::text::counted;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -52,7 +53,7 @@ impl Compare {
         }
         let written = target.written(difference(&a, &b)?.write(&stem)?);
         if numbers.non_finite > 0 {
-            console.warn(&format!("{} pixels are not finite and were left out", numbers.non_finite));
+            console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
         let output = Output { numbers, written };
         console.result(&output, || {

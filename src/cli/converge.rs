@@ -123,7 +123,10 @@ fn text(output: &Output<'_>) -> String {
     );
     for curve in &result.curves {
         let Some(level) = curve.levels.last() else { continue };
-        let slope = format!("{:.3} ± {:.3}", curve.slope.value, curve.slope.half_width);
+        let slope = match curve.slope.value {
+            unknown if unknown.is_nan() => "unknown".to_owned(),
+            value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
+        };
         text += &format!(
             "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {}\n",
             curve.strategy.name,

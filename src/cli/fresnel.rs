@@ -118,7 +118,7 @@ impl Fresnel {
             for c in &curves.channels {
                 text += &format!(
                     "{}: eta {} k {}, reflectance at normal incidence {:.6}, pseudo-Brewster angle {:.3}°,\n  \
-                     approximation off by up to {:.5} at {:.1}°, Schlick by up to {:.5} at {:.1}°\n",
+                     largest error: approximation {:.5} at {:.1}°, Schlick {:.5} at {:.1}°\n",
                     c.name,
                     c.eta,
                     c.k,

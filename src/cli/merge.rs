@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Written};
 use crate::raster::{self, Metadata};
 use crate::render::film::{Dropped, list, merge_files};
+use crate::view::text::counted;
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;
@@ -73,12 +74,12 @@ impl Merge {
         }
         console.result(&output, || {
             format!(
-                "{} parts, {}x{}, {} of {} samples per pixel\n{}",
-                output.parts,
+                "{}, {}x{}, {} of {} per pixel\n{}",
+                counted(output.parts, "part"),
                 output.width,
                 output.height,
                 output.samples,
-                output.of,
+                counted(output.of as usize, "sample"),
                 output.written.text()
             )
         });

@@ -79,12 +79,14 @@ enum Command {
 /// Runs the program on the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
+    // Parse the arguments
     let mut command = Cli::command();
     command.build();
     let matches = command.get_matches_mut();
     let mut cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     cli.global.arguments = Arguments::of(&command, &matches);
     let console = Console::new(cli.global.json, cli.global.quiet);
+    // Set up the process and run
     if let Err(e) = signals::install() {
         console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
     }

@@ -8,6 +8,7 @@ use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
 use crate::gallery::{self, Effort, Inputs, Originals, Reproduced};
 use crate::output;
+use crate::view::text::counted;
 use clap::{ArgAction, Args};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -166,22 +167,25 @@ fn quoted(path: &str) -> String {
 
 /// A table of checks.
 fn human(output: &Output<'_>, folder: &Path) -> String {
+    let checks = || output.figures.iter().flat_map(|figure| &figure.checks);
+    let name = checks().map(|c| c.name.chars().count()).max().unwrap_or(0);
+    let measured = checks().map(|c| c.measured().chars().count()).max().unwrap_or(0);
     let mut text = String::new();
     for figure in output.figures {
         text += &format!("{} ({:.2} s)\n", figure.id, figure.seconds);
         for c in &figure.checks {
             let verdict = if c.pass { "pass" } else { "FAIL" };
-            text += &format!("  {verdict}  {:<86} {:>14}  {}\n", c.name, c.measured(), c.demand());
+            text += &format!("  {verdict}  {:<name$}  {:>measured$}  {}\n", c.name, c.measured(), c.demand());
         }
     }
     if output.interrupted {
         text += "interrupted: the other figures were not made\n";
     }
     text + &format!(
-        "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",
-        output.figures.len(),
+        "{} in {}: {} passed, {} failed, {:.1} s\n",
+        counted(output.figures.len(), "figure"),
         folder.join(gallery::page::FILE).display(),
-        output.passed,
+        counted(output.passed, "check"),
         output.failed,
         output.seconds
     )

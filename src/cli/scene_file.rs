@@ -116,6 +116,7 @@ impl SceneArgs {
             return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
                 .with_hint("a built-in scene has its own camera"));
         }
+        // A mesh in place of the statue
         let mut warnings = Vec::new();
         let mesh = self.mesh.as_deref().map(|path| import::mesh::read(path, &mut warnings)).transpose()?;
         warnings.iter().for_each(|warning| console.warn(warning));
@@ -125,6 +126,7 @@ impl SceneArgs {
             }
             mesh
         });
+        // The environment map, for scenes that have one
         let environment = match entry.map_scale() {
             Some(scale) if mesh.is_none() => {
                 let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;

@@ -42,6 +42,7 @@ impl Chart {
             frame: Rect::new(0.0, 0.0, width, height),
             spans: panel.spans(),
         };
+        // Grid or heat map below, marks above it
         let (x, y) = sketch.spans;
         let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
         let mut room = Sides::default();
@@ -53,12 +54,14 @@ impl Chart {
             None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
         }
         sketch.marks(&panel.marks);
+        // Labels of reference lines and notes, clear of the marks and of the y axis' factor
         let factor = frame::factor_height(&up);
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
         room = room.union(around);
 
+        // The legend, where it covers nothing
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
@@ -109,6 +112,7 @@ impl Sketch {
         // A gap that is more than what the line itself takes, in whole cells.
         let gap = CLEAR + 3.5;
         let (right, bottom) = (self.frame.width, self.frame.height);
+        // Candidates: along a vertical line from the top, along a horizontal line from the right, around a point
         let found = match mark {
             Mark::Vertical { .. } => {
                 let beside = move |w: f64, h: f64| {

@@ -19,6 +19,7 @@ const NEVER: &str = "drawing into memory cannot fail";
 impl Sketch {
     /// Draws areas, then reference lines, then curves, then dots.
     pub fn marks(&mut self, marks: &[Mark]) {
+        // Areas
         for mark in marks {
             match mark {
                 Mark::Band { colour, points, .. } => self.band(*colour, points),
@@ -30,6 +31,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Reference lines
         for mark in marks {
             match mark {
                 Mark::Vertical { at, .. } => {
@@ -43,6 +45,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Curves, and the outlines of bars
         for mark in marks {
             match mark {
                 Mark::Line { stroke, points, .. } => {
@@ -57,6 +60,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Dots
         for mark in marks {
             if let Mark::Dots { colour, points, .. } = mark {
                 self.dots(*colour, points);
@@ -119,6 +123,7 @@ impl Sketch {
                 if lower.is_finite() { [x, low(lower_at), upper_at] } else { [x, f64::NAN, upper_at] }
             })
             .collect();
+        // Fill each run of finite points between upper and lower bound; mark its cells as occupied, column by column
         for run in positions.split(|p| !p.iter().all(|v| v.is_finite())).filter(|run| run.len() > 1) {
             let outline = run.iter().map(|p| [p[0], p[2]]).chain(run.iter().rev().map(|p| [p[0], p[1]])).collect();
             self.fill(outline, colour.faded(0.2));

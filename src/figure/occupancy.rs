@@ -57,6 +57,7 @@ impl Occupancy {
         if !inside {
             return false;
         }
+        // Count the occupied cells under the rectangle in a summed-area table (Crow 1984)
         let [left, right, top, bottom] = self.cells(rect);
         let (columns, rows, taken) = (self.columns, self.rows, &self.taken);
         let sums = self.sums.get_or_insert_with(|| sums(columns, rows, taken));
@@ -85,6 +86,7 @@ impl Occupancy {
                 }
             }
         }
+        // Try the nearest first
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.first_free(candidates.into_iter().map(|(_, rect)| rect))
     }
@@ -101,6 +103,7 @@ impl Occupancy {
     }
 }
 
+/// The summed-area table of the occupied cells.
 fn sums(columns: usize, rows: usize, taken: &[bool]) -> Vec<u32> {
     let mut sums = vec![0; (columns + 1) * (rows + 1)];
     for row in 0..rows {

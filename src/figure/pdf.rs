@@ -168,12 +168,14 @@ impl Page {
             last += 1;
             Ref::new(last)
         };
+        // Number the objects
         let (catalog, tree, page, content) = (next(), next(), next(), next());
         pdf.catalog(catalog).pages(tree);
         pdf.pages(tree).kids([page]).count(1);
         let fonts: Vec<(Face, Ref)> = self.fonts.keys().map(|&face| (face, next())).collect();
         let images: Vec<Ref> = self.images.iter().map(|_| next()).collect();
 
+        // The page with its resources: fonts, images, opacities
         let mut dict = pdf.page(page);
         dict.parent(tree).contents(content);
         dict.media_box(Rect::new(0.0, 0.0, (width * POINTS) as f32, (height * POINTS) as f32));
@@ -198,6 +200,7 @@ impl Page {
         resources.finish();
         dict.finish();
 
+        // The content, the images as rows with PNG predictors, the fonts
         pdf.stream(content, &deflate(&self.content.finish())).filter(Filter::FlateDecode);
         for (image, id) in self.images.iter().zip(images) {
             let data = png_stream(image);

@@ -41,6 +41,7 @@ impl Subset {
         // Subsets carry a tag of six capitals, here one per face.
         let base = format!("ETALO{}+{cut}", char::from(b'A' + face as u8));
         let base = Name(base.as_bytes());
+        // The composite font: two-byte codes are glyph numbers of the subset
         pdf.type0_font(id)
             .base_font(base)
             .encoding_predefined(Name(b"Identity-H"))
@@ -57,6 +58,7 @@ impl Subset {
         widths.finish();
         font.finish();
 
+        // Its metrics, in thousandths of the font size
         let tables = face.tables();
         let thousandths = |units: i16| f32::from(units) * 1000.0 / f32::from(tables.units_per_em());
         let bounds = tables.global_bounding_box();
@@ -76,12 +78,14 @@ impl Subset {
             .stem_v(if face == Face::Bold { 160.0 } else { 90.0 })
             .font_file2(file);
 
+        // Characters of the glyphs, for search and copy
         let mut map = UnicodeCmap::new(Name(b"Custom"), SYSTEM);
         for (&glyph, &(c, _)) in &self.used {
             map.pair(glyph, c);
         }
         pdf.cmap(meaning, &map.finish());
 
+        // The font file with the glyphs of the page alone
         let font = subsetter::subset(face.bytes(), 0, &self.glyphs).expect("the embedded fonts are sound");
         pdf.stream(file, &deflate(&font)).filter(Filter::FlateDecode).pair(Name(b"Length1"), font.len() as i32);
     }

@@ -117,6 +117,7 @@ fn placed(text: &Text) -> Transform {
 /// The letters of a text, from the start of its baseline.
 fn outlines(text: &Text) -> Option<Path> {
     let (mut outlines, mut x) = (Outlines { path: PathBuilder::new(), scale: 0.0, at: [0.0; 2] }, 0.0);
+    // Append the glyphs of each run at the pen's position
     for run in text::runs(&text.markup, text.size, text.bold) {
         let tables = run.face.tables();
         outlines.scale = (run.size / f64::from(tables.units_per_em())) as f32;

@@ -28,6 +28,7 @@ const MOST_STEPS: f64 = 200.0;
 /// Steps of 1, 2, 2.5 or 5 times a power of ten, the smallest that gives at most `most` ticks.
 #[must_use]
 pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
+    // The smallest round step that is not below the wanted one
     let wanted = (hi - lo) / most.max(2) as f64;
     let power = wanted.log10().floor() as i32;
     // The mantissa, its own decimals, and how many minor steps divide it.
@@ -94,6 +95,7 @@ pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     if last <= first {
         return within_two_decades(lo, hi).unwrap_or(Ticks { minor: Vec::new(), ..linear(lo, hi, most.min(6)) });
     }
+    // Label every stride-th decade
     let least = (last - first + 1).unsigned_abs().div_ceil(most.max(2) as u32) as i32;
     let stride = [1, 2, 3, 5, 10, 20, 50, 100, 200].into_iter().find(|&n| n >= least).unwrap_or(500);
     // Every so many decades counted from 1, so that 1 itself is among them.

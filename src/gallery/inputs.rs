@@ -72,6 +72,7 @@ impl Inputs {
             let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
             return Ok((scene, self.request(request, 128, 1)));
         };
+        // Replace the metal of the report's scene
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(conductor) = &mut object.material {

@@ -59,6 +59,7 @@ pub fn reproduce(
         return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
+    // Make the figures one by one; after an interruption, keep those that are finished
     let mut records = page::read_records(folder, &all)?;
     let setup = Setup::of(inputs, options);
     let mut studies = Studies::default();
@@ -77,6 +78,7 @@ pub fn reproduce(
         records.insert(figure.id.to_owned(), record);
         done.push(made);
     }
+    // Checks and page of all recorded figures
     if !done.is_empty() {
         files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
         page::write(folder, &all, &records)?;

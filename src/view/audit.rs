@@ -19,6 +19,7 @@ const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 /// A panel for each erratum, with the verdicts and the error of an image below it.
 #[must_use]
 pub fn drawing(errata: &[Erratum]) -> Drawing {
+    // Lay out panels in a grid, with three lines of text below each
     let panels: Vec<Drawing> =
         errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
     let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);

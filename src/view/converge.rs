@@ -208,11 +208,13 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
     let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    // Each strategy at the level nearest to the common time
     let shown: Vec<(&Curve, &Level, &Image)> = result
         .curves
         .iter()
         .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
         .collect();
+    // One scale of errors for all: the median RMSE, rounded up
     let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     errors.sort_by(f64::total_cmp);
     let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
@@ -221,7 +223,7 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
     for (curve, level, image) in shown {
         let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
             let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
-            // What is darker than a hundredth of the mean is compared with that.
+            // Relative to at least 3 % of the mean
             (got - expected) / expected.max(0.03 * mean)
         });
         let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();

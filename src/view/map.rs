@@ -44,6 +44,7 @@ impl Display {
         // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
         let (width, height) = (map.image().width(), map.image().height());
+        // Scale by a whole factor to a width within the limits of the page
         let (enlarge, reduce) =
             (PAGE[0].div_ceil(width).min(PAGE[0] / height.min(PAGE[0])).max(1), width.div_ceil(PAGE[1]));
         // One of the two factors is 1.
@@ -58,6 +59,7 @@ impl Display {
 
     /// A square marker of `side` texels around texel (x, y): wrapped at the seam, clipped at the poles.
     fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, colour: Colour) {
+        // Rows are clipped at the poles, columns wrap around the seam in two parts
         let half = (side / 2) as i64;
         let (x, y) = (x as i64, (y as i64).min(self.height as i64 - 1));
         let y0 = (y - half).max(0);

@@ -19,6 +19,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
     let (width, height) = (DECADE * f64::from(SCALE.1 - SCALE.0), LINE * families.len() as f64);
     let mut page = Drawing::new(left + width + 24.0, top + height + 50.0, 2.0);
     let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup).coloured(theme::INK);
+    // Decades
     for power in SCALE.0..=SCALE.1 {
         let x = left + DECADE * f64::from(power - SCALE.0);
         page.line([[x, top], [x, top + height]], theme::GRID);
@@ -28,6 +29,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
             page.text(text(x, top + height + 17.0, theme::TICK_SIZE, label).held(Anchor::Middle, Level::Baseline));
         }
     }
+    // A line of dots for each family
     for (i, family) in families.iter().enumerate() {
         let y = top + LINE * (i as f64 + 0.5);
         page.line([[left, y], [left + width, y]], theme::GRID);

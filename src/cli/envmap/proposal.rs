@@ -46,10 +46,10 @@ impl Proposal {
         let output = Output { result, written: target.written(files) };
         console.result(&output, || {
             let line = |name: &str, t: &ChiSquare| {
-                format!("{name}: chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
+                format!("{name:<24} chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
-            line("uniform random numbers ", &output.result.uniform)
-                + &line("Gaussian random numbers", &output.result.gaussian)
+            line("uniform random numbers:", &output.result.uniform)
+                + &line("Gaussian random numbers:", &output.result.gaussian)
                 + &output.written.text()
         });
         Ok(Verdict::Good)

@@ -18,6 +18,7 @@ use crate::render::film::{Part, shard};
 use crate::render::{Job, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
+use crate::view::text::counted;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use images::{Images, ToneName};
@@ -144,6 +145,7 @@ impl Render {
         let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
         let images = images.protecting(map);
+        // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
         let held = state.map(resume::held).transpose()?.flatten();
         let request = Request {
@@ -153,6 +155,7 @@ impl Render {
             ..asked
         };
         let samples = self.samples(request.spp, held.as_ref())?;
+        // Prepare the render and check the files, before any sample
         let job = Job::new(&scene, &request, &settings)?;
         let metadata = self.metadata(&scene.name, &request, &settings);
         let fresh = job.part(metadata.clone())?;
@@ -164,6 +167,7 @@ impl Render {
         if let Some(path) = state.filter(|_| part.ranges().have(&samples)) {
             console.warn(&format!("{}: all samples are there; the images are written again", path.display()));
         }
+        // Render, with the time of all runs in the metadata of every save
         let (before, count) = (seconds(&part.metadata), part.count());
         let describe =
             |part: &mut Part| part.metadata = metadata.clone().with(SECONDS, format!("{:.3}", before + job.seconds()));
@@ -177,6 +181,7 @@ impl Render {
         work::run(&job, &mut part, &samples, console, &scene.name, save)?;
         describe(&mut part);
 
+        // Write the images and report
         let interrupted = !part.ranges().have(&samples);
         let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
         summary.left_out = job.left_out();
@@ -194,7 +199,7 @@ impl Render {
             console.warn(&format!("interrupted; to continue: the same command with --resume {}", file.display()));
             let black = part.film.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
             if black > 0 {
-                console.warn(&format!("{black} pixels have no sample yet: they are black"));
+                console.warn(&format!("{} without a sample: black", counted(black, "pixel")));
             }
         }
         console.result(&summary, || summary.text());

@@ -5,6 +5,7 @@ use crate::raster::Image;
 use crate::render::Dropped;
 use crate::render::film::Part;
 use crate::scene::Request;
+use crate::view::text::counted;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -88,12 +89,12 @@ impl<'a> Summary<'a> {
         };
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
         let mut text = format!(
-            "{} {}x{}, {samples}{} samples per pixel, {} light samples, depth {}: {:.2} s, {:.2} million samples/s\n",
+            "{} {}x{}, {samples}{} per pixel, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
             self.scene,
             self.width,
             self.height,
-            self.spp,
-            self.light_samples,
+            counted(self.spp as usize, "sample"),
+            counted(self.light_samples as usize, "light sample"),
             self.max_depth,
             self.seconds,
             self.samples_per_second * 1e-6

@@ -5,6 +5,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::output::{self, Written};
 use crate::study::validation::{Calibration, Case, calibrate};
+use crate::view::text::counted;
 use crate::view::validation as view;
 use etalon_stats::Protocol;
 use serde::Serialize;
@@ -41,11 +42,11 @@ fn text(found: &Calibration) -> String {
         text += "interrupted: the other tests are left out\n";
     }
     text + &format!(
-        "{} tests under {} seeds of {} samples: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
+        "{} under {} of {}: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
          uniformity of all p-values: p = {:.3}; tests with skewed p-values or a violation: {}\n",
-        found.tests.len(),
-        found.seeds,
-        found.samples,
+        counted(found.tests.len(), "test"),
+        counted(found.seeds as usize, "seed"),
+        counted(found.samples as usize, "sample"),
         100.0 * found.below_5_percent,
         100.0 * found.below_1_percent,
         found.uniformity.p,

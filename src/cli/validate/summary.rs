@@ -3,6 +3,7 @@
 
 use crate::output::Written;
 use crate::study::validation::{Tested, Validation};
+use crate::view::text::counted;
 use etalon_stats::Verdict;
 
 /// More tests than these are summarized by family.
@@ -22,8 +23,8 @@ pub fn text(validation: &Validation, written: &Written) -> String {
         }
     }
     text += &format!(
-        "\n{} tests at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
-        tests.len(),
+        "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
+        counted(tests.len(), "test"),
         validation.level,
         validation.seed,
         validation.accepted,
@@ -41,7 +42,7 @@ pub fn text(validation: &Validation, written: &Written) -> String {
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text = format!(
-        "{:<width$}  verdict            p   finds    samples  integral of the pdf             seconds\n",
+        "{:<width$}  verdict            p detects    samples  integral of the pdf             seconds\n",
         "test"
     );
     for Tested { name, outcome } in tests {
@@ -72,7 +73,7 @@ fn families(tests: &[Tested]) -> String {
         }
     }
     let width = groups.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let mut text = format!("{:<width$}  tests  accepted  least p   finds    samples\n", "family");
+    let mut text = format!("{:<width$}  tests  accepted    min p detects    samples\n", "family");
     for (name, members) in &groups {
         let outcomes = || members.iter().map(|test| &test.outcome);
         let accepted = outcomes().filter(|outcome| outcome.is_accepted()).count();

@@ -41,10 +41,12 @@ impl EmbeddedImage {
         let embedded = |kind: &str, bytes: &[u8], [width, height]: [u32; 2], vector| {
             Ok(Self { source: format!("data:image/{kind};base64,{}", base64(bytes)), width, height, vector })
         };
+        // Plots: the SVG itself, unless it is large or has an image inside
         if svg.len() <= LARGEST_SVG && !svg.windows(6).any(|w| w == b"<image") {
             let size = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
             return embedded("svg+xml", &svg, size, true);
         }
+        // Images: the PNG if it is small, else a JPEG of limited width
         let path = folder.join(format!("{id}.png"));
         let png = files::read_bounded(&path, LIMIT)?;
         let damaged = |e: image::ImageError| Error::input(&path, e.to_string());
