@@ -6,11 +6,10 @@ use super::map_file::short_name;
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::interrupt;
-use crate::output::{self, Written};
+use crate::output;
 use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::view::text::counted;
 use clap::Args;
-use serde::Serialize;
 use std::path::PathBuf;
 
 /// Compare two images of the same size: B is the reference
@@ -22,14 +21,6 @@ use std::path::PathBuf;
 pub struct Compare {
     a: PathBuf,
     b: PathBuf,
-}
-
-#[derive(Serialize)]
-struct Output {
-    #[serde(flatten)]
-    numbers: Comparison,
-    #[serde(flatten)]
-    written: Written,
 }
 
 impl Compare {
@@ -55,19 +46,18 @@ impl Compare {
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
-        let output = Output { numbers, written };
-        console.result(&output, || {
-            let n = &output.numbers;
-            format!(
-                "mse      {:.6e}\nrmse     {:.6e}\nrel_mse  {:.6e}\nmax_abs  {:.6e}\nmean_a   {:.6e}\nmean_b   {:.6e}\n{}",
-                n.mse,
-                n.rmse,
-                n.rel_mse,
-                n.max_abs,
-                n.mean_a,
-                n.mean_b,
-                output.written.text()
-            )
+        console.saved(&numbers, &written, || {
+            let Comparison { mse, rmse, rel_mse, max_abs, mean_a, mean_b, .. } = numbers;
+            [
+                ("mse", mse),
+                ("rmse", rmse),
+                ("rel_mse", rel_mse),
+                ("max_abs", max_abs),
+                ("mean_a", mean_a),
+                ("mean_b", mean_b),
+            ]
+            .map(|(name, value)| format!("{name:<8} {value:.6e}\n"))
+            .concat()
         });
         Ok(Verdict::Good)
     }

@@ -1,6 +1,7 @@
 //! Output: results to standard output, warnings, errors and progress to standard error.
 
 use crate::error::{Error, Result};
+use crate::output::Written;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::cell::OnceCell;
@@ -41,6 +42,18 @@ impl Console {
         {
             let _ = self.lost.set(e);
         }
+    }
+
+    /// Prints a result with the files that were written: as one JSON object, or the text and a line for each file.
+    pub fn saved(&self, result: &impl Serialize, written: &Written, human: impl FnOnce() -> String) {
+        #[derive(Serialize)]
+        struct Saved<'a, T> {
+            #[serde(flatten)]
+            result: &'a T,
+            #[serde(flatten)]
+            written: &'a Written,
+        }
+        self.result(&Saved { result, written }, || human() + &written.text());
     }
 
     /// Prints a warning.

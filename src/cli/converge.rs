@@ -4,7 +4,7 @@ use super::console::Console;
 use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
 use crate::error::Result;
-use crate::output::{self, Written, file_name};
+use crate::output::{self, file_name};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
@@ -60,8 +60,6 @@ struct Output<'a> {
     result: &'a Convergence,
     common_cpu_seconds: f64,
     common_rmse: f64,
-    #[serde(flatten)]
-    written: Written,
 }
 
 impl Converge {
@@ -90,8 +88,8 @@ impl Converge {
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
         files.extend(view::images(&result)?.write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
-        let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
-        console.result(&output, || text(&output));
+        let output = Output { result: &result, common_cpu_seconds, common_rmse };
+        console.saved(&output, &target.written(files), || text(&output));
         Ok(if result.has_verdict() && !result.interrupted { Verdict::Good } else { Verdict::Inconclusive })
     }
 
@@ -110,7 +108,7 @@ impl Converge {
 }
 
 fn text(output: &Output<'_>) -> String {
-    let Output { result, common_cpu_seconds, common_rmse, written } = output;
+    let Output { result, common_cpu_seconds, common_rmse } = output;
     let mut text = format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
@@ -144,5 +142,5 @@ fn text(output: &Output<'_>) -> String {
     if result.interrupted {
         text += "interrupted: this is what was measured until then\n";
     }
-    text + &written.text()
+    text
 }

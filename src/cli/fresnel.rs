@@ -6,11 +6,10 @@ use super::values::Model;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::optics::metals;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::{fresnel, metal};
 use crate::view::fresnel as view;
 use clap::Args;
-use serde::Serialize;
 
 /// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
 /// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
@@ -45,15 +44,6 @@ fn metal_help() -> String {
     format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
 }
 
-/// The JSON object: the study's result and the files.
-#[derive(Serialize)]
-struct Output<'a, T> {
-    #[serde(flatten)]
-    curves: &'a T,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
 impl Fresnel {
     /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
@@ -75,12 +65,12 @@ impl Fresnel {
         let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
         let written = target.written(files);
-        console.result(&Output { curves: &curves, written: &written }, || {
+        console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             format!(
                 "eta {} -> {}\nreflectance at normal incidence  {:.9} (both components)\nBrewster angle                   {}\n\
                  critical angle                   {}\nSchlick's largest absolute error {:.6} at {:.2}°\n\
-                 Schlick's largest relative error {:.6} at {:.2}°\n{}",
+                 Schlick's largest relative error {:.6} at {:.2}°\n",
                 curves.eta_i,
                 curves.eta_t,
                 curves.r_normal,
@@ -90,7 +80,6 @@ impl Fresnel {
                 curves.schlick_max_abs_error_deg,
                 curves.schlick_max_rel_error,
                 curves.schlick_max_rel_error_deg,
-                written.text()
             )
         });
         Ok(Verdict::Good)
@@ -112,7 +101,7 @@ impl Fresnel {
                 c.eta * c.eta + c.k * c.k
             ));
         }
-        console.result(&Output { curves, written: &written }, || {
+        console.saved(curves, &written, || {
             let source = curves.source.map_or(String::new(), |source| format!(", η and k: {source}"));
             let mut text = format!("{}{source}\n", curves.metal);
             for c in &curves.channels {
@@ -130,7 +119,7 @@ impl Fresnel {
                     c.schlick_max_abs_error_deg
                 );
             }
-            text + &written.text()
+            text
         });
         Ok(Verdict::Good)
     }

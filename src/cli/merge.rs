@@ -4,7 +4,7 @@ use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
-use crate::output::{self, Written};
+use crate::output;
 use crate::raster::{self, Metadata};
 use crate::render::film::{Dropped, list, merge_files};
 use crate::view::text::counted;
@@ -37,8 +37,6 @@ struct Output {
     complete: bool,
     missing: Vec<Range<u32>>,
     dropped: Dropped,
-    #[serde(flatten)]
-    written: Written,
 }
 
 impl Merge {
@@ -66,21 +64,19 @@ impl Merge {
             complete: ranges.is_complete(),
             missing: ranges.missing(),
             dropped: part.film.dropped(),
-            written: target.written(files.into()),
         };
         if !output.complete {
             let missing = list(&output.missing);
             console.warn(&format!("samples {missing} of {} are missing; the file has the sums", output.of));
         }
-        console.result(&output, || {
+        console.saved(&output, &target.written(files.into()), || {
             format!(
-                "{}, {}x{}, {} of {} per pixel\n{}",
+                "{}, {}x{}, {} of {} per pixel\n",
                 counted(output.parts, "part"),
                 output.width,
                 output.height,
                 output.samples,
-                counted(output.of as usize, "sample"),
-                output.written.text()
+                counted(output.of as usize, "sample")
             )
         });
         Ok(Verdict::Good)

@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
@@ -38,8 +38,6 @@ struct Output<'a> {
     bounds: &'a [BoundCheck],
     effort: Effort,
     interrupted: bool,
-    #[serde(flatten)]
-    written: &'a Written,
 }
 
 #[derive(Serialize)]
@@ -81,8 +79,8 @@ impl Stability {
         }
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let output = Output { rows, bounds, effort, interrupted, written: &written };
-        console.result(&output, || human(&output));
+        let output = Output { rows, bounds, effort, interrupted };
+        console.saved(&output, &written, || human(&output));
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
     }
@@ -163,5 +161,5 @@ fn human(output: &Output<'_>) -> String {
     if output.interrupted {
         text += "interrupted: the other families were not run\n";
     }
-    text + &output.written.text()
+    text
 }

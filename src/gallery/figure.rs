@@ -66,7 +66,7 @@ pub struct Figure {
     /// The figure to compare it with.
     pub beside: Option<&'static str>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
-    pub command: Option<&'static str>,
+    pub command: Option<String>,
     /// How its content is made.
     pub make: Make,
 }

@@ -9,6 +9,7 @@ mod figures;
 mod inputs;
 mod originals;
 pub mod page;
+mod prelude;
 mod registry;
 mod reproduce;
 mod studies;

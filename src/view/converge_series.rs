@@ -4,7 +4,7 @@ use super::converge::duration;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
-use crate::study::converge::depth::Depths;
+use crate::study::converge::depth::{self, Depths};
 use crate::study::converge::lights::CUTS;
 use crate::study::converge::roughness::{self, NORMALS};
 use etalon_stats::estimate::Estimate;
@@ -64,10 +64,9 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
         // The last one misses nothing by definition, and has no place on a logarithmic axis.
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
         let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
-        let over = |at: &dyn Fn(&crate::study::converge::depth::Level) -> f64| {
-            levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>()
-        };
-        let band = |l: &crate::study::converge::depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
+        let over =
+            |at: &dyn Fn(&depth::Level) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
+        let band = |l: &depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
         over_depth = over_depth
             .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())

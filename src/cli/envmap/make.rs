@@ -5,7 +5,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::output::{self, Written};
+use crate::output;
 use crate::raster::{self, Metadata, Precision, WriteOptions};
 use clap::Args;
 use serde::Serialize;
@@ -26,8 +26,6 @@ impl Make {
             name: &'static str,
             width: usize,
             height: usize,
-            #[serde(flatten)]
-            written: Written,
         }
         let Some(synthetic) = Synthetic::from_name(&self.name) else {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| format!("{} ({})", s.name(), s.description())).collect();
@@ -43,8 +41,8 @@ impl Make {
         let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
         raster::write_with(&path, &image, &metadata, options)?;
         let written = target.written(vec![path]);
-        let output = Output { name: synthetic.name(), width: image.width(), height: image.height(), written };
-        console.result(&output, || output.written.text());
+        let output = Output { name: synthetic.name(), width: image.width(), height: image.height() };
+        console.saved(&output, &written, String::new);
         Ok(Verdict::Good)
     }
 }

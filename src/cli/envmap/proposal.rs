@@ -5,12 +5,11 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::{self, MapOptions};
 use crate::error::{Error, Result};
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::proposal;
 use crate::view::proposal as view;
 use clap::Args;
 use etalon_stats::chi_square::ChiSquare;
-use serde::Serialize;
 use std::ffi::OsString;
 
 /// Compare uniform with Gaussian random numbers for inversion
@@ -29,13 +28,6 @@ pub struct Proposal {
 impl Proposal {
     /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        #[derive(Serialize)]
-        struct Output {
-            #[serde(flatten)]
-            result: proposal::Proposal,
-            #[serde(flatten)]
-            written: Written,
-        }
         let source = map_file::load(&self.map, self.options, console)?;
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
@@ -43,14 +35,11 @@ impl Proposal {
         let target = global.target(&["map"]);
         let stem = target.stem(&format!("{}-proposal", map_file::short_name(&self.map)), "", &output::STUDY)?;
         let files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
-        let output = Output { result, written: target.written(files) };
-        console.result(&output, || {
+        console.saved(&result, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {
                 format!("{name:<24} chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
             };
-            line("uniform random numbers:", &output.result.uniform)
-                + &line("Gaussian random numbers:", &output.result.gaussian)
-                + &output.written.text()
+            line("uniform random numbers:", &result.uniform) + &line("Gaussian random numbers:", &result.gaussian)
         });
         Ok(Verdict::Good)
     }

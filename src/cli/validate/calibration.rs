@@ -3,20 +3,11 @@
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::{Calibration, Case, calibrate};
 use crate::view::text::counted;
 use crate::view::validation as view;
 use etalon_stats::Protocol;
-use serde::Serialize;
-
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    calibration: &'a Calibration,
-    #[serde(flatten)]
-    written: &'a Written,
-}
 
 /// Tests the tests under `seeds` seeds; writes and prints the distribution of their p-values.
 pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
@@ -27,7 +18,7 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
     bar.finish_and_clear();
     let table = output::table(&view::calibration_rows(&found))?;
     let written = target.written(output::write(&stem, &view::calibration_drawing(&found), &table)?);
-    console.result(&Output { calibration: &found, written: &written }, || text(&found) + &written.text());
+    console.saved(&found, &written, || text(&found));
     Ok(Verdict::of(found.accepted, found.interrupted))
 }
 

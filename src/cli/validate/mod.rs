@@ -10,7 +10,7 @@ use super::global::{Global, Verdict};
 use super::map_file::{self, MapOptions};
 use crate::error::Result;
 use crate::files;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::{Case, Tested, Validation, run, select, suite};
 use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
@@ -66,14 +66,6 @@ pub struct Validate {
     junit: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    validation: &'a Validation,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
 impl Validate {
     /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
@@ -106,7 +98,7 @@ impl Validate {
             files::write_bytes(path, junit::document(&validation).as_bytes())?;
             written.files.push(path.clone());
         }
-        console.result(&Output { validation: &validation, written: &written }, || summary::text(&validation, &written));
+        console.saved(&validation, &written, || summary::text(&validation));
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
             Validation { rejected: 1.., .. } => Verdict::Rejected,

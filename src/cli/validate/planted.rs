@@ -5,19 +5,10 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::planted::{self, By, Findings};
 use crate::view::planted as view;
 use etalon_stats::Protocol;
-use serde::Serialize;
-
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    findings: &'a Findings,
-    #[serde(flatten)]
-    written: &'a Written,
-}
 
 /// Runs all planted faults; writes and prints the findings.
 pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
@@ -29,11 +20,11 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     bar.finish_and_clear();
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let written = target.written(vec![path]);
-    console.result(&Output { findings: &findings, written: &written }, || text(&findings, &written));
+    console.saved(&findings, &written, || text(&findings));
     Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
 
-fn text(findings: &Findings, written: &Written) -> String {
+fn text(findings: &Findings) -> String {
     let tests = &findings.tests;
     let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text =
@@ -63,5 +54,5 @@ fn text(findings: &Findings, written: &Written) -> String {
     if findings.interrupted {
         text += "interrupted before all tests were finished\n";
     }
-    text + &written.text()
+    text
 }

@@ -1,7 +1,6 @@
 //! Results of tests as text: a line for each test if they are few, else one for each family and one for each test that is not
 //! accepted.
 
-use crate::output::Written;
 use crate::study::validation::{Tested, Validation};
 use crate::view::text::counted;
 use etalon_stats::Verdict;
@@ -9,8 +8,8 @@ use etalon_stats::Verdict;
 /// More tests than these are summarized by family.
 const FEW: usize = 40;
 
-/// The results of `validation` and the files, as text.
-pub fn text(validation: &Validation, written: &Written) -> String {
+/// The results of `validation` as text.
+pub fn text(validation: &Validation) -> String {
     let tests = &validation.tests;
     let mut text = String::new();
     if tests.len() <= FEW {
@@ -35,7 +34,7 @@ pub fn text(validation: &Validation, written: &Written) -> String {
     if validation.interrupted {
         text += "interrupted before all tests were finished\n";
     }
-    text + &written.text()
+    text
 }
 
 /// One line for each test, and its remark below it.

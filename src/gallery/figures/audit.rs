@@ -1,9 +1,7 @@
 //! The errors of the two reports: `audit`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{self, Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::figure;
+use crate::gallery::prelude::*;
 use crate::study::audit::{self, Erratum};
 use crate::view::audit as view;
 use etalon_stats::Verdict;

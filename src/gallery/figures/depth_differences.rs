@@ -1,11 +1,7 @@
 //! What each path depth adds: `depth-differences`.
 
 use super::depth::DepthSeries;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::depth::DEPTHS;
 use crate::view::depth as view;
 

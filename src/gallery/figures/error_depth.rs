@@ -1,10 +1,7 @@
 //! Light missing at each maximum depth, and the time that it saves: `error-depth`.
 
 use super::error_time::{LIMIT, small};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::scene::{Request, builtin};
 use crate::study::converge::depth::{self, Depths};
 use crate::study::converge::doubling::Deadline;

@@ -1,10 +1,6 @@
 //! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;

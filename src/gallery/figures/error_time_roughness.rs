@@ -1,10 +1,7 @@
 //! Efficiency over roughness by the way of sampling normals: `error-time-roughness`.
 
 use super::error_time::{LIMIT, small};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::scene::Request;
 use crate::study::converge::doubling::Deadline;
 use crate::study::converge::roughness::{self, Level, NORMALS};

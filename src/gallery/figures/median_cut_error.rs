@@ -1,11 +1,7 @@
 //! Error of fixed lights in place of a map: `median-cut-error`.
 
 use super::error_time::{SphereCurves, biased, plan, sphere, stopped};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::converge::lights::{self, CUTS};
 use crate::view::{converge, converge_series as view};
 

@@ -1,8 +1,6 @@
 //! Indices, special angles and albedo of the metals: `metals-table`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::prelude::*;
 use crate::study::metals;
 use crate::view::metals as view;
 

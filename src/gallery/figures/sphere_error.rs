@@ -2,11 +2,7 @@
 
 use super::sphere::ExactImage;
 use crate::envmap::info::Info;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::sphere::{self, AtNormal, Series};
 use crate::view::sphere as view;
 

@@ -68,7 +68,7 @@ impl Article<'_> {
         checks(out, &record.checks)?;
         out.push_str("<div class=\"again\"><p>Reproduce with</p>");
         command(out, &join(&format!("etalon reproduce --only {}", figure.id), &record.setup.options))?;
-        if let Some(direct) = figure.command {
+        if let Some(direct) = &figure.command {
             out.push_str("<p>or, with all options,</p>");
             command(out, &direct.replace("{map}", &record.setup.map))?;
         }
