@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
+pub use crate::figure::with_extension;
 use crate::files;
 use serde::{Serialize, Serializer};
 use std::ffi::{OsStr, OsString};
@@ -152,15 +153,6 @@ pub fn checksum(text: &OsStr) -> String {
     let mut crc = flate2::Crc::new();
     crc.update(text.as_encoded_bytes());
     format!("{:08x}", crc.sum())
-}
-
-/// `stem` with an extension added (a dot inside the stem stays).
-#[must_use]
-pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
-    let mut path = stem.as_os_str().to_owned();
-    path.push(".");
-    path.push(extension);
-    path.into()
 }
 
 /// `name` with a hyphen for each character that file names should not have.

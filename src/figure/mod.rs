@@ -27,7 +27,7 @@ pub mod theme;
 mod ticks;
 
 pub use axis::{Axis, Scale};
-pub use drawing::{Drawing, Item};
+pub use drawing::{Drawing, Item, with_extension};
 pub use heatmap::{Heatmap, Shading};
 pub use overlay::overlay;
 pub use panel::Panel;
@@ -35,4 +35,4 @@ pub use plot::Plot;
 pub use rgb8::Rgb8;
 pub use shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 pub use sheet::contact_sheet;
-pub(crate) use svg::base64;
+pub(crate) use svg::{base64, escape};

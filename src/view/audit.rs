@@ -1,5 +1,6 @@
 //! The errors of the two reports: what they print beside the correction.
 
+use super::text::power_of_ten;
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
 use crate::study::audit::Erratum;
 use etalon_stats::Verdict;
@@ -86,8 +87,7 @@ fn verdict(verdict: Verdict, p: Option<f64>) -> String {
     match p {
         None => format!("{word} by an exact check"),
         Some(p) if p >= 1e-3 => format!("{word}, /{{p}} = {p:.2}"),
-        Some(p) if p > 0.0 => format!("{word}, /{{p}} ≈ 10^{{−{:.0}}}", -p.log10()),
-        Some(_) => format!("{word}, /{{p}} < 10^{{−300}}"),
+        Some(p) => format!("{word}, /{{p}} {}", power_of_ten(p)),
     }
 }
 
