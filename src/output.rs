@@ -47,7 +47,7 @@ impl Target {
         Self { folder: folder.into(), name, variant: String::new(), inputs: Vec::new(), before }
     }
 
-    /// Makes default names end with `variant`; a name that was asked for stays as it is.
+    /// Makes default names end with `variant`; a name that `-o` gives is not changed.
     #[must_use]
     pub fn with_variant(self, variant: &str) -> Self {
         Self { variant: variant.into(), ..self }
@@ -116,7 +116,7 @@ impl Written {
     }
 }
 
-/// Paths as text, whatever their encoding.
+/// Paths as text; invalid UTF-8 becomes U+FFFD.
 fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }

@@ -84,7 +84,7 @@ fn is_path(arg: &Arg) -> bool {
     kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<OsString>()
 }
 
-/// How a file name shows an argument: `s256`, `r480x360`, `alpha-0.5`, `flip`; nothing if it has its default value.
+/// How a file name shows an argument: `s256`, `r480x360`, `alpha-0.5`, `flip`; none if it has its default value.
 fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
     let name = match (arg.get_short(), arg.get_long()) {
         (Some(letter), _) => letter.to_string(),

@@ -21,14 +21,14 @@ pub struct Global {
     /// Worker threads (default: one per core)
     #[arg(short, long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
-    /// Most memory to take, in bytes or with K, M or G (default: what the machine has left)
+    /// Upper limit of memory, in bytes or with K, M or G (default: the free memory of the machine)
     #[arg(long, global = true, value_name = "SIZE", value_parser = size)]
     pub memory: Option<u64>,
     /// No progress bars and no warnings
     #[arg(long, global = true)]
     pub quiet: bool,
     /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: out, under
-    /// names that carry the options that differ from their defaults]
+    /// names that contain the options that differ from their defaults]
     #[arg(short, long, global = true, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// All arguments of the run.

@@ -71,7 +71,7 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
-    /// Whether a size was asked for.
+    /// Whether `-r` was given.
     pub fn has_size(&self) -> bool {
         self.resolution.is_some()
     }

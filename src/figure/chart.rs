@@ -11,9 +11,9 @@ use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
 use super::text;
 use super::theme;
 
-/// Distance that labels keep from curves and from each other.
+/// Distance of labels from curves and from each other.
 pub(super) const CLEAR: f64 = 3.0;
-/// How far from the frame a label may be that found no place inside.
+/// Largest distance from the frame of a label without a free place inside.
 const OUTSIDE: f64 = 300.0;
 /// Width kept for the factor of the y axis, above the frame's left end.
 const FACTOR: f64 = 45.0;
@@ -138,7 +138,7 @@ impl Sketch {
                 let text = text(place.centre());
                 self.drawing.text(if place.height > place.width { text.upwards() } else { text });
             }
-            // No room inside: beside the frame or above it, as near as there is room; too long for any place, next to it.
+            // No free place inside: the nearest one beside the frame or above it, else next to it
             None if matches!(mark, Mark::Horizontal { .. }) => {
                 let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
                 let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));

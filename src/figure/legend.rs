@@ -1,4 +1,4 @@
-//! Legends: which look belongs to which label.
+//! Legends: a sample of each mark beside its label.
 
 use super::drawing::Drawing;
 use super::panel::Mark;

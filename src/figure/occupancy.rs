@@ -12,7 +12,7 @@ pub(super) struct Occupancy {
     columns: usize,
     rows: usize,
     taken: Vec<bool>,
-    /// Taken cells above and left of each corner, (rows + 1) x (columns + 1); made when first asked for.
+    /// Taken cells above and left of each corner, (rows + 1) x (columns + 1); made at the first query.
     sums: Option<Vec<u32>>,
 }
 

@@ -132,7 +132,7 @@ impl Mark {
         }
     }
 
-    /// The values that the x axis (0) or the y axis (1) has to show.
+    /// The values that the x axis (0) or the y axis (1) must include.
     fn extent(&self, axis: usize) -> Vec<f64> {
         match (self, axis) {
             (Mark::Line { points, .. } | Mark::Dots { points, .. }, _) => points.iter().map(|p| p[axis]).collect(),

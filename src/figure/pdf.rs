@@ -24,7 +24,7 @@ impl Drawing {
     }
 }
 
-/// The page's content and the resources that it has asked for so far.
+/// The page's content and the resources that it uses so far.
 struct Page {
     content: Content,
     fonts: BTreeMap<Face, Subset>,
@@ -82,7 +82,7 @@ impl Page {
         }
     }
 
-    /// Four Bézier quarters, off the circle by less than 0.03 % of the radius.
+    /// Four Bézier quarters, with an error below 0.03 % of the radius.
     fn circle(&mut self, [x, y]: Point, radius: f64) {
         const KAPPA: f64 = 0.552_284_75;
         let at = |dx: f64, dy: f64| (short(x + radius * dx), short(y + radius * dy));
@@ -97,7 +97,7 @@ impl Page {
         self.content.close_path();
     }
 
-    /// Fills and strokes the path at hand, as asked.
+    /// Fills and strokes the current path.
     fn paint(&mut self, paint: &Paint) {
         let fill = paint.fill.map_or(255, |c| c.alpha);
         let stroke = paint.stroke.map_or(255, |s| s.colour.alpha);
@@ -219,9 +219,9 @@ impl Page {
     }
 }
 
-/// Viewers blur enlarged images, so those are enlarged here, by a whole factor.
+/// Enlarges an image by an integer factor, because viewers blur enlarged images.
 fn enlarged(image: &Rgb8, width: f64, height: f64) -> Rgb8 {
-    // As many pixels as can be told apart in print.
+    // Three pixels per drawing unit: enough for print
     let wanted = 3.0 * (width / image.width() as f64).min(height / image.height() as f64);
     let zoom = wanted.clamp(1.0, 64.0) as usize;
     if zoom < 3 {

@@ -1,4 +1,4 @@
-//! Fonts in a PDF: the glyphs that the page uses, their widths, and what they mean to someone who copies the text.
+//! Fonts in a PDF: the glyphs that the page uses, their widths, and their characters for search and copy.
 
 use super::text::{self, Face};
 use flate2::{Compression, write::ZlibEncoder};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use subsetter::GlyphRemapper;
 
-/// The glyphs of a font that the page uses, and what they mean.
+/// The glyphs of a font that the page uses, with their characters and widths.
 #[derive(Default)]
 pub(super) struct Subset {
     glyphs: GlyphRemapper,

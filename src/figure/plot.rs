@@ -1,4 +1,4 @@
-//! A plot: panels side by side or stacked, their frames aligned, with legends that hide nothing.
+//! A plot: panels side by side or stacked, their frames aligned, with legends that cover no data.
 
 use super::chart::Chart;
 use super::drawing::Drawing;

@@ -1,4 +1,4 @@
-//! The look of all figures: colours by role, dashes, line widths, sizes.
+//! The theme of all figures: colours by role, dashes, line widths, font sizes.
 
 use super::shapes::{Colour, Stroke};
 
@@ -110,7 +110,7 @@ pub const SOLID: &[f64] = &[];
 pub const DASHED: &[f64] = &[6.0, 3.0];
 /// Dots.
 pub const DOTTED: &[f64] = &[1.5, 2.5];
-/// Dashes and dots in turn.
+/// Alternating dashes and dots.
 pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
 /// Long dashes.
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];

@@ -1,4 +1,4 @@
-//! Where ticks stand and what they say: round steps, decades, fixed steps.
+//! Positions and labels of ticks: round steps, decades, fixed steps.
 //!
 //! Every function takes a finite range `lo < hi` (see [`super::axis::Span`]) and returns a bounded number of ticks.
 
@@ -51,7 +51,7 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
             (v - v.round()).abs() < 1e-6 * v
         })
         .unwrap_or(9);
-    // Angles and counts are divided as people divide them.
+    // Divide a step into 5, 3 or 2 if the parts are round.
     let parts = [5, 3, 2].into_iter().find(|&n| {
         let v = step * ten(decimals) / f64::from(n);
         (v - v.round()).abs() < 1e-6
@@ -59,7 +59,7 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     steps(lo, hi, step, decimals, parts.unwrap_or(1))
 }
 
-/// Ticks at given whole numbers, as far as they lie in the range.
+/// Ticks at those of `places` (integers) that lie in the range.
 #[must_use]
 pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));

@@ -1,4 +1,4 @@
-//! What a run of the gallery starts from: the map, the scenes, the seed and the effort.
+//! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
 use super::originals::Originals;
 use crate::envmap::NamedMap;

@@ -1,4 +1,4 @@
-//! A run of the gallery: makes figures, writes their files, and keeps the records and the page up to date.
+//! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::{Check, Kind};
 use super::figure::{Content, Erratum, Figure, RenderedImage};
@@ -34,15 +34,15 @@ pub struct Reproduced {
 pub struct Reproduction {
     /// In the order of the registry.
     pub figures: Vec<Reproduced>,
-    /// Whether the process was asked to stop before all figures were made.
+    /// Whether an interruption ended the run before all figures were made.
     pub interrupted: bool,
 }
 
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
 ///
 /// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They also cover figures that earlier runs
-/// wrote to the folder. `options` are the flags of this run, for the commands on the page. If the process is asked to stop,
-/// the finished figures are covered.
+/// wrote to the folder. `options` are the flags of this run, for the commands on the page. After an interruption,
+/// they cover the finished figures.
 ///
 /// # Errors
 /// An unknown id, a damaged `reproduce.json`, those of the figures and of writing them.

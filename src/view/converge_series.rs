@@ -61,7 +61,7 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
     let mut over_time = Panel::new(Axis::linear("processor time (share of depth 100's)").range(0.0, 1.1), share());
     for (i, depths) in scenes.iter().enumerate() {
         let stroke = theme::series(i);
-        // The last one misses nothing by definition, and has no place on a logarithmic axis.
+        // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
         let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
         let over =

@@ -34,7 +34,7 @@ pub struct Display {
     scale: f64,
 }
 
-/// Smallest and largest width of a map on the page; smaller maps are enlarged, larger ones reduced, by whole factors.
+/// Smallest and largest width of a map on the page; smaller maps are enlarged, larger ones reduced, by integer factors.
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
@@ -44,7 +44,7 @@ impl Display {
         // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
         let (width, height) = (map.image().width(), map.image().height());
-        // Scale by a whole factor to a width within the limits of the page
+        // Scale by an integer factor to a width within the limits of the page
         let (enlarge, reduce) =
             (PAGE[0].div_ceil(width).min(PAGE[0] / height.min(PAGE[0])).max(1), width.div_ceil(PAGE[1]));
         // One of the two factors is 1.
@@ -129,7 +129,7 @@ impl Display {
         drawing
     }
 
-    /// Black but for a marker at each centroid, in the colour of the region's whole flux. The brightest light is
+    /// Black but for a marker at each centroid, in the colour of the region's total flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
     #[must_use]
     pub fn lights(&self, rows: &[median_cut::Row], side: usize) -> Drawing {

@@ -72,7 +72,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
     validation.tests.iter().map(Row::from).collect()
 }
 
-/// The run's p-values in ascending order against those of true claims: as they are, and the small ones enlarged.
+/// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
 #[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
     let tests = validation.ranked();

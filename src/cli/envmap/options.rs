@@ -21,7 +21,7 @@ pub struct LookArgs {
 }
 
 impl LookArgs {
-    /// The tone mapping that was asked for.
+    /// The tone mapping by the arguments.
     pub fn look(&self) -> Look {
         Look { exposure: self.exposure, gamma: self.gamma }
     }

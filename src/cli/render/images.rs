@@ -28,7 +28,7 @@ pub struct Images {
 }
 
 impl Images {
-    /// Files at `target`, which `out` asked for; an error if they cannot be of that format.
+    /// Files at `target`, by `out`; an error if they cannot have its format.
     pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],

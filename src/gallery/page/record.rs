@@ -31,7 +31,7 @@ pub struct Record {
     pub setup: Setup,
 }
 
-/// The program, what it was asked for and the machine. Names no host, no user and no folder.
+/// The program, its arguments and the machine, without names of host, user or folder.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Setup {
     /// Of the program.
