@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn long_names_are_cut_and_stay_apart() {
+    fn long_names_are_cut_and_remain_distinct() {
         let stem = |last: char| {
             let target = Target::new(None).with_variant(&format!("-{}{last}", "é".repeat(200)));
             target.stem("validation", "-suffix", &[]).unwrap().file_name().unwrap().to_str().unwrap().to_owned()
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_are_not_replaced_and_older_results_not_in_silence() {
+    fn inputs_are_not_replaced_and_replaced_results_are_reported() {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
         files::write_bytes(&at("a.csv"), b"input").unwrap();

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn default_names_tell_what_differs_from_the_defaults() {
+    fn default_names_contain_what_differs_from_the_defaults() {
         for (line, expected) in [
             ("fresnel", "out/x"),
             ("fresnel --eta-i 1.0 --eta-t 1.450 --model exact --points 901", "out/x"),
@@ -180,7 +180,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn names_that_are_no_unicode_stay_apart() {
+    fn names_with_invalid_unicode_remain_distinct() {
         use std::os::unix::ffi::OsStrExt;
         let text = |bytes| value_text(OsStr::from_bytes(bytes), true);
         assert!(text(b"a/\xff.exr") != text(b"a/\xfe.exr"));

@@ -159,4 +159,15 @@ mod tests {
             assert!(all[..i].iter().all(|b| a != b), "series {i} repeats");
         }
     }
+
+    #[test]
+    fn a_strategy_has_one_colour_in_every_figure_and_shares_it_with_no_other() {
+        let names = ["median-cut-64", "mis", "light", "hemisphere", "mis-cosine", "strata-64"];
+        let colours = strategies(&names);
+        for (i, colour) in colours.iter().enumerate() {
+            assert!(!colours[..i].contains(colour), "{}", names[i]);
+        }
+        assert_eq!(colours[2], strategies(&["light"])[0]);
+        assert_eq!(strategies(&["unknown"; 20]).len(), 20);
+    }
 }

@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_gets_out_of_its_place() {
+    fn escaped_text_stays_inside_its_attribute_or_element() {
         let evil = "\"><script>alert('&')</script>\u{8}\n";
         let safe = Escaped(evil).to_string();
         assert!(!safe.contains(['<', '>', '"', '\'', '\u{8}']), "{safe}");

@@ -125,7 +125,7 @@ mod tests {
     use crate::gallery::tests::record;
 
     #[test]
-    fn records_survive_and_lost_figures_leave() {
+    fn records_are_read_back_without_those_of_missing_figures() {
         let dir = tempfile::tempdir().unwrap();
         let write = |name: &str| std::fs::write(dir.path().join(name), "x").unwrap();
         assert_eq!(read_records(dir.path(), &registry()).unwrap(), Records::new());
