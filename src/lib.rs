@@ -1,18 +1,27 @@
-//! `etalon`: a bench for light-transport samplers.
+//! A test bench for the sampling code of physically based renderers: plots, environment maps, a small path tracer and
+//! statistical tests.
 //!
-//! The crate is a house; a room imports only rooms below it.
+//! Modules in layers, highest first; a module imports only from lines below its own. The repository's `ARCHITECTURE.md` says
+//! more.
 //!
-//! | floor | room | what lives there |
-//! |---|---|---|
-//! | 8 | `main.rs`, [`cli`] | one file per subcommand: parse, call, print |
-//! | 7 | [`gallery`], [`view`] | the registry of figures, their checks and the page; results of studies as drawings and tables |
-//! | 6 | [`study`] | one file per experiment, each computing a plain result |
-//! | 5 | [`render`], [`import`] | the integrator and its film; scene files and samplers of others |
-//! | 4 | [`scene`] | camera, shapes, lights, built-in scenes |
-//! | 3 | [`bsdf`], [`envmap`] | materials; environment maps |
-//! | 2 | [`sampling`], [`figure`], [`output`] | random streams, warps and tables; drawing; result files |
-//! | 1 | [`optics`], [`raster`] | light at an interface; float images and their files |
-//! | 0 | [`error`], [`files`], [`interrupt`], [`memory`] | what every room needs |
+//! | modules | what they hold |
+//! |---|---|
+//! | [`cli`] | one file per subcommand: parse, call, print |
+//! | [`gallery`] | one file per figure, the registry of figures, their checks and the page |
+//! | [`view`] | results of studies as drawings and tables |
+//! | [`study`] | one file or folder per experiment: computes a plain result |
+//! | [`render`], [`import`] | the path tracer and its film; scene files, meshes, external samplers |
+//! | [`scene`] | camera, shapes, BVH, materials, lights, built-in scenes |
+//! | [`bsdf`], [`envmap`] | BSDFs; lat-long maps and their samplers |
+//! | [`output`] | drawings and tables as files |
+//! | [`raster`], [`figure`] | float images and their files; plots as SVG, PNG and PDF |
+//! | [`errata`] | the formulas that are wrong in the two reports |
+//! | [`sampling`] | warps, tables, normals of microfacets, solid angles of shapes |
+//! | [`optics`] | Fresnel equations, metals, microfacet distributions |
+//! | [`math`] | colours, local frames, the float trait, elementary functions |
+//! | [`files`], [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
+//!
+//! The statistical tests are the crate [`etalon_stats`].
 
 pub mod bsdf;
 pub mod cli;

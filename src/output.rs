@@ -2,29 +2,30 @@
 
 use crate::error::{Error, Result};
 use crate::figure::Drawing;
+pub use crate::figure::with_extension;
 use crate::files;
 use serde::{Serialize, Serializer};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// What `-o` asked for.
+/// Where results go, by `-o`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
     name: Option<OsString>,
-    /// What default names end with, so that results of other parameters have other names.
+    /// End of default names: the parameters that differ from their defaults.
     variant: String,
     /// Files that must not be replaced.
     inputs: Vec<PathBuf>,
-    /// What lay in the folder before, unless a file was named.
+    /// Files in the folder before the command, unless a file was named.
     before: Vec<OsString>,
 }
 
 /// Extensions by which a path is known to name a file, not a folder.
 const FILE_EXTENSIONS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "json"];
 
-/// Where results go that nobody gave a place.
+/// The folder of results without `-o`.
 pub const DEFAULT_FOLDER: &str = "out";
 
 impl Target {
@@ -40,12 +41,13 @@ impl Target {
             }
             _ => (path, None),
         };
+        // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
         let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
         Self { folder: folder.into(), name, variant: String::new(), inputs: Vec::new(), before }
     }
 
-    /// Makes default names end with `variant`; a name that was asked for stays as it is.
+    /// Makes default names end with `variant`; a name that `-o` gives is not changed.
     #[must_use]
     pub fn with_variant(self, variant: &str) -> Self {
         Self { variant: variant.into(), ..self }
@@ -71,8 +73,8 @@ impl Target {
     /// [`Error::Parameter`] if the path with one of the `extensions` is that of an input.
     pub fn stem(&self, name: &str, suffix: &str, extensions: &[&str]) -> Result<PathBuf> {
         let mut file = self.name.clone().unwrap_or_else(|| {
-            let room = LONGEST_NAME.saturating_sub(suffix.len() + LONGEST_EXTENSION);
-            shortened(format!("{name}{}", self.variant), room).into()
+            let limit = LONGEST_NAME.saturating_sub(suffix.len() + LONGEST_EXTENSION);
+            shortened(format!("{name}{}", self.variant), limit).into()
         });
         file.push(suffix);
         let stem = self.folder.join(file);
@@ -80,7 +82,7 @@ impl Target {
         Ok(stem)
     }
 
-    /// Of files that were written: which of them took the place of older ones, though nobody had named them.
+    /// The files that were written, and which of them replaced older ones under default names.
     #[must_use]
     pub fn written(&self, files: Vec<PathBuf>) -> Written {
         let was_there = |path: &&PathBuf| {
@@ -97,7 +99,7 @@ pub struct Written {
     /// All of them.
     #[serde(serialize_with = "lossy")]
     pub files: Vec<PathBuf>,
-    /// Those under default names that took the place of older ones.
+    /// Those under default names that replaced older ones.
     #[serde(serialize_with = "lossy")]
     pub replaced: Vec<PathBuf>,
 }
@@ -114,18 +116,18 @@ impl Written {
     }
 }
 
-/// Paths as text, whatever their encoding.
+/// Paths as text; invalid UTF-8 becomes U+FFFD.
 fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
-/// Refuses to write to a file that is one of the inputs.
+/// An error if `path` is one of the inputs.
 ///
 /// # Errors
 /// [`Error::Parameter`] that names the file.
 pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
     if inputs.iter().any(|input| files::is_same_file(input, path)) {
-        return Err(Error::parameter("out", format!("{} is read by this command, too", path.display()))
+        return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
             .with_hint("name another file or folder: the result would replace the input"));
     }
     Ok(())
@@ -136,13 +138,13 @@ const LONGEST_NAME: usize = 120;
 /// A dot and three letters.
 const LONGEST_EXTENSION: usize = 4;
 
-/// `name`, cut to `room` bytes if it is longer, with a checksum of the whole at its end.
-fn shortened(name: String, room: usize) -> String {
-    if name.len() <= room {
+/// `name`, cut to `limit` bytes if it is longer, with a checksum of the whole at its end.
+fn shortened(name: String, limit: usize) -> String {
+    if name.len() <= limit {
         return name;
     }
     let checksum = checksum(OsStr::new(&name));
-    format!("{}-{checksum}", &name[..name.floor_char_boundary(room.saturating_sub(checksum.len() + 1))])
+    format!("{}-{checksum}", &name[..name.floor_char_boundary(limit.saturating_sub(checksum.len() + 1))])
 }
 
 /// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
@@ -153,16 +155,7 @@ pub fn checksum(text: &OsStr) -> String {
     format!("{:08x}", crc.sum())
 }
 
-/// `stem` with an extension added (a dot inside the stem stays).
-#[must_use]
-pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
-    let mut path = stem.as_os_str().to_owned();
-    path.push(".");
-    path.push(extension);
-    path.into()
-}
-
-/// A name without anything that a file name cannot hold.
+/// `name` with a hyphen for each character that file names should not have.
 #[must_use]
 pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
@@ -206,7 +199,7 @@ pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
     writer.into_inner().map_err(|e| bad(e.to_string()))
 }
 
-/// Extensions of the files that [`write`](write()) leaves.
+/// Extensions of the files of [`write`](write()).
 pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 /// Extensions of the files of a drawing alone.
 pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
@@ -241,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn long_names_are_cut_and_stay_apart() {
+    fn long_names_are_cut_and_remain_distinct() {
         let stem = |last: char| {
             let target = Target::new(None).with_variant(&format!("-{}{last}", "é".repeat(200)));
             target.stem("validation", "-suffix", &[]).unwrap().file_name().unwrap().to_str().unwrap().to_owned()
@@ -252,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_are_not_replaced_and_older_results_not_in_silence() {
+    fn inputs_are_not_replaced_and_replaced_results_are_reported() {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
         files::write_bytes(&at("a.csv"), b"input").unwrap();

@@ -1,4 +1,4 @@
-//! The arguments of a run as a whole: which files it reads, and what tells its results from those of another run.
+//! The arguments of a run as a whole: the files that it reads, and the arguments that the names of its results contain.
 
 use crate::error::{Error, Result};
 use crate::files::is_same_file;
@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 /// Arguments that name what is written.
 const OUTPUTS: [&str; 4] = ["out", "file", "resume", "junit"];
 
-/// Arguments that change nothing in the results but where they go, how fast they come and what is said.
+/// Arguments that do not change the results, only their place, the time that they take and what is printed.
 const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
 
-/// What the command line holds beside the parsed values.
+/// The arguments that were given, by their role.
 #[derive(Default)]
 pub struct Arguments {
     /// Files and built-in names that are read.
@@ -59,18 +59,23 @@ impl Arguments {
         let onto = |path: &Path| self.inputs.iter().any(|input| input.is_file() && is_same_file(input, path));
         match self.outputs.iter().find(|(_, path)| onto(path)) {
             None => Ok(()),
-            Some((id, path)) => Err(Error::parameter(id, format!("{} is read by this command, too", path.display()))
+            Some((id, path)) => Err(Error::parameter(id, format!("{} is an input of this command", path.display()))
                 .with_hint("name another file: results would replace the input")),
         }
     }
 
-    /// Where results go. Their default names tell all arguments that differ from the defaults, but for those (`in_name`,
-    /// by their ids) that the names tell already.
+    /// Where results go. Default names contain the arguments that differ from their defaults, except those (`in_name`, by
+    /// their ids) that the name contains already.
     pub fn target(&self, out: Option<&Path>, in_name: &[&str]) -> Target {
         let texts = self.differing.iter().filter(|(id, _)| !in_name.contains(&id.as_str()));
         let variant: String = texts.map(|(_, text)| format!("-{text}")).collect();
         Target::new(out).with_variant(&variant).with_inputs(&self.inputs)
     }
+}
+
+/// The program's name and arguments, for the metadata of images.
+pub fn command_line() -> String {
+    std::env::args_os().map(|arg| arg.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 /// Whether the values of an argument are paths (or names of what is built in, where paths may stand).
@@ -79,7 +84,7 @@ fn is_path(arg: &Arg) -> bool {
     kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<OsString>()
 }
 
-/// How a file name shows an argument: `s256`, `r480x360`, `alpha-0.5`, `flip`; nothing if it has its default value.
+/// How a file name shows an argument: `s256`, `r480x360`, `alpha-0.5`, `flip`; none if it has its default value.
 fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
     let name = match (arg.get_short(), arg.get_long()) {
         (Some(letter), _) => letter.to_string(),
@@ -95,9 +100,11 @@ fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
         Some(delimiter) => defaults.flat_map(|list| list.split(delimiter)).map(OsStr::new).collect(),
         None => defaults.map(OsStr::new).collect(),
     };
+    // Compare with the defaults as texts, value by value
     if given == texts(&defaults) {
         return None;
     }
+    // Join name and values: `r480x360`, `n64+256`, `eta-i-1.45`
     let is_tuple = arg.get_num_args().is_some_and(|range| range.min_values() > 1);
     let value = given.join(if is_tuple { "x" } else { "+" });
     let is_number = value.starts_with(|c: char| c.is_ascii_digit());
@@ -105,8 +112,8 @@ fn shown(arg: &Arg, values: &[&OsStr]) -> Option<String> {
     Some(format!("{name}{joint}{value}"))
 }
 
-/// A value as a part of a file name: numbers in their shortest form, paths without folders and extension. A checksum tells
-/// values apart that differ in characters which file names had better not have.
+/// A value as a part of a file name: numbers in their shortest form, paths without folders and extension. A checksum
+/// distinguishes values that differ only in characters that file names should not have.
 fn value_text(value: &OsStr, is_path: bool) -> String {
     if let Some(text) = value.to_str() {
         if let Ok(number) = text.parse::<u64>() {
@@ -144,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn default_names_tell_what_differs_from_the_defaults() {
+    fn default_names_contain_what_differs_from_the_defaults() {
         for (line, expected) in [
             ("fresnel", "out/x"),
             ("fresnel --eta-i 1.0 --eta-t 1.450 --model exact --points 901", "out/x"),
@@ -173,7 +180,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn names_that_are_no_unicode_stay_apart() {
+    fn names_with_invalid_unicode_remain_distinct() {
         use std::os::unix::ffi::OsStrExt;
         let text = |bytes| value_text(OsStr::from_bytes(bytes), true);
         assert!(text(b"a/\xff.exr") != text(b"a/\xfe.exr"));

@@ -1,15 +1,15 @@
-//! `etalon compare`: the difference of two images, in numbers and in colour.
+//! `etalon compare`: the difference of two images, as numbers and in false colour.
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::map_file::short_name;
-use super::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::interrupt;
-use crate::output::{self, Written};
+use crate::output;
 use crate::raster::{self, Comparison, Image, ReadOptions};
+use crate::view::text::counted;
 use clap::Args;
-use serde::Serialize;
 use std::path::PathBuf;
 
 /// Compare two images of the same size: B is the reference
@@ -23,17 +23,10 @@ pub struct Compare {
     b: PathBuf,
 }
 
-#[derive(Serialize)]
-struct Output {
-    #[serde(flatten)]
-    numbers: Comparison,
-    #[serde(flatten)]
-    written: Written,
-}
-
 impl Compare {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        // Pictures of any kind may be compared, 8-bit ones too.
+        // Images of any kind may be compared, 8-bit ones too.
         let read = |path| {
             let (image, notes) = raster::read_with_notes(path, ReadOptions { allow_ldr: true })?;
             notes.iter().for_each(|note| console.warn(note));
@@ -51,33 +44,32 @@ impl Compare {
         }
         let written = target.written(difference(&a, &b)?.write(&stem)?);
         if numbers.non_finite > 0 {
-            console.warn(&format!("{} pixels are not finite and were left out", numbers.non_finite));
+            console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
-        let output = Output { numbers, written };
-        console.result(&output, || {
-            let n = &output.numbers;
-            format!(
-                "mse      {:.6e}\nrmse     {:.6e}\nrel_mse  {:.6e}\nmax_abs  {:.6e}\nmean_a   {:.6e}\nmean_b   {:.6e}\n{}",
-                n.mse,
-                n.rmse,
-                n.rel_mse,
-                n.max_abs,
-                n.mean_a,
-                n.mean_b,
-                output.written.text()
-            )
+        console.saved(&numbers, &written, || {
+            let Comparison { mse, rmse, rel_mse, max_abs, mean_a, mean_b, .. } = numbers;
+            [
+                ("mse", mse),
+                ("rmse", rmse),
+                ("rel_mse", rel_mse),
+                ("max_abs", max_abs),
+                ("mean_a", mean_a),
+                ("mean_b", mean_b),
+            ]
+            .map(|(name, value)| format!("{name:<8} {value:.6e}\n"))
+            .concat()
         });
         Ok(Verdict::Good)
     }
 }
 
-/// Longest side of the difference as it is shown.
+/// Longest side of the drawing of the difference, in pixels.
 const LONGEST_SIDE: usize = 2048;
 
-/// Difference of the intensities, diverging colours around 0.
+/// Difference of (R + G + B)/3 in diverging colours around 0.
 fn difference(a: &Image, b: &Image) -> Result<Drawing> {
     let (width, height) = (a.width(), a.height());
-    // Large images are shown in squares of pixels, each by its mean.
+    // Large images are averaged over squares of pixels.
     let side = width.max(height).div_ceil(LONGEST_SIDE);
     let at = |x: usize, y: usize| (a.get(x, y).as_dvec3() - b.get(x, y).as_dvec3()).element_sum() / 3.0;
     let square = |x: usize, y: usize| {

@@ -1,13 +1,14 @@
-//! What the program says, and where: results to standard output, the rest to standard error.
+//! Output: results to standard output, warnings, errors and progress to standard error.
 
 use crate::error::{Error, Result};
+use crate::output::Written;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 
-/// The two streams, and who wants what on them.
+/// Standard output and standard error, and what is printed there.
 pub struct Console {
     json: bool,
     quiet: bool,
@@ -16,6 +17,7 @@ pub struct Console {
 }
 
 impl Console {
+    /// Output as JSON or as text; `quiet` suppresses warnings and progress bars.
     pub fn new(json: bool, quiet: bool) -> Self {
         Self { json, quiet, lost: OnceCell::new() }
     }
@@ -25,7 +27,7 @@ impl Console {
         self.lost.into_inner().map_or(Ok(()), |e| Err(Error::io(Path::new("standard output"), e)))
     }
 
-    /// A result: `value` as JSON if that was asked for, `human` otherwise.
+    /// Prints a result: `value` as JSON with `--json`, else the text of `human`.
     pub fn result(&self, value: &impl Serialize, human: impl FnOnce() -> String) {
         let text = if self.json {
             serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}"))
@@ -34,7 +36,7 @@ impl Console {
         };
         let mut stdout = std::io::stdout();
         let written = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
-        // A reader that has gone away is no reason to fail: the files are written.
+        // A closed pipe is not an error: the files are written.
         if let Err(e) = written
             && e.kind() != std::io::ErrorKind::BrokenPipe
         {
@@ -42,24 +44,37 @@ impl Console {
         }
     }
 
-    /// Something that the user should know but that does not stop the work.
+    /// Prints a result with the files that were written: as one JSON object, or the text and a line for each file.
+    pub fn saved(&self, result: &impl Serialize, written: &Written, human: impl FnOnce() -> String) {
+        #[derive(Serialize)]
+        struct Saved<'a, T> {
+            #[serde(flatten)]
+            result: &'a T,
+            #[serde(flatten)]
+            written: &'a Written,
+        }
+        self.result(&Saved { result, written }, || human() + &written.text());
+    }
+
+    /// Prints a warning.
     pub fn warn(&self, text: &str) {
         if !self.quiet {
             let _ = writeln!(std::io::stderr(), "warning: {text}");
         }
     }
 
-    /// Why the program stops.
+    /// Prints the error that ends the program, with its hint.
     pub fn error(error: &Error) {
         let mut stderr = std::io::stderr();
         let _ = writeln!(stderr, "error: {error}");
-        let more_memory = matches!(error, Error::Memory(_)).then_some("ask for less, or allow more by --memory SIZE");
+        let more_memory =
+            matches!(error, Error::Memory(_)).then_some("reduce the size, or allow more by --memory SIZE");
         if let Some(hint) = error.hint().or(more_memory) {
             let _ = writeln!(stderr, "hint: {hint}");
         }
     }
 
-    /// A progress bar on standard error, if that is a terminal and nobody asked for quiet.
+    /// A progress bar on standard error; hidden with `--quiet` or where that is no terminal.
     pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
         if self.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
@@ -67,7 +82,7 @@ impl Console {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
         let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left");
         let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-            // An error of a bar that nobody sees.
+            // Writing into memory cannot fail.
             let _ = write!(out, "{}/s", short(state.per_sec()));
         };
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("rate", rate));

@@ -1,10 +1,10 @@
 //! `etalon converge`: error against run time.
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::{Global, Verdict};
 use crate::error::Result;
-use crate::output::{self, Written, file_name};
+use crate::output::{self, file_name};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Convergence, Plan, measure};
@@ -21,13 +21,13 @@ pub struct Converge {
     /// Strategies, with commas between them (default: eight that suit the scene)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
-    /// Seconds for everything, the reference included
+    /// Seconds for the whole run, including the reference
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true)]
     budget: f64,
     /// Samples per pixel at which every curve ends
     #[arg(long, value_name = "N", default_value_t = 4096)]
     max_spp: u32,
-    /// Renders of each strategy with seeds of their own, for the confidence bands
+    /// Renders of each strategy with different seeds, for the confidence bands
     #[arg(long, value_name = "N", default_value_t = 8)]
     replicates: u32,
     /// Light samples at each hit
@@ -43,7 +43,7 @@ fn after_help() -> String {
     let suffixes: String = SUFFIXES.map(|suffix| format!("  ...+{:<12} {}\n", suffix.name, suffix.about)).concat();
     format!(
         "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
-         sphere), else against two\nlong renders for which half of the budget is spent; images are at most \
+         sphere), else against two\nlong renders that take half of the budget; images are at most \
          {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
          SCENE-converge-pictures.{{svg,png,pdf}}.\n\nExit codes: 0 good, 2 usage or bad input, 3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
@@ -60,11 +60,10 @@ struct Output<'a> {
     result: &'a Convergence,
     common_cpu_seconds: f64,
     common_rmse: f64,
-    #[serde(flatten)]
-    written: Written,
 }
 
 impl Converge {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
         let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;
@@ -89,8 +88,8 @@ impl Converge {
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
         files.extend(view::images(&result)?.write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
-        let output = Output { result: &result, common_cpu_seconds, common_rmse, written: target.written(files) };
-        console.result(&output, || text(&output));
+        let output = Output { result: &result, common_cpu_seconds, common_rmse };
+        console.saved(&output, &target.written(files), || text(&output));
         Ok(if result.has_verdict() && !result.interrupted { Verdict::Good } else { Verdict::Inconclusive })
     }
 
@@ -109,7 +108,7 @@ impl Converge {
 }
 
 fn text(output: &Output<'_>) -> String {
-    let Output { result, common_cpu_seconds, common_rmse, written } = output;
+    let Output { result, common_cpu_seconds, common_rmse } = output;
     let mut text = format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
@@ -122,7 +121,10 @@ fn text(output: &Output<'_>) -> String {
     );
     for curve in &result.curves {
         let Some(level) = curve.levels.last() else { continue };
-        let slope = format!("{:.3} ± {:.3}", curve.slope.value, curve.slope.half_width);
+        let slope = match curve.slope.value {
+            unknown if unknown.is_nan() => "unknown".to_owned(),
+            value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
+        };
         text += &format!(
             "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {}\n",
             curve.strategy.name,
@@ -140,5 +142,5 @@ fn text(output: &Output<'_>) -> String {
     if result.interrupted {
         text += "interrupted: this is what was measured until then\n";
     }
-    text + &written.text()
+    text
 }

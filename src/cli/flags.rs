@@ -7,9 +7,10 @@ use crate::error::Error;
 use clap::{Arg, ArgMatches, Command};
 
 /// Names of the library, and the ids of the arguments that set them where these differ.
-const ALIASES: [(&str, &str); 11] = [
+const ALIASES: [(&str, &str); 12] = [
     ("allow_ldr", "ldr"),
     ("case", "replay"),
+    ("command", "exec"),
     ("density", "light_density"),
     ("draws", "n"),
     ("environment", "envmap"),

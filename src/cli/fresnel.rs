@@ -1,15 +1,15 @@
 //! `etalon fresnel`: reflectance curves.
 
 use super::console::Console;
-use super::{Global, Model, Verdict};
+use super::global::{Global, Verdict};
+use super::values::Model;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::optics::metals;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::{fresnel, metal};
 use crate::view::fresnel as view;
 use clap::Args;
-use serde::Serialize;
 
 /// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
 /// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
@@ -44,16 +44,8 @@ fn metal_help() -> String {
     format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
 }
 
-/// The JSON object: the study's numbers and the files.
-#[derive(Serialize)]
-struct Output<'a, T> {
-    #[serde(flatten)]
-    curves: &'a T,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
 impl Fresnel {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match (&self.metal, self.k) {
             (Some(name), _) => self.metal(&metal::by_name(name, self.points)?, name, global, console),
@@ -73,12 +65,12 @@ impl Fresnel {
         let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
         let written = target.written(files);
-        console.result(&Output { curves: &curves, written: &written }, || {
+        console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             format!(
                 "eta {} -> {}\nreflectance at normal incidence  {:.9} (both components)\nBrewster angle                   {}\n\
                  critical angle                   {}\nSchlick's largest absolute error {:.6} at {:.2}°\n\
-                 Schlick's largest relative error {:.6} at {:.2}°\n{}",
+                 Schlick's largest relative error {:.6} at {:.2}°\n",
                 curves.eta_i,
                 curves.eta_t,
                 curves.r_normal,
@@ -88,7 +80,6 @@ impl Fresnel {
                 curves.schlick_max_abs_error_deg,
                 curves.schlick_max_rel_error,
                 curves.schlick_max_rel_error_deg,
-                written.text()
             )
         });
         Ok(Verdict::Good)
@@ -96,8 +87,8 @@ impl Fresnel {
 
     fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         if self.model == Model::Report {
-            return Err(Error::parameter("model", "the first report draws no metals")
-                .with_hint("the second report's approximation is always drawn beside the exact curves"));
+            return Err(Error::parameter("model", "the first report plots no metals")
+                .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
         let target = global.target(&["metal"]);
@@ -110,13 +101,13 @@ impl Fresnel {
                 c.eta * c.eta + c.k * c.k
             ));
         }
-        console.result(&Output { curves, written: &written }, || {
+        console.saved(curves, &written, || {
             let source = curves.source.map_or(String::new(), |source| format!(", η and k: {source}"));
             let mut text = format!("{}{source}\n", curves.metal);
             for c in &curves.channels {
                 text += &format!(
                     "{}: eta {} k {}, reflectance at normal incidence {:.6}, pseudo-Brewster angle {:.3}°,\n  \
-                     approximation off by up to {:.5} at {:.1}°, Schlick by up to {:.5} at {:.1}°\n",
+                     largest error: approximation {:.5} at {:.1}°, Schlick {:.5} at {:.1}°\n",
                     c.name,
                     c.eta,
                     c.k,
@@ -128,7 +119,7 @@ impl Fresnel {
                     c.schlick_max_abs_error_deg
                 );
             }
-            text + &written.text()
+            text
         });
         Ok(Verdict::Good)
     }

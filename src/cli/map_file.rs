@@ -8,6 +8,7 @@ use crate::envmap::{EnvMap, check_range};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{self, ReadOptions};
+use crate::view::text::counted;
 use clap::Args;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -46,8 +47,9 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
     let found = map.found();
     if found.nonfinite + found.negative > 0 {
         console.warn(&format!(
-            "{name}: {} texels with NaN or infinite values and {} with negative values; such values count as 0",
-            found.nonfinite, found.negative
+            "{name}: {} with NaN or infinite values and {} with negative values; such values count as 0",
+            counted(found.nonfinite, "texel"),
+            found.negative
         ));
     }
     Ok(NamedMap { map: Arc::new(map), name: name.into_owned() })

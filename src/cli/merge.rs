@@ -1,11 +1,13 @@
-//! `etalon merge`: parts of a render put together.
+//! `etalon merge`: parts of a render as one image.
 
+use super::arguments::command_line;
 use super::console::Console;
-use super::{Global, Verdict, command_line};
+use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
-use crate::output::{self, Written};
+use crate::output;
 use crate::raster::{self, Metadata};
 use crate::render::film::{Dropped, list, merge_files};
+use crate::view::text::counted;
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;
@@ -13,14 +15,12 @@ use std::path::PathBuf;
 
 /// Merge parts of a render (shards, or renders that were interrupted)
 #[derive(Args)]
-#[command(
-    after_help = "Writes the picture as EXR and PNG. Sums are exact: the merged picture is, bit for bit, that of \
-                        a render in one go, whatever the order of the parts. While samples are missing, the EXR file \
-                        keeps the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
-                        -o picture.exr"
-)]
+#[command(after_help = "Writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
+                        an undivided render, for any order of the parts. While samples are missing, the EXR file \
+                        has the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
+                        -o image.exr")]
 pub struct Merge {
-    /// Files that hold different samples of the same picture
+    /// Files with different samples of the same image
     #[arg(required = true)]
     parts: Vec<PathBuf>,
 }
@@ -37,11 +37,10 @@ struct Output {
     complete: bool,
     missing: Vec<Range<u32>>,
     dropped: Dropped,
-    #[serde(flatten)]
-    written: Written,
 }
 
 impl Merge {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
@@ -65,28 +64,26 @@ impl Merge {
             complete: ranges.is_complete(),
             missing: ranges.missing(),
             dropped: part.film.dropped(),
-            written: target.written(files.into()),
         };
         if !output.complete {
             let missing = list(&output.missing);
-            console.warn(&format!("samples {missing} of {} are missing; the file keeps the sums", output.of));
+            console.warn(&format!("samples {missing} of {} are missing; the file has the sums", output.of));
         }
-        console.result(&output, || {
+        console.saved(&output, &target.written(files.into()), || {
             format!(
-                "{} parts, {}x{}, {} of {} samples per pixel\n{}",
-                output.parts,
+                "{}, {}x{}, {} of {} per pixel\n",
+                counted(output.parts, "part"),
                 output.width,
                 output.height,
                 output.samples,
-                output.of,
-                output.written.text()
+                counted(output.of as usize, "sample")
             )
         });
         Ok(Verdict::Good)
     }
 }
 
-/// Formats of the merged picture.
+/// Formats of the merged image.
 const FORMATS: [&str; 2] = ["exr", "png"];
 
 /// The metadata with this command in place of the one that made the parts.

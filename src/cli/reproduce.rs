@@ -1,13 +1,14 @@
 //! `etalon reproduce`: all figures, with their checks.
 
 use super::console::Console;
+use super::global::{DEFAULT_SEED, Global, Verdict};
 use super::map_file::{self, MapOptions};
-use super::{DEFAULT_SEED, Global, Verdict};
 use crate::envmap::info::Info;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
 use crate::gallery::{self, Effort, Inputs, Originals, Reproduced};
 use crate::output;
+use crate::view::text::counted;
 use clap::{ArgAction, Args};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -58,10 +59,12 @@ struct Output<'a> {
 struct Listed {
     id: &'static str,
     title: &'static str,
+    /// The counterpart in a report.
     answers: String,
 }
 
 impl Reproduce {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
             let list: Vec<Listed> = gallery::registry()
@@ -80,7 +83,7 @@ impl Reproduce {
         let start = Instant::now();
         let inputs = self.inputs(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
-        self.spare_the_map(folder)?;
+        self.check_map(folder)?;
         let count = if self.only.is_empty() { gallery::registry().len() } else { self.only.len() };
         let bar = console.progress(count as u64, "reproduce");
         let made = gallery::reproduce(&inputs, &self.only, folder, &self.options(global), &mut |figure| {
@@ -96,15 +99,11 @@ impl Reproduce {
         let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
         let output = Output { figures: &figures, passed, failed, interrupted, seconds: start.elapsed().as_secs_f64() };
         console.result(&output, || human(&output, folder));
-        Ok(match failed {
-            _ if interrupted => Verdict::Inconclusive,
-            0 => Verdict::Good,
-            _ => Verdict::Rejected,
-        })
+        Ok(Verdict::of(failed == 0, interrupted))
     }
 
     /// Refuses a map that one of the figures in `folder` would replace.
-    fn spare_the_map(&self, folder: &Path) -> Result<()> {
+    fn check_map(&self, folder: &Path) -> Result<()> {
         let map = [PathBuf::from(&self.envmap)];
         gallery::registry().iter().try_for_each(|figure| {
             let stem = folder.join(figure.id);
@@ -113,7 +112,7 @@ impl Reproduce {
         })
     }
 
-    /// The flags that make the same figures again, apart from where they go and how fast.
+    /// The flags that reproduce these figures.
     fn options(&self, global: &Global) -> String {
         let mut options = Vec::new();
         let mut add = |given: bool, flag: String| {
@@ -132,7 +131,7 @@ impl Reproduce {
         options.join(" ")
     }
 
-    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is turned without being asked.
+    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.
     fn inputs(&self, global: &Global, console: &Console) -> Result<Inputs> {
         let mut source = map_file::load(&self.envmap, self.options, console)?;
         let originals = match &self.scenes {
@@ -159,31 +158,34 @@ impl Reproduce {
 /// The map that is used when none is named.
 const DEFAULT_MAP: &str = "nave";
 
-/// A path as a shell takes it; absolute paths lose their folders.
+/// A path quoted for a shell; absolute paths without their folders.
 fn quoted(path: &str) -> String {
-    let path = gallery::page::without_place(path);
+    let path = gallery::page::without_folder(path);
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,@".contains(c);
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
 
 /// A table of checks.
 fn human(output: &Output<'_>, folder: &Path) -> String {
+    let checks = || output.figures.iter().flat_map(|figure| &figure.checks);
+    let name = checks().map(|c| c.name.chars().count()).max().unwrap_or(0);
+    let measured = checks().map(|c| c.measured().chars().count()).max().unwrap_or(0);
     let mut text = String::new();
     for figure in output.figures {
         text += &format!("{} ({:.2} s)\n", figure.id, figure.seconds);
         for c in &figure.checks {
             let verdict = if c.pass { "pass" } else { "FAIL" };
-            text += &format!("  {verdict}  {:<86} {:>14}  {}\n", c.name, c.measured(), c.demand());
+            text += &format!("  {verdict}  {:<name$}  {:>measured$}  {}\n", c.name, c.measured(), c.demand());
         }
     }
     if output.interrupted {
         text += "interrupted: the other figures were not made\n";
     }
     text + &format!(
-        "{} figures in {}: {} checks passed, {} failed, {:.1} s\n",
-        output.figures.len(),
+        "{} in {}: {} passed, {} failed, {:.1} s\n",
+        counted(output.figures.len(), "figure"),
         folder.join(gallery::page::FILE).display(),
-        output.passed,
+        counted(output.passed, "check"),
         output.failed,
         output.seconds
     )

@@ -1,4 +1,4 @@
-//! The scene that a command names: a built-in one or a file, and what flags change in it.
+//! The scene of a command: a built-in one or a file, with the changes that flags ask for.
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
@@ -11,7 +11,7 @@ use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// A scene and what may be changed in it.
+/// The scene and its changes.
 #[derive(Args)]
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
@@ -38,9 +38,11 @@ pub struct SceneArgs {
     alpha: Option<f32>,
 }
 
-/// A scene as it is to be rendered.
+/// A scene, ready to render.
 pub struct Loaded {
+    /// With the changes that flags ask for.
     pub scene: Scene,
+    /// Size, samples and depth that the scene asks for.
     pub request: Request,
     /// The map that the scene file names, where no argument does.
     pub map: Option<PathBuf>,
@@ -69,7 +71,7 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
-    /// Whether a size was asked for.
+    /// Whether `-r` was given.
     pub fn has_size(&self) -> bool {
         self.resolution.is_some()
     }
@@ -114,6 +116,7 @@ impl SceneArgs {
             return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
                 .with_hint("a built-in scene has its own camera"));
         }
+        // A mesh in place of the statue
         let mut warnings = Vec::new();
         let mesh = self.mesh.as_deref().map(|path| import::mesh::read(path, &mut warnings)).transpose()?;
         warnings.iter().for_each(|warning| console.warn(warning));
@@ -123,6 +126,7 @@ impl SceneArgs {
             }
             mesh
         });
+        // The environment map, for scenes that have one
         let environment = match entry.map_scale() {
             Some(scale) if mesh.is_none() => {
                 let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;
@@ -156,6 +160,6 @@ fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
     if found {
         return Ok(());
     }
-    Err(Error::parameter("alpha", format!("the scene {} has no metal to roughen", scene.name))
+    Err(Error::parameter("alpha", format!("the scene {} has no rough metal", scene.name))
         .with_hint("the cornell-statue scenes and furnace have one"))
 }

@@ -1,7 +1,7 @@
 //! `etalon scenes`: what can be rendered.
 
 use super::console::Console;
-use super::{Global, Verdict};
+use super::global::{Global, Verdict};
 use crate::error::Result;
 use crate::import::SCENE_EXTENSIONS;
 use crate::scene::builtin;
@@ -26,6 +26,7 @@ struct Output {
 }
 
 impl Scenes {
+    /// Runs the command.
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
         let scenes =
             builtin::scenes().into_iter().map(|scene| Entry { name: scene.name, description: scene.doc }).collect();

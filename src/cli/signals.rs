@@ -22,17 +22,18 @@ pub fn install() -> io::Result<()> {
     let mut signals =
         Signals::new([SIGINT, SIGTERM, SIGHUP].iter().filter(|signal| ignored >> (*signal - 1) & 1 == 0))?;
     let requested = interrupt::flag();
-    let answer = move || {
+    // The first signal asks the command to stop; the second ends the process.
+    let handler = move || {
         for signal in signals.forever() {
             if requested.swap(true, Ordering::Relaxed) {
                 files::exit_without_parts(128 + signal);
             }
         }
     };
-    std::thread::Builder::new().name("signals".into()).spawn(answer).map(drop)
+    std::thread::Builder::new().name("signals".into()).spawn(handler).map(drop)
 }
 
-/// The signals that this process was started to ignore, one bit each, as `nohup` and shell scripts do: they stay ignored.
+/// The signals that are ignored since the start of the process (`nohup`, shell scripts), one bit each: they stay ignored.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -40,6 +41,7 @@ fn ignored() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
+/// Installs the handler of Ctrl-C.
 #[cfg(not(unix))]
 pub fn install() -> io::Result<()> {
     use signal_hook::consts::SIGINT;

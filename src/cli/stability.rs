@@ -1,19 +1,20 @@
-//! `etalon stability`: errors of the code that renders, over stiff and extreme inputs.
+//! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::{Global, Verdict};
+use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 
-/// Compare the code that renders with exact answers over stiff and extreme inputs, in f32 and f64, beside textbook formulas
+/// Compare the renderer's functions with exact values over stiff and extreme inputs, in f32 and f64, beside textbook
+/// formulas
 #[derive(Args)]
 #[command(
-    after_help = "Every error is the renderer's own code against 256-bit arithmetic (or whole numbers) at the rounded \
-                  input; beside it stands the condition number: the relative change of the value per relative change \
+    after_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
+                  input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
@@ -37,8 +38,6 @@ struct Output<'a> {
     bounds: &'a [BoundCheck],
     effort: Effort,
     interrupted: bool,
-    #[serde(flatten)]
-    written: &'a Written,
 }
 
 #[derive(Serialize)]
@@ -49,6 +48,7 @@ struct Listed {
 }
 
 impl Stability {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
             list(console);
@@ -79,14 +79,10 @@ impl Stability {
         }
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let output = Output { rows, bounds, effort, interrupted, written: &written };
-        console.result(&output, || human(&output));
+        let output = Output { rows, bounds, effort, interrupted };
+        console.saved(&output, &written, || human(&output));
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
-        Ok(match all_hold {
-            _ if interrupted => Verdict::Inconclusive,
-            true => Verdict::Good,
-            false => Verdict::Rejected,
-        })
+        Ok(Verdict::of(all_hold, interrupted))
     }
 }
 
@@ -165,5 +161,5 @@ fn human(output: &Output<'_>) -> String {
     if output.interrupted {
         text += "interrupted: the other families were not run\n";
     }
-    text + &output.written.text()
+    text
 }

@@ -1,4 +1,4 @@
-//! Axes: what they say, which range they show, and where a value lies along them.
+//! Axes: label, range, ticks, and the position of a value along them.
 
 use super::ticks::{self, Ticks};
 
@@ -14,7 +14,9 @@ pub enum Scale {
 /// An axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Text beside the axis, with markup.
     pub(super) label: String,
+    /// Linear or logarithmic.
     pub(super) scale: Scale,
     range: Option<(f64, f64)>,
     every: Option<f64>,
@@ -46,19 +48,19 @@ impl Axis {
         Self { every: Some(step), ..self }
     }
 
-    /// Puts labelled ticks at these whole numbers and no others.
+    /// Puts labelled ticks only at these integers.
     #[must_use]
     pub fn at(self, places: impl Into<Vec<f64>>) -> Self {
         Self { at: places.into(), ..self }
     }
 
-    /// The range asked for, or `from` to `to`.
+    /// The range that [`Axis::range`] set, or `from` to `to`.
     pub(super) fn span_or(&self, from: f64, to: f64) -> Span {
         let (from, to) = self.range.unwrap_or((from, to));
         Span::new(from, to, self.scale)
     }
 
-    /// The range to show: the one asked for, or that of the data with `margin` (a fraction of it) at both ends.
+    /// The range to show: the one that [`Axis::range`] set, or that of the data with `margin` (a fraction of it) at both ends.
     pub(super) fn span(&self, data: impl Iterator<Item = f64>, margin: f64) -> Span {
         match self.range {
             Some((from, to)) => Span::new(from, to, self.scale),
@@ -88,7 +90,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The range nearest to the one asked for that can be drawn: ends that are no numbers are taken from the other end or
+    /// The nearest range that can be drawn: ends that are not finite are taken from the other end or
     /// from 0 to 1 (1 to 10 on a logarithmic scale), and an empty range is widened about its value.
     #[must_use]
     pub fn new(from: f64, to: f64, scale: Scale) -> Self {
@@ -96,7 +98,7 @@ impl Span {
         let (least, most) = if scale == Scale::Linear { (-1e300, 1e300) } else { (1e-300, 1e300) };
         let (from, to) = match (usable(from), usable(to)) {
             (true, true) => (from.clamp(least, most), to.clamp(least, most)),
-            // Six decades below a top that is known is where an error plot ends.
+            // With one end missing, show six decades below the other
             (false, true) if scale == Scale::Log10 => ((to * 1e-6).clamp(least, most), to.clamp(least, most)),
             (true, false) if scale == Scale::Log10 => (from.clamp(least, most), (from * 1e-6).clamp(least, most)),
             (true, false) => (from.clamp(least, most), from.clamp(least, most)),
@@ -105,7 +107,7 @@ impl Span {
             (false, false) => (0.0, 1.0),
         };
         let span = Self { from, to, scale };
-        // Too narrow for distinct ticks: the value in the middle of something wider.
+        // Widen ranges that are too narrow for distinct ticks
         if (to - from).abs() > (1e-9 * from.abs().max(to.abs())).max(if scale == Scale::Linear { 1e-290 } else { 0.0 })
         {
             return span;

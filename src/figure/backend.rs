@@ -1,7 +1,7 @@
-//! The plotters back end: what plotters draws on a fine integer grid becomes items of a drawing.
+//! The plotters back end: converts what plotters draws on a fine integer grid to items of a drawing.
 //!
-//! plotters knows whole pixels only. [`GRID`] of them make a drawing unit, so that curves come out smooth and lines of
-//! any width; lengths given to plotters (stroke widths, radii, font sizes) are multiplied alike.
+//! plotters has integer coordinates. [`GRID`] of them make a drawing unit, so that curves are smooth and lines have any
+//! width; lengths given to plotters (stroke widths, radii, font sizes) are multiplied alike.
 
 use super::drawing::Drawing;
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
@@ -16,7 +16,7 @@ use std::convert::Infallible;
 /// plotters' pixels per drawing unit: as fine as the two decimals that are written.
 pub const GRID: f64 = 64.0;
 
-/// A drawing that plotters can draw on; lines get the given dash pattern, of which plotters knows nothing.
+/// A drawing that plotters can draw on; lines get the given dash pattern, which plotters does not have.
 pub struct Canvas<'a> {
     drawing: &'a mut Drawing,
     dash: &'static [f64],

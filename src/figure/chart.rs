@@ -1,6 +1,7 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
 use super::axis::Span;
+use super::colour_bar;
 use super::drawing::Drawing;
 use super::frame::{self, Sides};
 use super::legend::Legend;
@@ -10,9 +11,9 @@ use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
 use super::text;
 use super::theme;
 
-/// Distance that labels keep from curves and from each other.
+/// Distance of labels from curves and from each other.
 pub(super) const CLEAR: f64 = 3.0;
-/// How far from the frame a label may be that found no place inside.
+/// Largest distance from the frame of a label without a free place inside.
 const OUTSIDE: f64 = 300.0;
 /// Width kept for the factor of the y axis, above the frame's left end.
 const FACTOR: f64 = 45.0;
@@ -21,7 +22,9 @@ const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
+    /// The items.
     pub drawing: Drawing,
+    /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
@@ -39,31 +42,40 @@ impl Chart {
             frame: Rect::new(0.0, 0.0, width, height),
             spans: panel.spans(),
         };
+        // Grid or heat map below, marks above it
         let (x, y) = sketch.spans;
         let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
         let mut room = Sides::default();
         match &panel.heatmap {
-            Some(map) => room = map.draw(&mut sketch.drawing, &sketch.frame),
+            Some(map) => {
+                sketch.drawing.image(sketch.frame, map.image());
+                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.frame);
+            }
             None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
         }
         sketch.marks(&panel.marks);
+        // Labels of reference lines and notes, clear of the marks and of the y axis' factor
         let factor = frame::factor_height(&up);
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
         room = room.union(around);
 
+        // The legend, where it covers nothing
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
 
-/// A chart on the way.
+/// A chart while it is drawn.
 pub(super) struct Sketch {
+    /// The items so far.
     pub drawing: Drawing,
+    /// The frame, at the origin.
     pub frame: Rect,
+    /// Ranges of the x and the y axis.
     pub spans: (Span, Span),
-    /// What is taken within the frame, above it, and to its right.
+    /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.
     pub space: Occupancy,
     above: Occupancy,
     beside: Occupancy,
@@ -100,6 +112,7 @@ impl Sketch {
         // A gap that is more than what the line itself takes, in whole cells.
         let gap = CLEAR + 3.5;
         let (right, bottom) = (self.frame.width, self.frame.height);
+        // Candidates: along a vertical line from the top, along a horizontal line from the right, around a point
         let found = match mark {
             Mark::Vertical { .. } => {
                 let beside = move |w: f64, h: f64| {
@@ -125,7 +138,7 @@ impl Sketch {
                 let text = text(place.centre());
                 self.drawing.text(if place.height > place.width { text.upwards() } else { text });
             }
-            // No room inside: beside the frame or above it, as near as there is room; too long for any place, next to it.
+            // No free place inside: the nearest one beside the frame or above it, else next to it
             None if matches!(mark, Mark::Horizontal { .. }) => {
                 let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
                 let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));

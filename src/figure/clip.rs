@@ -40,6 +40,7 @@ fn segment(a: Point, b: Point) -> Option<(Point, Point)> {
         start = start.max(t0.min(t1));
         end = end.min(t0.max(t1));
     }
+    // Ends inside stay as they are, bit for bit
     let at = |t: f64| [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t].map(|v: f64| v.clamp(0.0, 1.0));
     let inside = |p: Point| p.iter().all(|v| (0.0..=1.0).contains(v));
     (start <= end).then(|| (if inside(a) { a } else { at(start) }, if inside(b) { b } else { at(end) }))

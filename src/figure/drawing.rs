@@ -172,24 +172,30 @@ impl Drawing {
     /// # Errors
     /// When a file cannot be written, or the page has no size that can be painted ([`Drawing::png`]).
     pub fn write(&self, stem: &Path) -> Result<Vec<PathBuf>> {
-        let name = stem.file_name().ok_or_else(|| {
-            Error::parameter("figure", format!("{}: not a file name", stem.display()))
-                .with_hint("give a name to write to")
-        })?;
+        if stem.file_name().is_none() {
+            return Err(Error::parameter("figure", format!("{}: not a file name", stem.display()))
+                .with_hint("give a name to write to"));
+        }
         let svg = self.svg();
         let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
         let files = [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)];
         let mut written = Vec::with_capacity(files.len());
         for (extension, bytes) in files {
-            let mut full = name.to_os_string();
-            full.push(".");
-            full.push(extension);
-            let path = stem.with_file_name(full);
+            let path = with_extension(stem, extension);
             crate::files::write_bytes(&path, &bytes)?;
             written.push(path);
         }
         Ok(written)
     }
+}
+
+/// `stem` with an extension added (a dot inside the stem stays).
+#[must_use]
+pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
+    let mut path = stem.as_os_str().to_owned();
+    path.push(".");
+    path.push(extension);
+    path.into()
 }
 
 #[cfg(test)]

@@ -19,12 +19,16 @@ const LABEL_GAP: f64 = 8.0;
 /// From the frame up to the factor that all tick labels share.
 const FACTOR_GAP: f64 = 8.0;
 
-/// Room needed outside a frame.
+/// Space outside a frame, in drawing units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Sides {
+    /// To the left of it.
     pub left: f64,
+    /// To the right.
     pub right: f64,
+    /// Above.
     pub top: f64,
+    /// Below.
     pub bottom: f64,
 }
 
@@ -93,6 +97,7 @@ pub(super) fn frame(
     drawing.rect(*frame, Paint::from(thin));
     let mut room = labels.union(Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 });
 
+    // Ticks of the x axis; labels at its ends may overhang the frame
     for &value in &across.minor {
         let at = frame.x + frame.width * x.position(value);
         drawing.line([[at, frame.bottom()], [at, frame.bottom() + MINOR]], thin);
@@ -108,6 +113,7 @@ pub(super) fn frame(
     }
     let mut below = TICK + PAD + exponent_lift(across) + theme::TICK_SIZE * (text::CAP_HEIGHT + text::DESCENT);
 
+    // Ticks of the y axis
     for &value in &up.minor {
         let at = frame.bottom() - frame.height * y.position(value);
         drawing.line([[frame.x, at], [frame.x - MINOR, at]], thin);
@@ -122,6 +128,7 @@ pub(super) fn frame(
     }
     let mut left = TICK + PAD + widest;
 
+    // Label of the x axis and the factor of its ticks
     let line = LABEL_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
     let label = label_text([frame.centre()[0], frame.bottom() + below + LABEL_GAP], &panel.x.label);
     let overhang = (label.width() - frame.width) / 2.0 + 4.0;
@@ -138,6 +145,7 @@ pub(super) fn frame(
         drawing.text(Text { at, ..label }.held(Anchor::Middle, Level::Top));
         below += line;
     }
+    // Label of the y axis, upwards, and the factor of its ticks above the frame
     if !panel.y.label.is_empty() {
         left += LABEL_GAP + theme::LABEL_SIZE * text::DESCENT;
         let label = label_text([frame.x - left, 0.0], &panel.y.label).held(Anchor::Middle, Level::Baseline).upwards();
@@ -153,6 +161,7 @@ pub(super) fn frame(
     }
     let above = factor_height(up).max(labels.top);
     room = room.union(Sides { left, bottom: below, top: above, right: 0.0 });
+    // Title above everything
     if !panel.title.is_empty() {
         let at = [frame.centre()[0], frame.y - above - 9.0];
         let title = Text::new(at, theme::TITLE_SIZE, panel.title.clone()).bold().coloured(theme::INK);

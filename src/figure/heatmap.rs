@@ -1,11 +1,9 @@
-//! Heat maps: a grid of values as colours, and the bar that says which colour is which value.
+//! Heat maps: a grid of values as colours.
 
 use super::axis::{Axis, Span};
 use super::colourmap;
-use super::drawing::Drawing;
-use super::frame::{self, Sides};
 use super::rgb8::Rgb8;
-use super::shapes::{Anchor, Colour, Level, Paint, Rect, Stroke, Text};
+use super::shapes::Colour;
 use super::theme;
 use crate::error::{Error, Result};
 
@@ -26,13 +24,10 @@ pub struct Heatmap {
     columns: usize,
     values: Vec<f64>,
     shading: Shading,
-    label: String,
+    /// Text beside the colour bar, with markup.
+    pub(super) label: String,
     range: Option<(f64, f64)>,
 }
-
-/// Width of the colour bar, and its distance from the frame.
-const BAR: f64 = 13.0;
-const GAP: f64 = 12.0;
 
 impl Heatmap {
     /// A map of `values`, row by row from the top; `label` stands beside the colour bar.
@@ -65,7 +60,8 @@ impl Heatmap {
         self.values.len() / self.columns
     }
 
-    fn axis(&self) -> Axis {
+    /// The axis along the colour bar.
+    pub(super) fn axis(&self) -> Axis {
         let axis = if self.shading == Shading::Log10 { Axis::log("") } else { Axis::linear("") };
         match (self.range, self.shading) {
             (Some((lo, hi)), _) => axis.range(lo, hi),
@@ -77,17 +73,19 @@ impl Heatmap {
         }
     }
 
-    fn span(&self) -> Span {
+    /// The range of values that the colours show.
+    pub(super) fn span(&self) -> Span {
         self.axis().span(self.values.iter().copied(), 0.0)
     }
 
     /// The colour at a position along the colour bar, from 0 to 1.
-    fn colour(&self, position: f64) -> Colour {
-        match self.shading {
+    pub(super) fn colour(&self, position: f64) -> [u8; 3] {
+        let Colour { r, g, b, .. } = match self.shading {
             _ if position.is_nan() => theme::NO_VALUE,
             Shading::Diverging => colourmap::diverging(2.0 * position - 1.0),
             Shading::Linear | Shading::Log10 => colourmap::sequential(position),
-        }
+        };
+        [r, g, b]
     }
 
     /// The map as an image, one pixel for each value.
@@ -96,35 +94,8 @@ impl Heatmap {
         let span = self.span();
         Rgb8::from_fn(self.columns, self.rows(), |x, y| {
             let value = self.values[y * self.columns + x];
-            let Colour { r, g, b, .. } = self.colour(if value.is_finite() { span.position(value) } else { f64::NAN });
-            [r, g, b]
+            self.colour(if value.is_finite() { span.position(value) } else { f64::NAN })
         })
-    }
-
-    /// Draws the map over a frame and the colour bar to its right; returns the room needed outside the frame.
-    pub(super) fn draw(&self, drawing: &mut Drawing, frame: &Rect) -> Sides {
-        drawing.image(*frame, self.image());
-        let bar = Rect::new(frame.right() + GAP, frame.y, BAR, frame.height);
-        let steps = 256;
-        drawing.image(
-            bar,
-            Rgb8::from_fn(8, steps, |_, y| {
-                let Colour { r, g, b, .. } = self.colour(1.0 - (y as f64 + 0.5) / steps as f64);
-                [r, g, b]
-            }),
-        );
-        drawing.rect(bar, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
-        let span = self.span();
-        let ticks = self.axis().ticks(&span, frame::most_rows(bar.height));
-        let width = frame::right_ticks(drawing, &bar, &span, &ticks);
-        let mut right = GAP + BAR + width;
-        if !self.label.is_empty() {
-            let at = [frame.right() + right + 8.0 + theme::LABEL_SIZE * 0.8, frame.centre()[1]];
-            let text = Text::new(at, theme::LABEL_SIZE, self.label.clone()).held(Anchor::Middle, Level::Baseline);
-            drawing.text(text.coloured(theme::INK).upwards());
-            right += 12.0 + theme::LABEL_SIZE;
-        }
-        Sides { left: 0.0, right, top: frame::factor_height(&ticks), bottom: 0.0 }
     }
 }
 
@@ -145,7 +116,8 @@ mod tests {
     #[test]
     fn a_diverging_map_is_neutral_at_zero() {
         let map = Heatmap::new(3, vec![-1.0, 0.0, 4.0], Shading::Diverging, "").unwrap();
-        assert_eq!(map.colour(map.span().position(0.0)), colourmap::diverging(0.0));
+        let Colour { r, g, b, .. } = colourmap::diverging(0.0);
+        assert_eq!(map.colour(map.span().position(0.0)), [r, g, b]);
         assert_eq!((map.span().lo(), map.span().hi()), (-4.0, 4.0));
     }
 

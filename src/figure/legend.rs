@@ -1,4 +1,4 @@
-//! Legends: which look belongs to which label.
+//! Legends: a sample of each mark beside its label.
 
 use super::drawing::Drawing;
 use super::panel::Mark;
@@ -46,6 +46,7 @@ impl Legend {
         (!entries.is_empty()).then_some(Self { entries })
     }
 
+    /// Number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

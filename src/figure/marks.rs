@@ -1,4 +1,4 @@
-//! The marks of a panel, cut to the frame and drawn by plotters; what they cover is noted, for labels to keep off.
+//! The marks of a panel, clipped to the frame and drawn by plotters; the cells that they cover are marked as occupied.
 
 use super::backend::{Canvas, GRID};
 use super::chart::{CLEAR, Sketch};
@@ -19,6 +19,7 @@ const NEVER: &str = "drawing into memory cannot fail";
 impl Sketch {
     /// Draws areas, then reference lines, then curves, then dots.
     pub fn marks(&mut self, marks: &[Mark]) {
+        // Areas
         for mark in marks {
             match mark {
                 Mark::Band { colour, points, .. } => self.band(*colour, points),
@@ -30,6 +31,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Reference lines
         for mark in marks {
             match mark {
                 Mark::Vertical { at, .. } => {
@@ -43,6 +45,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Curves, and the outlines of bars
         for mark in marks {
             match mark {
                 Mark::Line { stroke, points, .. } => {
@@ -57,6 +60,7 @@ impl Sketch {
                 _ => {}
             }
         }
+        // Dots
         for mark in marks {
             if let Mark::Dots { colour, points, .. } = mark {
                 self.dots(*colour, points);
@@ -96,7 +100,7 @@ impl Sketch {
     /// Dots whose centre lies within the frame.
     fn dots(&mut self, colour: Colour, points: &[Point]) {
         let mut positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
-        // Drops what is not a number, too.
+        // Also drops NaN.
         positions.retain(|p| p.iter().all(|v| (0.0..=1.0).contains(v)));
         for &position in &positions {
             let [x, y] = self.place(position);
@@ -119,6 +123,7 @@ impl Sketch {
                 if lower.is_finite() { [x, low(lower_at), upper_at] } else { [x, f64::NAN, upper_at] }
             })
             .collect();
+        // Fill each run of finite points between upper and lower bound; mark its cells as occupied, column by column
         for run in positions.split(|p| !p.iter().all(|v| v.is_finite())).filter(|run| run.len() > 1) {
             let outline = run.iter().map(|p| [p[0], p[2]]).chain(run.iter().rev().map(|p| [p[0], p[1]])).collect();
             self.fill(outline, colour.faded(0.2));
@@ -136,7 +141,7 @@ impl Sketch {
 
     /// The outlines of bars that stand side by side, from the foot of the first to that of the last.
     fn outlines(&mut self, edges: &[f64], heights: &[f64]) -> Vec<Vec<Point>> {
-        // On a logarithmic scale bars stand on the frame. Far outside is all that matters of what is far outside.
+        // On a logarithmic scale bars stand on the frame. Positions far outside are clamped.
         let low = |v: f64| if v.is_nan() { -1.0 } else { v.clamp(-1e6, 1e6) };
         let floor = low(self.spans.1.position(0.0));
         let mut outlines: Vec<Vec<Point>> = Vec::new();

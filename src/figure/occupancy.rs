@@ -1,4 +1,4 @@
-//! Where a panel still has room: labels and legends are put only where nothing is drawn.
+//! Which cells of a panel are occupied: labels and legends go only where nothing is drawn.
 
 use super::shapes::{Point, Rect};
 
@@ -12,11 +12,12 @@ pub(super) struct Occupancy {
     columns: usize,
     rows: usize,
     taken: Vec<bool>,
-    /// Taken cells above and left of each corner, (rows + 1) x (columns + 1); made when first asked for.
+    /// Taken cells above and left of each corner, (rows + 1) x (columns + 1); made at the first query.
     sums: Option<Vec<u32>>,
 }
 
 impl Occupancy {
+    /// An empty grid over `frame`.
     pub fn new(frame: Rect) -> Self {
         let (columns, rows) = ((frame.width / CELL).ceil() as usize, (frame.height / CELL).ceil() as usize);
         Self { frame, columns, rows, taken: vec![false; columns * rows], sums: None }
@@ -56,6 +57,7 @@ impl Occupancy {
         if !inside {
             return false;
         }
+        // Count the occupied cells under the rectangle in a summed-area table (Crow 1984)
         let [left, right, top, bottom] = self.cells(rect);
         let (columns, rows, taken) = (self.columns, self.rows, &self.taken);
         let sums = self.sums.get_or_insert_with(|| sums(columns, rows, taken));
@@ -84,6 +86,7 @@ impl Occupancy {
                 }
             }
         }
+        // Try the nearest first
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.first_free(candidates.into_iter().map(|(_, rect)| rect))
     }
@@ -100,6 +103,7 @@ impl Occupancy {
     }
 }
 
+/// The summed-area table of the occupied cells.
 fn sums(columns: usize, rows: usize, taken: &[bool]) -> Vec<u32> {
     let mut sums = vec![0; (columns + 1) * (rows + 1)];
     for row in 0..rows {

@@ -20,10 +20,15 @@ pub(super) enum Mark {
 /// within each kind in the order in which they were added. All labels may carry the markup of [`super::text`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
+    /// Text above the frame; may be empty.
     pub(super) title: String,
+    /// Axis below the frame.
     pub(super) x: Axis,
+    /// Axis to the left of the frame.
     pub(super) y: Axis,
+    /// In the order in which they were added.
     pub(super) marks: Vec<Mark>,
+    /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
 }
 
@@ -127,7 +132,7 @@ impl Mark {
         }
     }
 
-    /// The values that the x axis (0) or the y axis (1) has to show.
+    /// The values that the x axis (0) or the y axis (1) must include.
     fn extent(&self, axis: usize) -> Vec<f64> {
         match (self, axis) {
             (Mark::Line { points, .. } | Mark::Dots { points, .. }, _) => points.iter().map(|p| p[axis]).collect(),

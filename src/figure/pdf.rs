@@ -1,15 +1,13 @@
 //! A drawing as a one-page PDF: vector shapes, selectable text in subsets of the embedded fonts, compressed images.
 
 use super::drawing::{Drawing, Item};
-use super::pdf_font::{self, Subset};
+use super::pdf_font::{self, Subset, deflate};
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Colour, Paint, Point, Text};
 use super::text::{self, Face};
-use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{LineJoinStyle, Predictor};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use std::collections::BTreeMap;
-use std::io::Write;
 
 /// A drawing unit is a CSS pixel: 1/96 inch, in points.
 const POINTS: f64 = 0.75;
@@ -26,7 +24,7 @@ impl Drawing {
     }
 }
 
-/// The page's content and the resources that it has asked for so far.
+/// The page's content and the resources that it uses so far.
 struct Page {
     content: Content,
     fonts: BTreeMap<Face, Subset>,
@@ -84,7 +82,7 @@ impl Page {
         }
     }
 
-    /// Four Bézier quarters, off the circle by less than 0.03 % of the radius.
+    /// Four Bézier quarters, with an error below 0.03 % of the radius.
     fn circle(&mut self, [x, y]: Point, radius: f64) {
         const KAPPA: f64 = 0.552_284_75;
         let at = |dx: f64, dy: f64| (short(x + radius * dx), short(y + radius * dy));
@@ -99,7 +97,7 @@ impl Page {
         self.content.close_path();
     }
 
-    /// Fills and strokes the path at hand, as asked.
+    /// Fills and strokes the current path.
     fn paint(&mut self, paint: &Paint) {
         let fill = paint.fill.map_or(255, |c| c.alpha);
         let stroke = paint.stroke.map_or(255, |s| s.colour.alpha);
@@ -170,12 +168,14 @@ impl Page {
             last += 1;
             Ref::new(last)
         };
+        // Number the objects
         let (catalog, tree, page, content) = (next(), next(), next(), next());
         pdf.catalog(catalog).pages(tree);
         pdf.pages(tree).kids([page]).count(1);
         let fonts: Vec<(Face, Ref)> = self.fonts.keys().map(|&face| (face, next())).collect();
         let images: Vec<Ref> = self.images.iter().map(|_| next()).collect();
 
+        // The page with its resources: fonts, images, opacities
         let mut dict = pdf.page(page);
         dict.parent(tree).contents(content);
         dict.media_box(Rect::new(0.0, 0.0, (width * POINTS) as f32, (height * POINTS) as f32));
@@ -200,6 +200,7 @@ impl Page {
         resources.finish();
         dict.finish();
 
+        // The content, the images as rows with PNG predictors, the fonts
         pdf.stream(content, &deflate(&self.content.finish())).filter(Filter::FlateDecode);
         for (image, id) in self.images.iter().zip(images) {
             let data = png_stream(image);
@@ -218,9 +219,9 @@ impl Page {
     }
 }
 
-/// Viewers blur enlarged images, so those are enlarged here, by a whole factor.
+/// Enlarges an image by an integer factor, because viewers blur enlarged images.
 fn enlarged(image: &Rgb8, width: f64, height: f64) -> Rgb8 {
-    // As many pixels as can be told apart in print.
+    // Three pixels per drawing unit: enough for print
     let wanted = 3.0 * (width / image.width() as f64).min(height / image.height() as f64);
     let zoom = wanted.clamp(1.0, 64.0) as usize;
     if zoom < 3 {
@@ -246,11 +247,6 @@ fn png_stream(image: &Rgb8) -> Vec<u8> {
         rest = &next[4..];
     }
     stream
-}
-
-pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }
 
 /// Two decimals, as in the SVG.

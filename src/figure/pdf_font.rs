@@ -1,13 +1,14 @@
-//! Fonts in a PDF: the glyphs that the page uses, their widths, and what they mean to someone who copies the text.
+//! Fonts in a PDF: the glyphs that the page uses, their widths, and their characters for search and copy.
 
-use super::pdf::deflate;
 use super::text::{self, Face};
+use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use std::collections::BTreeMap;
+use std::io::Write;
 use subsetter::GlyphRemapper;
 
-/// The glyphs of a font that the page uses, and what they mean.
+/// The glyphs of a font that the page uses, with their characters and widths.
 #[derive(Default)]
 pub(super) struct Subset {
     glyphs: GlyphRemapper,
@@ -40,6 +41,7 @@ impl Subset {
         // Subsets carry a tag of six capitals, here one per face.
         let base = format!("ETALO{}+{cut}", char::from(b'A' + face as u8));
         let base = Name(base.as_bytes());
+        // The composite font: two-byte codes are glyph numbers of the subset
         pdf.type0_font(id)
             .base_font(base)
             .encoding_predefined(Name(b"Identity-H"))
@@ -56,6 +58,7 @@ impl Subset {
         widths.finish();
         font.finish();
 
+        // Its metrics, in thousandths of the font size
         let tables = face.tables();
         let thousandths = |units: i16| f32::from(units) * 1000.0 / f32::from(tables.units_per_em());
         let bounds = tables.global_bounding_box();
@@ -75,12 +78,14 @@ impl Subset {
             .stem_v(if face == Face::Bold { 160.0 } else { 90.0 })
             .font_file2(file);
 
+        // Characters of the glyphs, for search and copy
         let mut map = UnicodeCmap::new(Name(b"Custom"), SYSTEM);
         for (&glyph, &(c, _)) in &self.used {
             map.pair(glyph, c);
         }
         pdf.cmap(meaning, &map.finish());
 
+        // The font file with the glyphs of the page alone
         let font = subsetter::subset(face.bytes(), 0, &self.glyphs).expect("the embedded fonts are sound");
         pdf.stream(file, &deflate(&font)).filter(Filter::FlateDecode).pair(Name(b"Length1"), font.len() as i32);
     }
@@ -93,4 +98,10 @@ pub(super) fn name(face: Face) -> &'static str {
         Face::Oblique => "F1",
         Face::Bold => "F2",
     }
+}
+
+/// `bytes` as a zlib stream, which PDF calls FlateDecode.
+pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }

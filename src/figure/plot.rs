@@ -1,4 +1,4 @@
-//! A plot: panels side by side or stacked, their frames aligned, with legends that hide nothing.
+//! A plot: panels side by side or stacked, their frames aligned, with legends that cover no data.
 
 use super::chart::Chart;
 use super::drawing::Drawing;
@@ -53,6 +53,7 @@ impl Plot {
         let shared = self.shared_legend();
         let mut charts: Vec<Chart> =
             self.panels.iter().map(|panel| Chart::new(panel, width, height, shared.is_none())).collect();
+        // Legends that found no free place inside their frame go below it
         for chart in &mut charts {
             if let Some(legend) = chart.legend.take() {
                 let columns = legend.columns_within(width + 0.5 * chart.room.left);
@@ -87,6 +88,7 @@ impl Plot {
         } else {
             (x - BETWEEN + EDGE, EDGE + common.top + height + common.bottom + EDGE)
         };
+        // A legend that all panels share goes below them all
         let legend = shared.map(|legend| {
             let columns = legend.columns_within(page_width - 2.0 * EDGE);
             let [w, h] = legend.size(columns);

@@ -1,4 +1,4 @@
-//! A drawing as PNG. Text is filled outlines of the embedded fonts: no font of the system is ever asked for.
+//! A drawing as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
 
 use super::drawing::{Drawing, Item};
 use super::rgb8::Rgb8;
@@ -35,13 +35,13 @@ impl Drawing {
         for item in self.items() {
             paint_item(&mut page, to_pixels, item);
         }
-        // The page is opaque white below everything, so alpha carries nothing.
+        // The page is opaque white below everything, so alpha is not needed.
         let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         Ok(Rgb8::new(w as usize, h as usize, rgb).png().to_vec())
     }
 }
 
-/// Paints one item. What has no extent, which makes no path, leaves no trace.
+/// Paints one item. Items without extent make no path and are not painted.
 fn paint_item(page: &mut Pixmap, to_pixels: Transform, item: &Item) {
     match item {
         Item::Path { points, closed, paint } => {
@@ -73,7 +73,7 @@ fn paint_path(page: &mut Pixmap, to_pixels: Transform, path: Option<Path>, paint
         page.fill_path(&path, &colour(fill), FillRule::Winding, to_pixels, None);
     }
     if let Some(stroke) = paint.stroke {
-        // A list of odd length is gone through twice, as in SVG.
+        // Repeat a list of odd length, as SVG does
         let lengths = stroke.dash.iter().map(|&length| length as f32);
         let dash = lengths.clone().chain(lengths.take(stroke.dash.len() % 2 * stroke.dash.len())).collect();
         let dash = StrokeDash::new(dash, 0.0);
@@ -101,7 +101,7 @@ fn paint_image(page: &mut Pixmap, to_pixels: Transform, rect: &Rect, image: &Rgb
     page.fill_rect(sides, &tiny_skia::Paint { shader, ..tiny_skia::Paint::default() }, to_pixels, None);
 }
 
-/// From the start of a text's baseline to the drawing.
+/// The transform from the start of a text's baseline to the drawing.
 fn placed(text: &Text) -> Transform {
     let [x, y] = text.at.map(|v| v as f32);
     let start = match text.anchor {
@@ -117,6 +117,7 @@ fn placed(text: &Text) -> Transform {
 /// The letters of a text, from the start of its baseline.
 fn outlines(text: &Text) -> Option<Path> {
     let (mut outlines, mut x) = (Outlines { path: PathBuilder::new(), scale: 0.0, at: [0.0; 2] }, 0.0);
+    // Append the glyphs of each run at the pen's position
     for run in text::runs(&text.markup, text.size, text.bold) {
         let tables = run.face.tables();
         outlines.scale = (run.size / f64::from(tables.units_per_em())) as f32;

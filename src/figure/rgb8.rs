@@ -1,4 +1,4 @@
-//! An 8-bit image, and the PNG file that stands for it inside of figures.
+//! An 8-bit image and its PNG file, which figures embed.
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 /// An 8-bit RGB image (sRGB, three bytes a pixel, row 0 at the top). Copies share its pixels, and its PNG file, which
-/// takes far longer to make than anything else in a figure that shows it.
+/// takes most of the time of writing a figure.
 #[derive(Clone)]
 pub struct Rgb8 {
     width: usize,
@@ -60,7 +60,7 @@ impl Rgb8 {
         &self.shared.data
     }
 
-    /// The image as a PNG file, encoded when it is first asked for.
+    /// The image as a PNG file, encoded at the first call.
     #[must_use]
     pub fn png(&self) -> &[u8] {
         self.shared.png.get_or_init(|| {

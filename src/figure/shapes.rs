@@ -1,4 +1,4 @@
-//! What drawings are made of: colours, strokes, rectangles, text.
+//! Primitives of drawings: colours, strokes, rectangles, text.
 
 use super::text;
 
@@ -44,7 +44,7 @@ pub struct Stroke {
     pub colour: Colour,
     /// Width.
     pub width: f64,
-    /// Lengths of dashes and gaps in turn; empty for a solid line.
+    /// Alternating lengths of dashes and gaps; empty for a solid line.
     pub dash: &'static [f64],
 }
 
@@ -128,7 +128,7 @@ impl Rect {
     }
 }
 
-/// Which end of the text stands at its point.
+/// The horizontal anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// At its start.
@@ -139,7 +139,7 @@ pub enum Anchor {
     End,
 }
 
-/// Which height of the text stands at its point.
+/// The vertical anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The line that letters stand on.

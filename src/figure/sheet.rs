@@ -25,6 +25,7 @@ pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> 
     let cell = sizes.iter().map(|s| s[0]).fold(60.0, f64::max).max(text_width(title) / columns as f64 - GAP);
     let captions: Vec<Vec<String>> = images.iter().map(|(caption, _)| wrapped(caption, cell)).collect();
 
+    // Rows of images, aligned at the bottom, with their captions below
     let head = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
     let mut page = Drawing::new(0.0, 0.0, SCALE);
     let mut y = head;
@@ -44,6 +45,7 @@ pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> 
         }
         y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();
     }
+    // The page, with the title in its middle
     let width = (2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil();
     let mut sheet = Drawing::new(width, (y - GAP + EDGE - 2.0).ceil(), SCALE);
     sheet.append(page, 0.0, 0.0);

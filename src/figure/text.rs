@@ -97,6 +97,7 @@ pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
     let mut chars = markup.chars().peekable();
     while let Some(c) = chars.next() {
         match c {
+            // Open a group: lower, raise or slant what follows
             '_' | '^' | '/' if chars.peek() == Some(&'{') => {
                 chars.next();
                 finish(&mut current);
@@ -111,6 +112,7 @@ pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
                     current.size *= SMALL;
                 }
             }
+            // Close it: the style outside the group again
             '}' if !outer.is_empty() => {
                 finish(&mut current);
                 current = outer.pop().expect("just seen not to be empty");

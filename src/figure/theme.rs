@@ -1,9 +1,9 @@
-//! The look of all figures: colours by role, dashes, line widths, sizes.
+//! The theme of all figures: colours by role, dashes, line widths, font sizes.
 
 use super::shapes::{Colour, Stroke};
 
-// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. Private to this module's
-// folder: a view takes its colours from the roles below.
+// The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. It is private to `figure`: views
+// take colours by the roles below.
 pub(super) const ORANGE: Colour = Colour::rgb(230, 159, 0);
 pub(super) const SKY_BLUE: Colour = Colour::rgb(86, 180, 233);
 pub(super) const GREEN: Colour = Colour::rgb(0, 158, 115);
@@ -69,11 +69,11 @@ pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.
 // Roles in plots of numerical errors.
 
 /// The formula that renders.
-pub const STABLE_FORM: Colour = BLUE;
+pub const STABLE_VARIANT: Colour = BLUE;
 /// The formula as textbooks give it.
-pub const TEXTBOOK_FORM: Colour = VERMILION;
+pub const TEXTBOOK_VARIANT: Colour = VERMILION;
 /// The formula as a report gives it.
-pub const REPORT_FORM: Colour = PURPLE;
+pub const REPORT_VARIANT: Colour = PURPLE;
 
 // Roles over environment maps.
 
@@ -82,10 +82,26 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 /// Borders of regions, and the rim of a centroid's marker.
 pub const BORDER: Colour = Colour::WHITE;
 
-/// The colour of the `index`-th sampling strategy of a comparison.
+/// The sampling strategies that have the same colour in every figure.
+const STRATEGIES: [(&str, Colour); 8] = [
+    ("bsdf", IMPORTANCE_SAMPLING),
+    ("visible normals", IMPORTANCE_SAMPLING),
+    ("hemisphere", HEMISPHERE_SAMPLING),
+    ("light", GREEN),
+    ("light-cosine", ORANGE),
+    ("mis", BLACK),
+    ("mis-compensated", PURPLE),
+    ("strata-64", SKY_BLUE),
+];
+
+/// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
+/// remain, in the order of the palette.
 #[must_use]
-pub fn strategy(index: usize) -> Colour {
-    SERIES[index % SERIES.len()]
+pub fn strategies(names: &[&str]) -> Vec<Colour> {
+    let own = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
+    let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
+    let mut free = SERIES.into_iter().filter(|colour| !taken.contains(colour)).chain(SERIES.into_iter().cycle());
+    names.iter().filter_map(|name| own(name).or_else(|| free.next())).collect()
 }
 
 /// Dash patterns, in drawing units.
@@ -94,7 +110,7 @@ pub const SOLID: &[f64] = &[];
 pub const DASHED: &[f64] = &[6.0, 3.0];
 /// Dots.
 pub const DOTTED: &[f64] = &[1.5, 2.5];
-/// Dashes and dots in turn.
+/// Alternating dashes and dots.
 pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
 /// Long dashes.
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];
@@ -142,5 +158,16 @@ mod tests {
         for (i, a) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|b| a != b), "series {i} repeats");
         }
+    }
+
+    #[test]
+    fn a_strategy_has_one_colour_in_every_figure_and_shares_it_with_no_other() {
+        let names = ["median-cut-64", "mis", "light", "hemisphere", "mis-cosine", "strata-64"];
+        let colours = strategies(&names);
+        for (i, colour) in colours.iter().enumerate() {
+            assert!(!colours[..i].contains(colour), "{}", names[i]);
+        }
+        assert_eq!(colours[2], strategies(&["light"])[0]);
+        assert_eq!(strategies(&["unknown"; 20]).len(), 20);
     }
 }

@@ -1,10 +1,11 @@
-//! Where ticks stand and what they say: round steps, decades, fixed steps.
+//! Positions and labels of ticks: round steps, decades, fixed steps.
 //!
 //! Every function takes a finite range `lo < hi` (see [`super::axis::Span`]) and returns a bounded number of ticks.
 
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
+    /// Value on the axis.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,
@@ -13,7 +14,9 @@ pub struct Tick {
 /// The ticks of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticks {
+    /// Those with labels.
     pub major: Vec<Tick>,
+    /// Values of those without labels.
     pub minor: Vec<f64>,
     /// The labels are in units of ten to this power.
     pub exponent: i32,
@@ -25,6 +28,7 @@ const MOST_STEPS: f64 = 200.0;
 /// Steps of 1, 2, 2.5 or 5 times a power of ten, the smallest that gives at most `most` ticks.
 #[must_use]
 pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
+    // The smallest round step that is not below the wanted one
     let wanted = (hi - lo) / most.max(2) as f64;
     let power = wanted.log10().floor() as i32;
     // The mantissa, its own decimals, and how many minor steps divide it.
@@ -47,7 +51,7 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
             (v - v.round()).abs() < 1e-6 * v
         })
         .unwrap_or(9);
-    // Angles and counts are divided as people divide them.
+    // Divide a step into 5, 3 or 2 if the parts are round.
     let parts = [5, 3, 2].into_iter().find(|&n| {
         let v = step * ten(decimals) / f64::from(n);
         (v - v.round()).abs() < 1e-6
@@ -55,7 +59,7 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     steps(lo, hi, step, decimals, parts.unwrap_or(1))
 }
 
-/// Ticks at given whole numbers, as far as they lie in the range.
+/// Ticks at those of `places` (integers) that lie in the range.
 #[must_use]
 pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
@@ -91,6 +95,7 @@ pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     if last <= first {
         return within_two_decades(lo, hi).unwrap_or(Ticks { minor: Vec::new(), ..linear(lo, hi, most.min(6)) });
     }
+    // Label every stride-th decade
     let least = (last - first + 1).unsigned_abs().div_ceil(most.max(2) as u32) as i32;
     let stride = [1, 2, 3, 5, 10, 20, 50, 100, 200].into_iter().find(|&n| n >= least).unwrap_or(500);
     // Every so many decades counted from 1, so that 1 itself is among them.

@@ -1,4 +1,4 @@
-//! A check: what a number of a figure must be, and whether it is.
+//! A check: a number of a figure compared with what it must be.
 
 use serde::{Deserialize, Deserializer, Serialize};
 

@@ -51,7 +51,7 @@ impl Report {
 /// Makes a figure's content from the inputs and from studies that other figures may share.
 pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
 
-/// A figure: what it shows, what it answers, and how it is made.
+/// A figure: its texts, and how it is made.
 pub struct Figure {
     /// The name of its files, and of `--only`.
     pub id: &'static str,
@@ -60,13 +60,13 @@ pub struct Figure {
     /// The report with its counterpart.
     pub report: Report,
     /// The counterpart in that report, with the number of the figure where it has one.
-    pub answers: &'static str,
-    /// The caption: what is to be seen.
+    pub reproduces: &'static str,
+    /// The caption.
     pub shows: &'static str,
-    /// The figure that it is best compared with.
+    /// The figure to compare it with.
     pub beside: Option<&'static str>,
-    /// The subcommand that makes the same alone, if there is one; `{map}` stands for the environment map.
-    pub command: Option<&'static str>,
+    /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
+    pub command: Option<String>,
     /// How its content is made.
     pub make: Make,
 }
@@ -76,21 +76,21 @@ impl Figure {
     #[must_use]
     pub fn counterpart(&self) -> String {
         match self.report {
-            Report::Neither => self.answers.to_owned(),
-            report => format!("{}: {}", report.name(), self.answers),
+            Report::Neither => self.reproduces.to_owned(),
+            report => format!("{}: {}", report.name(), self.reproduces),
         }
     }
 }
 
 /// A figure's content.
 pub struct Content {
-    /// What is drawn.
+    /// SVG, PNG and PDF.
     pub drawing: Drawing,
-    /// The numbers behind it, as CSV text.
+    /// The numbers of the drawing as CSV text.
     pub table: Vec<u8>,
     /// A render, written as EXR, PFM and PPM beside the drawing.
     pub image: Option<RenderedImage>,
-    /// What its numbers must meet.
+    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,

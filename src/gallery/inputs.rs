@@ -1,4 +1,4 @@
-//! What a run of the gallery starts from: the map, the scenes, the seed and the effort.
+//! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
 use super::originals::Originals;
 use crate::envmap::NamedMap;
@@ -72,6 +72,7 @@ impl Inputs {
             let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
             return Ok((scene, self.request(request, 128, 1)));
         };
+        // Replace the metal of the report's scene
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(conductor) = &mut object.material {
@@ -107,17 +108,9 @@ fn known_metal(symbol: &str) -> Result<&'static metals::Metal> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::envmap::EnvMap;
-    use crate::envmap::synthetic::Synthetic;
-    use std::sync::Arc;
-
-    /// The smallest inputs.
-    pub fn inputs() -> Inputs {
-        let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
-        Inputs { map, originals: None, seed: 1, effort: Effort::Quick }
-    }
+    use crate::gallery::tests::inputs;
 
     #[test]
     fn quick_renders_are_smaller() {

@@ -9,6 +9,7 @@ mod figures;
 mod inputs;
 mod originals;
 pub mod page;
+mod prelude;
 mod registry;
 mod reproduce;
 mod studies;
@@ -20,3 +21,6 @@ pub use originals::Originals;
 pub use registry::registry;
 pub use reproduce::{Reproduced, Reproduction, reproduce};
 pub use studies::{Studies, Study};
+
+#[cfg(test)]
+mod tests;

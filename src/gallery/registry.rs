@@ -46,7 +46,7 @@ mod tests {
             let id = figure.id;
             let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
             assert!(id.chars().all(plain), "{id} is the name of files");
-            assert!(!figure.title.is_empty() && !figure.answers.is_empty(), "{id}");
+            assert!(!figure.title.is_empty() && !figure.reproduces.is_empty(), "{id}");
             assert!(figure.shows.len() > 20 && figure.shows.ends_with('.'), "{id}: {}", figure.shows);
             let beside = figure.beside.is_none_or(|other| other != id && ids.contains(other));
             assert!(beside, "{id} beside {:?}", figure.beside);

@@ -1,4 +1,4 @@
-//! A run of the gallery: makes figures, writes their files, and keeps the records and the page up to date.
+//! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::{Check, Kind};
 use super::figure::{Content, Erratum, Figure, RenderedImage};
@@ -20,29 +20,29 @@ use std::time::Instant;
 pub struct Reproduced {
     /// Of the figure.
     pub id: &'static str,
-    /// What was written.
+    /// Files of the figure.
     pub files: Vec<PathBuf>,
     /// Wall-clock time; studies that figures share count for the first of them.
     pub seconds: f64,
-    /// What its numbers must meet.
+    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
 }
 
-/// What a run made.
+/// The result of a run.
 pub struct Reproduction {
     /// In the order of the registry.
     pub figures: Vec<Reproduced>,
-    /// Whether the process was asked to stop before all figures were made.
+    /// Whether an interruption ended the run before all figures were made.
     pub interrupted: bool,
 }
 
 /// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
 ///
 /// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They also cover figures that earlier runs
-/// left in the folder. `options` are the flags of this run, for the commands on the page. If the process is asked to stop,
-/// the finished figures are covered.
+/// wrote to the folder. `options` are the flags of this run, for the commands on the page. After an interruption,
+/// they cover the finished figures.
 ///
 /// # Errors
 /// An unknown id, a damaged `reproduce.json`, those of the figures and of writing them.
@@ -59,6 +59,7 @@ pub fn reproduce(
         return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
+    // Make the figures one by one; after an interruption, keep those that are finished
     let mut records = page::read_records(folder, &all)?;
     let setup = Setup::of(inputs, options);
     let mut studies = Studies::default();
@@ -77,6 +78,7 @@ pub fn reproduce(
         records.insert(figure.id.to_owned(), record);
         done.push(made);
     }
+    // Checks and page of all recorded figures
     if !done.is_empty() {
         files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
         page::write(folder, &all, &records)?;
@@ -89,7 +91,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     interrupt::check()?;
     let start = Instant::now();
     let Content { drawing, table, image, checks, errata } = (figure.make)(inputs, studies)?;
-    // Studies that were cut short return what they have: that is no figure.
+    // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;

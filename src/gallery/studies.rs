@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::rc::Rc;
 
-/// A study that several figures share, with the parameters that tell one result from another.
+/// A study that several figures share, with the parameters that distinguish its results.
 ///
-/// A figure's file defines a type for its study; nothing else has to know of it.
+/// A figure's file defines a type for its study; no other file needs it.
 pub trait Study: Copy + Eq + Hash + 'static {
     /// The study's plain result.
     type Output: 'static;
@@ -46,8 +46,8 @@ impl Studies {
 
 #[cfg(test)]
 mod tests {
-    use super::super::inputs::tests::inputs;
     use super::*;
+    use crate::gallery::tests::inputs;
     use std::cell::Cell;
 
     thread_local!(static RUNS: Cell<u32> = const { Cell::new(0) });

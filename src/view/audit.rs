@@ -1,5 +1,6 @@
 //! The errors of the two reports: what they print beside the correction.
 
+use super::text::power_of_ten;
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
 use crate::study::audit::Erratum;
 use etalon_stats::Verdict;
@@ -19,6 +20,7 @@ const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 /// A panel for each erratum, with the verdicts and the error of an image below it.
 #[must_use]
 pub fn drawing(errata: &[Erratum]) -> Drawing {
+    // Lay out panels in a grid, with three lines of text below each
     let panels: Vec<Drawing> =
         errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
     let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
@@ -85,8 +87,7 @@ fn verdict(verdict: Verdict, p: Option<f64>) -> String {
     match p {
         None => format!("{word} by an exact check"),
         Some(p) if p >= 1e-3 => format!("{word}, /{{p}} = {p:.2}"),
-        Some(p) if p > 0.0 => format!("{word}, /{{p}} ≈ 10^{{−{:.0}}}", -p.log10()),
-        Some(_) => format!("{word}, /{{p}} < 10^{{−300}}"),
+        Some(p) => format!("{word}, /{{p}} {}", power_of_ten(p)),
     }
 }
 

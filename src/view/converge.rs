@@ -44,7 +44,7 @@ pub struct Row {
     pub mean_squared_bias: f64,
     /// Its standard error.
     pub mean_squared_bias_error: f64,
-    /// What the curve says, in a word or two.
+    /// The verdict on the curve.
     pub verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
     pub seconds_to_common_rmse: Option<f64>,
@@ -86,7 +86,7 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// A verdict in a word or two.
+/// A verdict as text.
 #[must_use]
 pub fn word(verdict: Verdict) -> &'static str {
     match verdict {
@@ -121,19 +121,19 @@ fn signed(value: f64, half_width: f64) -> String {
     format!("{sign}{:.digits$} ± {half_width:.digits$}", value.abs())
 }
 
-/// Solid lines for Sobol' points, dashed ones for independent random numbers; a colour for each strategy, the
-/// same for both streams.
-fn stroke(result: &Convergence, curve: &Curve) -> Stroke {
-    let base = |curve: &Curve| curve.strategy.name.replace("+independent", "");
-    let mut bases: Vec<String> = Vec::new();
-    for curve in &result.curves {
-        if !bases.contains(&base(curve)) {
-            bases.push(base(curve));
-        }
-    }
-    let place = bases.iter().position(|b| *b == base(curve)).unwrap_or(0);
-    let dash = if curve.strategy.is_independent() { theme::DASHED } else { theme::SOLID };
-    Stroke { dash, ..Stroke::solid(theme::strategy(place), theme::LINE) }
+/// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
+fn strokes(result: &Convergence) -> Vec<Stroke> {
+    let names: Vec<String> = result.curves.iter().map(|c| c.strategy.name.replace("+independent", "")).collect();
+    let mut distinct: Vec<&str> = names.iter().map(String::as_str).collect();
+    distinct.sort_unstable();
+    distinct.dedup();
+    let colours = theme::strategies(&distinct);
+    let stroke = |(curve, name): (&Curve, &String)| {
+        let dash = if curve.strategy.is_independent() { theme::DASHED } else { theme::SOLID };
+        let colour = distinct.binary_search(&name.as_str()).map_or(theme::INK, |place| colours[place]);
+        Stroke { dash, ..Stroke::solid(colour, theme::LINE) }
+    };
+    result.curves.iter().zip(&names).map(stroke).collect()
 }
 
 /// Error against processor time and against samples, and efficiency at equal time.
@@ -141,8 +141,7 @@ fn stroke(result: &Convergence, curve: &Curve) -> Stroke {
 pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
-        for curve in &result.curves {
-            let stroke = stroke(result, curve);
+        for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
             let band = |level: &Level| {
                 let [low, high] = level.rmse_band();
                 [at(level), low, high]
@@ -178,9 +177,9 @@ fn efficiency(result: &Convergence) -> Panel {
     let count = result.curves.len() as f64;
     let x = Axis::linear("strategies, in the order of the legend").range(0.0, count).at([-1.0]);
     let mut panel = Panel::new(x, Axis::log("1 / (MSE · time) (1/s)")).title(title);
-    for (i, curve) in result.curves.iter().enumerate() {
+    for (i, (curve, stroke)) in result.curves.iter().zip(strokes(result)).enumerate() {
         let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
-        let (left, stroke) = (i as f64, stroke(result, curve));
+        let left = i as f64;
         panel = panel.bars("", stroke.colour, [left + 0.15, left + 0.85], [level.efficiency]);
         let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
         panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
@@ -209,11 +208,13 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
     let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    // Each strategy at the level nearest to the common time
     let shown: Vec<(&Curve, &Level, &Image)> = result
         .curves
         .iter()
         .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
         .collect();
+    // One scale of errors for all: the median RMSE, rounded up
     let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     errors.sort_by(f64::total_cmp);
     let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
@@ -222,7 +223,7 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
     for (curve, level, image) in shown {
         let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
             let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
-            // What is darker than a hundredth of the mean is compared with that.
+            // Relative to at least 3 % of the mean
             (got - expected) / expected.max(0.03 * mean)
         });
         let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();

@@ -4,7 +4,7 @@ use super::converge::duration;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
-use crate::study::converge::depth::Depths;
+use crate::study::converge::depth::{self, Depths};
 use crate::study::converge::lights::CUTS;
 use crate::study::converge::roughness::{self, NORMALS};
 use etalon_stats::estimate::Estimate;
@@ -61,13 +61,12 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
     let mut over_time = Panel::new(Axis::linear("processor time (share of depth 100's)").range(0.0, 1.1), share());
     for (i, depths) in scenes.iter().enumerate() {
         let stroke = theme::series(i);
-        // The last one misses nothing by definition, and has no place on a logarithmic axis.
+        // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
         let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
-        let over = |at: &dyn Fn(&crate::study::converge::depth::Level) -> f64| {
-            levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>()
-        };
-        let band = |l: &crate::study::converge::depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
+        let over =
+            |at: &dyn Fn(&depth::Level) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
+        let band = |l: &depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
         over_depth = over_depth
             .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())
@@ -134,8 +133,9 @@ pub fn roughness(levels: &[roughness::Level]) -> Drawing {
     let alpha = || Axis::log("/{α}");
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
     let mut efficiency = Panel::new(alpha(), Axis::log("1 / (MSE · processor time) (1/s)"));
+    let colours = theme::strategies(&NORMALS.map(|(name, _)| name));
     for (i, (name, _)) in NORMALS.iter().enumerate() {
-        let stroke = theme::series(i);
+        let stroke = Stroke { colour: colours[i], ..theme::series(i) };
         let add = |panel: Panel, of: &dyn Fn(&roughness::Level) -> [f64; 3]| {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
             let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
@@ -165,14 +165,18 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         by_number = by_number.clone().band("", stroke.colour, band(&number)).line(label, stroke, line(&number));
         by_time = by_time.clone().band("", stroke.colour, band(&time)).line(label, stroke, line(&time));
     };
+    let names = [&CUTS[..], &SAMPLED].concat();
+    let colours = theme::strategies(&names);
+    let stroke = |i: usize| Stroke { colour: colours[i], ..theme::series(i) };
     let labels = ["median cut: fixed lights", "variance minimisation: fixed lights"];
     for ((i, cut), label) in CUTS.into_iter().enumerate().zip(labels) {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
-        add(label, theme::series(i), points.collect());
+        add(label, stroke(i), points.collect());
     }
-    for (i, curve) in sampled.curves.iter().filter(|c| SAMPLED.contains(&c.strategy.name.as_str())).enumerate() {
+    for (i, name) in SAMPLED.into_iter().enumerate() {
+        let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
-        add(&format!("{}: sampled at each hit", curve.strategy.name), theme::series(i + CUTS.len()), points);
+        add(&format!("{name}: sampled at each hit"), stroke(i + CUTS.len()), points);
     }
     Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }

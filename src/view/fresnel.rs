@@ -29,13 +29,10 @@ pub fn dielectric(curves: &fresnel::Curves) -> Drawing {
     if let Some(critical) = curves.critical_deg {
         main = main.vertical(critical, format!("/{{θ}}_{{c}} = {critical:.2}°"));
     }
-    let error =
-        |f: fn(&fresnel::Row) -> f64| -> Vec<Point> { curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
-    let relative =
-        error(|r| if r.r_unpolarized > 0.0 { (r.r_schlick - r.r_unpolarized) / r.r_unpolarized } else { 0.0 });
+    let relative = of(|r| if r.r_unpolarized > 0.0 { (r.r_schlick - r.r_unpolarized) / r.r_unpolarized } else { 0.0 });
     let errors = Panel::new(angle_axis(), Axis::linear("error"))
         .title("Schlick against exact")
-        .line("absolute", stroke(theme::SCHLICK, theme::SOLID), error(|r| r.r_schlick - r.r_unpolarized))
+        .line("absolute", stroke(theme::SCHLICK, theme::SOLID), of(|r| r.r_schlick - r.r_unpolarized))
         .line("relative", stroke(theme::RELATIVE_ERROR, theme::DASHED), relative)
         .horizontal(0.0, "");
     Plot::new([main, errors]).draw()

@@ -2,6 +2,7 @@
 //!
 //! Source of the format: the schema of Jenkins' xUnit plugin, `junit-10.xsd`.
 
+use crate::figure::escape;
 use crate::study::validation::{Tested, Validation};
 use etalon_stats::Verdict;
 
@@ -18,13 +19,13 @@ pub fn document(validation: &Validation) -> String {
         let (family, own) = name.rsplit_once('/').unwrap_or(("etalon", name));
         let case = format!(
             "<testcase classname=\"{}\" name=\"{}\" time=\"{:.3}\"",
-            escaped(&family.replace('/', ".")),
-            escaped(own),
+            escape(&family.replace('/', ".")),
+            escape(own),
             outcome.seconds
         );
         let body = |kind: &str| {
             let message = outcome.remark().map_or_else(|| outcome.verdict.to_string(), str::to_owned);
-            let (message, all) = (escaped(&message), escaped(&outcome.to_string()));
+            let (message, all) = (escape(&message), escape(&outcome.to_string()));
             format!("{case}>\n<{kind} message=\"{message}\">{all}</{kind}>\n</testcase>\n")
         };
         text += &match outcome.verdict {
@@ -34,17 +35,4 @@ pub fn document(validation: &Validation) -> String {
         };
     }
     text + "</testsuite>\n</testsuites>\n"
-}
-
-/// `text` as it stands in an attribute or between tags; control characters, which XML has no place for, become blanks.
-fn escaped(text: &str) -> String {
-    let escape = |c: char| match c {
-        '&' => "&amp;".into(),
-        '<' => "&lt;".into(),
-        '>' => "&gt;".into(),
-        '"' => "&quot;".into(),
-        c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => " ".into(),
-        c => c.to_string(),
-    };
-    text.chars().map(escape).collect()
 }

@@ -34,7 +34,7 @@ pub struct Display {
     scale: f64,
 }
 
-/// Smallest and largest width of a map on the page; smaller maps are enlarged, larger ones reduced, by whole factors.
+/// Smallest and largest width of a map on the page; smaller maps are enlarged, larger ones reduced, by integer factors.
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
@@ -44,6 +44,7 @@ impl Display {
         // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
         let (width, height) = (map.image().width(), map.image().height());
+        // Scale by an integer factor to a width within the limits of the page
         let (enlarge, reduce) =
             (PAGE[0].div_ceil(width).min(PAGE[0] / height.min(PAGE[0])).max(1), width.div_ceil(PAGE[1]));
         // One of the two factors is 1.
@@ -58,6 +59,7 @@ impl Display {
 
     /// A square marker of `side` texels around texel (x, y): wrapped at the seam, clipped at the poles.
     fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, colour: Colour) {
+        // Rows are clipped at the poles, columns wrap around the seam in two parts
         let half = (side / 2) as i64;
         let (x, y) = (x as i64, (y as i64).min(self.height as i64 - 1));
         let y0 = (y - half).max(0);
@@ -94,9 +96,9 @@ impl Display {
             return drawing;
         }
         let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
-        let seen = Image::from_pixels(rows.len(), 1, colours);
+        let strip = Image::from_pixels(rows.len(), 1, colours);
         // The brightest lights may clip; the colours of the other markers matter more.
-        let bytes = to_rgb8(&seen, &self.look.tone(|| auto_exposure(&seen) + 2.5));
+        let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
         for (r, rgb) in rows.iter().zip(bytes.chunks_exact(3)) {
             self.marker(&mut drawing, (r.x, r.y), side, Colour::rgb(rgb[0], rgb[1], rgb[2]));
         }
@@ -127,7 +129,7 @@ impl Display {
         drawing
     }
 
-    /// Black but for a marker at each centroid, in the colour of the region's whole flux. The brightest light is
+    /// Black but for a marker at each centroid, in the colour of the region's total flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
     #[must_use]
     pub fn lights(&self, rows: &[median_cut::Row], side: usize) -> Drawing {

@@ -1,4 +1,4 @@
-//! Views: the result of a study as a drawing, as rows of a table or as text. They lay out and compute nothing else.
+//! Views: the result of a study as a drawing, as rows of a table or as text. They compute nothing but layout.
 //!
 //! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
@@ -16,5 +16,6 @@ pub mod sphere;
 pub mod stability;
 pub mod stability_summary;
 pub mod statue;
+pub mod text;
 pub mod validation;
 pub mod validation_cells;

@@ -1,7 +1,8 @@
 //! Drawing of the proposal experiment.
 
+use super::text::power_of_ten;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::study::proposal::Proposal;
+use crate::study::proposal::{Bin, Proposal};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
 #[must_use]
@@ -25,7 +26,7 @@ pub fn drawing(result: &Proposal) -> Drawing {
         .bars("samples", theme::OBSERVED, edges.clone(), shares)
         .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
     };
-    let share = |f: fn(&crate::study::proposal::Bin) -> f64| result.bins.iter().map(f).collect();
+    let share = |f: fn(&Bin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
         panel(format!("uniform random numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
@@ -41,9 +42,4 @@ pub fn nothing_to_test() -> Drawing {
     Plot::new([Panel::new(axis, Axis::linear("share of the samples").range(0.0, 1.0))
         .title("this map has light in too few rows for the experiment")])
     .draw()
-}
-
-/// "≈ 10^{−17}", or "< 10^{−300}" for what a double cannot hold.
-fn power_of_ten(p: f64) -> String {
-    if p > 0.0 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }
 }

@@ -40,8 +40,10 @@ pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
     let mut by_samples =
         Panel::new(Axis::log("samples per pixel").at([8.0, 16.0, 32.0, 64.0]), axis()).title("error against samples");
     let mut by_time = Panel::new(Axis::log("render time (s)"), axis()).title("error against time");
+    let names: Vec<&str> = series.iter().map(|s| strategy(s.label)).collect();
+    let colours = theme::strategies(&names);
     for (i, s) in series.iter().enumerate() {
-        let (stroke, label) = (theme::series(i), s.label.strategy);
+        let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
         let points = |x: fn(&Row) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
         let (samples, time) = (points(|r| f64::from(r.spp)), points(|r| r.seconds));
         by_samples = by_samples.line(label, stroke, samples.clone()).dots(label, stroke.colour, samples);
@@ -53,4 +55,15 @@ pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
         by_samples = by_samples.line("PBRT-v2", stroke, points.clone()).dots("PBRT-v2", theme::REFERENCE, points);
     }
     Plot::new([by_samples, by_time]).draw()
+}
+
+/// The name of a strategy as `converge` has it, for its colour.
+fn strategy(label: Label) -> &'static str {
+    match label.strategy {
+        "radiance × cosine (default)" => "light-cosine",
+        "MIS, compensated map" => "mis-compensated",
+        "MIS, map" => "mis",
+        "map alone, as the report" => "light",
+        other => other,
+    }
 }

@@ -1,5 +1,5 @@
-//! Maps of errors over the inputs: the form that renders, the textbook's, the reports', and what rounding the input
-//! explains.
+//! Maps of errors over the inputs: the renderer's formula, the textbook's, the reports', and the error that rounding of the
+//! input causes.
 
 use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Shading, Text, theme};
@@ -9,7 +9,7 @@ use crate::study::stability::{Case, Precision, Scale, Section, Sweep};
 const SCALE: (f64, f64) = (1e-8, 1.0);
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
-/// Height of the line above a row that says what it shows.
+/// Height of the heading of a row.
 const HEADING: f64 = 20.0;
 
 /// A row of maps for every grid of the sweeps, each of the relative errors in f32.
@@ -43,7 +43,7 @@ fn panel(sweep: &Sweep, number: usize, title: String, label: &str, value: &dyn F
     let mut values = vec![f64::NAN; side * side];
     for case in sweep.cases.iter().filter(|case| case.precision == Precision::Single) {
         if let Some(place) = case.place.filter(|place| place.section == number) {
-            // Row 0 of a map is at the top, where the y axis ends. Exact answers take the colour of the least error.
+            // Row 0 of a map is at the top, where the y axis ends. Exact values take the colour of the least error.
             values[(side - 1 - place.row) * side + place.column] = value(case).max(SCALE.0);
         }
     }

@@ -1,16 +1,16 @@
-//! The worst case of every family, form and precision on one logarithmic scale.
+//! The worst case of every family, variant and precision on one logarithmic scale.
 
 use crate::figure::{Anchor, Colour, Drawing, Level, Paint, Rect, Stroke, Text, theme};
 use crate::study::stability::{Precision, REPORT, Row, STABLE};
 
-/// Powers of ten of the scale; what is better or worse stands at its ends.
+/// Powers of ten of the scale; smaller and larger errors are drawn at its ends.
 const SCALE: (i32, i32) = (-17, 1);
 const DECADE: f64 = 26.0;
 const LINE: f64 = 21.0;
 /// Left and top of the frame.
 const FRAME: [f64; 2] = [128.0, 62.0];
 
-/// Every family a line, every form a dot: filled for f32, open for f64.
+/// A line for each family, a dot for each variant: filled for f32, open for f64.
 #[must_use]
 pub fn worst_cases(rows: &[Row]) -> Drawing {
     let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
@@ -19,6 +19,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
     let (width, height) = (DECADE * f64::from(SCALE.1 - SCALE.0), LINE * families.len() as f64);
     let mut page = Drawing::new(left + width + 24.0, top + height + 50.0, 2.0);
     let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup).coloured(theme::INK);
+    // Decades
     for power in SCALE.0..=SCALE.1 {
         let x = left + DECADE * f64::from(power - SCALE.0);
         page.line([[x, top], [x, top + height]], theme::GRID);
@@ -28,6 +29,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
             page.text(text(x, top + height + 17.0, theme::TICK_SIZE, label).held(Anchor::Middle, Level::Baseline));
         }
     }
+    // A line of dots for each family
     for (i, family) in families.iter().enumerate() {
         let y = top + LINE * (i as f64 + 0.5);
         page.line([[left, y], [left + width, y]], theme::GRID);
@@ -47,19 +49,19 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
     page
 }
 
-fn colour(form: &str) -> Colour {
-    match form {
-        REPORT => theme::REPORT_FORM,
-        _ if form.starts_with(STABLE) => theme::STABLE_FORM,
-        _ => theme::TEXTBOOK_FORM,
+fn colour(variant: &str) -> Colour {
+    match variant {
+        REPORT => theme::REPORT_VARIANT,
+        _ if variant.starts_with(STABLE) => theme::STABLE_VARIANT,
+        _ => theme::TEXTBOOK_VARIANT,
     }
 }
 
-/// Forms of a family stand a little below each other, so that none hides another.
-fn aside(form: &str) -> f64 {
-    match form {
+/// Vertical offset of a variant's dot, so that none hides another.
+fn aside(variant: &str) -> f64 {
+    match variant {
         REPORT => 5.0,
-        _ if form.starts_with(STABLE) => -5.0,
+        _ if variant.starts_with(STABLE) => -5.0,
         _ => 0.0,
     }
 }

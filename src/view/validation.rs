@@ -72,7 +72,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
     validation.tests.iter().map(Row::from).collect()
 }
 
-/// The run's p-values in ascending order against those of true claims: as they are, and the small ones enlarged.
+/// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
 #[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
     let tests = validation.ranked();
@@ -100,6 +100,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
             .filter(|(.., verdict)| tests.iter().any(|test| test.verdict == *verdict))
             .fold(panel, |panel, (name, colour, verdict)| panel.dots(name, colour, dots(verdict, least)))
     };
+    // The logarithmic panel starts a decade below the smallest p-value and threshold
     let smallest = tests.first().map_or(LEAST, |test| test.p.clamp(LEAST, 1.0));
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
     let first = tests.first().map_or(1.0, |test| test.expected);
@@ -150,6 +151,7 @@ pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
 #[must_use]
 pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     const BARS: usize = 20;
+    // Histogram of the p-values
     let n = calibration.p.len() as f64;
     let mut counts = vec![0.0; BARS];
     calibration.p.iter().for_each(|p| counts[((p * BARS as f64) as usize).min(BARS - 1)] += 1.0);

@@ -48,10 +48,10 @@ pub fn rows(counts: &Counts) -> Vec<Row> {
     places.zip(counts.observed.iter().zip(&counts.expected)).enumerate().map(of).collect()
 }
 
-/// 0 where nothing is expected and nothing is seen.
+/// (O − E)/√E; 0 where O = E, also where both are 0.
 fn residual(observed: u64, expected: f64) -> f64 {
-    let off = observed as f64 - expected;
-    if off == 0.0 { 0.0 } else { off / expected.max(1e-3).sqrt() }
+    let difference = observed as f64 - expected;
+    if difference == 0.0 { 0.0 } else { difference / expected.max(1e-3).sqrt() }
 }
 
 /// The drawing of a test's cells; `None` for a test that counts nothing.
@@ -93,8 +93,9 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
 fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
     let width = |row: &Row| row.y_to.zip(row.y_from).map_or(0.0, |(to, from)| to - from);
     let height = |row: &Row| row.x_to.zip(row.x_from).map_or(0.0, |(to, from)| to - from);
-    let even = |size: &dyn Fn(&Row) -> f64| cells.iter().all(|row| (size(row) / size(&cells[0]) - 1.0).abs() < 1e-9);
-    let equal = even(&width) && even(&height);
+    let is_constant =
+        |size: &dyn Fn(&Row) -> f64| cells.iter().all(|row| (size(row) / size(&cells[0]) - 1.0).abs() < 1e-9);
+    let equal = is_constant(&width) && is_constant(&height);
     let most = columns.iter().copied().max().unwrap_or(1);
     let (across, down) = if equal {
         (Axis::linear(axes[1]).range(0.0, 1.0), Axis::linear(axes[0]).range(1.0, 0.0))

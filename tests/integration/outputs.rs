@@ -100,7 +100,7 @@ fn inputs_are_never_replaced() {
         let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
         assert_eq!(ran.code, 2, "{line}: {}", ran.stderr);
         assert!(
-            ran.stderr.contains("is read by this command, too") && ran.stderr.contains("hint: "),
+            ran.stderr.contains("is an input of this command") && ran.stderr.contains("hint: "),
             "{line}: {}",
             ran.stderr
         );

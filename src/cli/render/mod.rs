@@ -1,14 +1,16 @@
-//! `etalon render`: pictures of scenes.
+//! `etalon render`: images of scenes.
 
+mod images;
 mod model;
-mod pictures;
 mod resume;
 mod summary;
 mod work;
 
+use super::arguments::command_line;
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::{Global, Verdict, command_line, map_samplers, map_sampling};
+use super::values::{map_samplers, map_sampling};
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
@@ -16,10 +18,11 @@ use crate::render::film::{Part, shard};
 use crate::render::{Job, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
+use crate::view::text::counted;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
+use images::{Images, ToneName};
 use model::ModelArgs;
-use pictures::{Pictures, ToneName};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -43,8 +46,8 @@ pub struct Render {
     /// The same as -o
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// How directions towards the light are chosen. A diffuse surface needs no material samples where the light density has
-    /// the cosine in it
+    /// How directions towards the light are sampled. A diffuse surface needs no BSDF samples where the light density contains
+    /// the cosine
     #[arg(long, value_enum, default_value_t = Sampling::default())]
     sampling: Sampling,
     /// The same as --sampling hemisphere
@@ -57,20 +60,20 @@ pub struct Render {
     stream: StreamName,
     #[command(flatten)]
     model: ModelArgs,
-    /// How PNG and PPM show the light (default: PNG as srgb, PPM linear, scaled by its maximum)
+    /// Tone mapping of PNG and PPM (default: PNG as srgb, PPM linear, scaled by its maximum)
     #[arg(long, value_enum)]
     tone: Option<ToneName>,
-    /// Keep the light apart by the class of its path (LDE, LSDE, ...) up to N scatterings: layers of the EXR file
+    /// Write the light of each path class (LDE, LSDE, ...) up to N scatterings as a layer of the EXR file
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           value_parser = clap::value_parser!(u32).range(0..=6))]
     paths: Option<u32>,
-    /// Go on from FILE if it is there, and keep the state in it, also after the end
+    /// Continue from FILE if it exists, and save the state in it, also at the end
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     /// Render the I-th of N equal shares of the samples, for `etalon merge`
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Run the kernel with nothing left out: the same picture, for comparison
+    /// Run the kernel with nothing left out: the same image, for comparison
     #[arg(long)]
     general: bool,
 }
@@ -80,13 +83,13 @@ fn density_help() -> String {
 }
 
 const AFTER_HELP: &str = "\
-Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and its name carries the options that \
+Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and its name contains the options that \
 differ from their defaults (furnace-r64x64-s16.exr); with a file name, in that format and as PNG. The EXR file also has \
 the standard error of every pixel.
 
 Ctrl-C (and SIGTERM) end a render early: the samples so far go to an EXR file, with a PNG preview, and the same command \
-with --resume FILE goes on from there, to the same bits as a render in one go. --resume FILE from the beginning also \
-saves the state every minute. A finished FILE can be given a larger -s.
+with --resume FILE continues it, to the same bits as an uninterrupted render. --resume FILE from the beginning also \
+saves the state every minute. A finished FILE can be continued with a larger -s.
 
 Exit codes: 0 good, 2 usage or bad input, 3 interrupted.
 
@@ -136,11 +139,13 @@ impl FromStr for Shard {
 }
 
 impl Render {
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let settings = self.settings(global.seed)?;
-        let pictures = self.pictures(global)?;
+        let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
-        let pictures = pictures.sparing(map);
+        let images = images.protecting(map);
+        // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
         let held = state.map(resume::held).transpose()?.flatten();
         let request = Request {
@@ -150,17 +155,19 @@ impl Render {
             ..asked
         };
         let samples = self.samples(request.spp, held.as_ref())?;
+        // Prepare the render and check the files, before any sample
         let job = Job::new(&scene, &request, &settings)?;
         let metadata = self.metadata(&scene.name, &request, &settings);
         let fresh = job.part(metadata.clone())?;
         let mut part = match (held, state) {
-            (Some(held), Some(path)) => resume::take_up(held, path, &fresh)?,
+            (Some(held), Some(path)) => resume::continued(held, path, &fresh)?,
             _ => fresh,
         };
-        pictures.check(&scene.name, state)?;
+        images.check(&scene.name, state)?;
         if let Some(path) = state.filter(|_| part.ranges().have(&samples)) {
-            console.warn(&format!("{}: all samples are there; the pictures are written again", path.display()));
+            console.warn(&format!("{}: all samples are there; the images are written again", path.display()));
         }
+        // Render, with the time of all runs in the metadata of every save
         let (before, count) = (seconds(&part.metadata), part.count());
         let describe =
             |part: &mut Part| part.metadata = metadata.clone().with(SECONDS, format!("{:.3}", before + job.seconds()));
@@ -174,11 +181,12 @@ impl Render {
         work::run(&job, &mut part, &samples, console, &scene.name, save)?;
         describe(&mut part);
 
+        // Write the images and report
         let interrupted = !part.ranges().have(&samples);
         let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
         summary.left_out = job.left_out();
         summary.interrupted = interrupted;
-        summary.written = pictures.write(&part, &scene.name, state, interrupted)?;
+        summary.written = images.write(&part, &scene.name, state, interrupted)?;
         if summary.dropped.total() > 0 {
             console.warn(&format!(
                 "{} samples were not finite and {} negative; they count as black (first at pixel {:?})",
@@ -188,23 +196,23 @@ impl Render {
             ));
         }
         if interrupted && let Some(file) = summary.written.files.first() {
-            console.warn(&format!("interrupted; to go on: the same command with --resume {}", file.display()));
+            console.warn(&format!("interrupted; to continue: the same command with --resume {}", file.display()));
             let black = part.film.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
             if black > 0 {
-                console.warn(&format!("{black} pixels have no sample yet: they are black"));
+                console.warn(&format!("{} without a sample: black", counted(black, "pixel")));
             }
         }
         console.result(&summary, || summary.text());
         Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good })
     }
 
-    fn pictures(&self, global: &Global) -> Result<Pictures> {
+    fn images(&self, global: &Global) -> Result<Images> {
         if self.file.is_some() && global.out.is_some() {
             return Err(Error::parameter("file", "`out` is given, too").with_hint("both mean the same"));
         }
         let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
         let out = self.file.as_deref().or(global.out.as_deref());
-        Pictures::new(out, global.arguments.target(out, &["scene", "shard"]), self.tone, shard)
+        Images::new(out, global.arguments.target(out, &["scene", "shard"]), self.tone, shard)
     }
 
     /// The samples to render: all, or a shard's.
@@ -212,12 +220,12 @@ impl Render {
         let Some(Shard { index, count }) = self.shard else { return Ok(0..spp) };
         if count > spp {
             return Err(Error::parameter("shard", format!("{spp} samples per pixel cannot be cut into {count}"))
-                .with_hint("at most one shard for each of the samples that `spp` says"));
+                .with_hint("at most one shard for each sample of `spp`"));
         }
         match held.map(|part| part.ranges().spp()) {
             Some(held) if held != spp => {
-                Err(Error::parameter("spp", format!("{spp}, but the shard to go on with is of {held} samples"))
-                    .with_hint("all shards of a picture need the same `spp`"))
+                Err(Error::parameter("spp", format!("{spp}, but the shard to continue is of {held} samples"))
+                    .with_hint("all shards of an image need the same `spp`"))
             }
             _ => Ok(shard(index, count, spp)),
         }
@@ -256,7 +264,7 @@ impl Render {
     }
 }
 
-/// The attribute that holds the seconds of all runs together.
+/// The attribute with the seconds of all runs together.
 const SECONDS: &str = "seconds";
 
 fn seconds(metadata: &Metadata) -> f64 {

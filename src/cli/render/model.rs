@@ -1,4 +1,4 @@
-//! Flags for what light does at surfaces: the correct formulas, approximations, the reports' conventions.
+//! Flags for the scattering model: the correct formulas, approximations, the reports' conventions.
 
 use crate::bsdf::{DielectricFresnel, NormalSampling};
 use crate::errata::Conventions;
@@ -9,15 +9,15 @@ use clap::{ArgAction, Args, ValueEnum};
 /// Which formulas to use.
 #[derive(Args)]
 pub struct ModelArgs {
-    /// What glass reflects: Fresnel's equations, or Schlick's approximation on the less dense side
+    /// Reflectance of glass: the Fresnel equations, or Schlick's approximation with the cosine on the less dense side
     #[arg(long, value_enum)]
     fresnel: Option<FresnelName>,
     /// How rough metal samples directions: by the visible normals (VNDF), by all normals (NDF), or uniformly over the
     /// hemisphere
     #[arg(long, value_enum)]
     normals: Option<NormalsName>,
-    /// The correct formulas (exact), everything as the second report's renderer has it (report), or any of its single
-    /// conventions, with commas between them
+    /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
+    /// them, with commas between them
     #[arg(long, value_enum, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
     model: Vec<ModelName>,
 }
@@ -41,24 +41,24 @@ enum ModelName {
     Exact,
     /// All conventions below together
     Report,
-    /// Metal: reflectance at the angle with the surface's normal, not the facet's; the two ways along a path then differ
-    /// by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
+    /// Metal: reflectance at the angle with the shading normal, not the microfacet normal; f(wo, wi) and f(wi, wo) then
+    /// differ by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
     FresnelAtNormal,
     /// Metal: a reflectance that drops a term, with an error below 0.008 for gold and copper
     ApproximateFresnel,
-    /// Glass: Schlick's polynomial of the cosine on the ray's own side; leaving glass of 1.5 at 40 degrees it reflects
-    /// 0.041 where 0.245 is right, and of even light from inside 0.573 where 0.596 is right
+    /// Glass: Schlick's approximation with the cosine on the ray's own side; inside glass of 1.5 at 40 degrees it
+    /// reflects 0.041 instead of 0.245, and 0.573 instead of 0.596 of uniform light from inside
     SingleCosineSchlick,
-    /// Metal: pi in place of its root in the shadowing, which is then off by up to 1.77 times (Lambda, grazing) and makes
-    /// G exceed 1, up to 1.051
+    /// Metal: pi instead of its root in Lambda, which is then wrong by a factor of up to 1.77 (grazing), so that G exceeds 1
+    /// (up to 1.051)
     LambdaPi,
-    /// Light of rectangular area lights falls off with the distance, not its square: 0.9 to 1.8 times the light in the
+    /// Radiance from rectangular area lights divided by the distance, not its square: 0.9 to 1.8 times the light in the
     /// report's Cornell box
     InverseDistance,
 }
 
 impl ModelArgs {
-    /// The model that the flags ask for; an error where two of them exclude each other.
+    /// The model that the flags select; an error where two of them exclude each other.
     pub fn model(&self) -> Result<ScatterModel> {
         let mut model = ScatterModel {
             normals: match self.normals.unwrap_or(NormalsName::Visible) {
@@ -88,16 +88,16 @@ impl ModelArgs {
         model.conventions = conventions;
         if conventions.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
             return Err(Error::parameter("normals", "the report's metal samples directions by all normals")
-                .with_hint("leave out `normals`, or the conventions for metal"));
+                .with_hint("omit `normals`, or the conventions for metal"));
         }
         if conventions.single_cosine_schlick && self.fresnel.is_some() {
             return Err(Error::parameter("fresnel", "the report's glass has its own reflectance")
-                .with_hint("leave out `fresnel`, or single-cosine-schlick"));
+                .with_hint("omit `fresnel`, or single-cosine-schlick"));
         }
         Ok(model)
     }
 
-    /// The names of the model, for the picture's metadata.
+    /// The names of the model, for the image's metadata.
     pub fn names(&self) -> String {
         let name = |value: &ModelName| value.to_possible_value().map(|v| v.get_name().to_owned());
         self.model.iter().filter_map(name).collect::<Vec<_>>().join(",")

@@ -1,4 +1,4 @@
-//! Going on with a render that a file holds.
+//! Continuing a render whose state is in a file.
 
 use crate::error::{Error, Result};
 use crate::raster::Metadata;
@@ -8,11 +8,8 @@ use std::path::Path;
 /// Reads the part at `path`, if there is a file.
 pub fn held(path: &Path) -> Result<Option<Part>> {
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
-        return Err(Error::parameter(
-            "resume",
-            format!("the state is kept in an OpenEXR file, not {}", path.display()),
-        )
-        .with_hint("name a file with the extension .exr"));
+        return Err(Error::parameter("resume", format!("the state must be an OpenEXR file, not {}", path.display()))
+            .with_hint("name a file with the extension .exr"));
     }
     if path.exists() { Part::read(path).map(Some) } else { Ok(None) }
 }
@@ -20,8 +17,8 @@ pub fn held(path: &Path) -> Result<Option<Part>> {
 /// `held` as a part of the same render as `fresh`, which has no samples yet.
 ///
 /// # Errors
-/// [`Error::Input`] that says in what the two differ; [`Error::Parameter`] when `held` has more samples than wanted.
-pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
+/// [`Error::Input`] with the differences of the two; [`Error::Parameter`] when `held` has more samples than wanted.
+pub fn continued(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
     if held.fingerprint != fresh.fingerprint || held.film.classes() != fresh.film.classes() {
         let mut message = "the file is of another render".to_owned();
         let differences = differences(&held, fresh);
@@ -30,14 +27,14 @@ pub fn take_up(mut held: Part, path: &Path, fresh: &Part) -> Result<Part> {
         }
         let begun = held.metadata.get("command").map_or(String::new(), |command| format!(" (`{command}`)"));
         return Err(Error::input(path, message).with_hint(format!(
-            "go on with the scene, flags and version that began it{begun}, or give `resume` another file"
+            "use the scene, flags and version that began it{begun}, or give `resume` another file"
         )));
     }
     held.set_spp(fresh.ranges().spp())?;
     Ok(held)
 }
 
-/// What flags were different, as far as the files tell.
+/// The differences between two parts that their files show.
 fn differences(held: &Part, fresh: &Part) -> Vec<String> {
     let size = |part: &Part| Some(format!("{}x{}", part.film.width(), part.film.height()));
     let paths = |part: &Part| part.film.classes().map(|c| c.count().to_string());

@@ -1,15 +1,18 @@
-//! What a render has to say about its picture, as numbers and as text.
+//! The summary of a render as JSON and as text: mean, standard error, time, memory, path classes.
 
 use crate::output::Written;
 use crate::raster::Image;
 use crate::render::Dropped;
 use crate::render::film::Part;
 use crate::scene::Request;
+use crate::view::text::counted;
 use glam::DVec3;
 use serde::Serialize;
 
+/// The summary of a render. Field names are JSON keys.
 #[derive(Serialize)]
 pub struct Summary<'a> {
+    /// The scene's name.
     pub scene: &'a str,
     width: usize,
     height: usize,
@@ -18,19 +21,24 @@ pub struct Summary<'a> {
     samples: u32,
     light_samples: u32,
     max_depth: u32,
+    /// Wall-clock time.
     pub seconds: f64,
     samples_per_second: f64,
-    /// Of the whole process; null where the system does not tell.
+    /// Of the whole process; null where the system does not say.
     peak_memory_bytes: Option<u64>,
     mean_rgb: [f64; 3],
     /// Root of the mean over all pixels of the squared standard error; null where a pixel has fewer than two samples.
     standard_error_mean_rgb: [f64; 3],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     paths: Vec<PathClass>,
+    /// Samples that count as black.
     pub dropped: Dropped,
+    /// Features that the kernel leaves out.
     pub left_out: Vec<&'static str>,
+    /// Whether samples are missing.
     pub interrupted: bool,
     #[serde(flatten)]
+    /// Files.
     pub written: Written,
 }
 
@@ -39,12 +47,12 @@ pub struct Summary<'a> {
 struct PathClass {
     class: String,
     mean_rgb: [f64; 3],
-    /// Of the picture's luminance.
+    /// Share of the image's luminance.
     share: f64,
 }
 
 impl<'a> Summary<'a> {
-    /// Of a part to which `done` samples (of single pixels) were added in so many seconds.
+    /// Of a part to which `done` samples (of single pixels) were added in `seconds`.
     pub fn new(scene: &'a str, request: &Request, part: &Part, done: u64, seconds: f64) -> Self {
         let film = &part.film;
         let mean = mean(&film.image(), |v| v);
@@ -81,12 +89,12 @@ impl<'a> Summary<'a> {
         };
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
         let mut text = format!(
-            "{} {}x{}, {samples}{} samples per pixel, {} light samples, depth {}: {:.2} s, {:.2} million samples/s\n",
+            "{} {}x{}, {samples}{} per pixel, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
             self.scene,
             self.width,
             self.height,
-            self.spp,
-            self.light_samples,
+            counted(self.spp as usize, "sample"),
+            counted(self.light_samples as usize, "light sample"),
             self.max_depth,
             self.seconds,
             self.samples_per_second * 1e-6

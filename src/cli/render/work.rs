@@ -1,4 +1,4 @@
-//! A render while it runs: the progress bar, the state saved now and then, the end by Ctrl-C.
+//! A running render: the progress bar, periodic saves of the state, the end by Ctrl-C.
 
 use crate::cli::console::Console;
 use crate::error::Result;
@@ -9,13 +9,13 @@ use indicatif::ProgressBar;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// The state of a render is saved about as often, unless saving takes more than a tenth of that.
+/// Time between two saves of the state; longer where saving takes more than a tenth of it.
 const PAUSE: Duration = Duration::from_secs(60);
 
 /// Writes the state down.
 pub type Save<'a> = &'a dyn Fn(&mut Part) -> Result<()>;
 
-/// Renders those of the samples that `part` does not have yet, until all are there or somebody interrupts. `save` is
+/// Renders those of the samples that `part` does not have yet, until all are there or an interruption. `save` is
 /// called about once a minute meanwhile.
 pub fn run(
     job: &Job,
@@ -45,7 +45,7 @@ pub fn run(
     Ok(())
 }
 
-/// Moves the bar; stops the render when somebody interrupts or it is time to save.
+/// Moves the bar; stops the render after an interruption or when it is time to save.
 struct Watch<'a> {
     bar: &'a ProgressBar,
     until: Option<Instant>,

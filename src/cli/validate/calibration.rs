@@ -1,22 +1,15 @@
-//! `etalon validate --calibrate`: the harness on itself.
+//! `etalon validate --calibrate`: are the p-values of the tests uniform under many seeds?
 
 use crate::cli::console::Console;
-use crate::cli::{Global, Verdict};
+use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::{Calibration, Case, calibrate};
+use crate::view::text::counted;
 use crate::view::validation as view;
 use etalon_stats::Protocol;
-use serde::Serialize;
 
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    calibration: &'a Calibration,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
+/// Tests the tests under `seeds` seeds; writes and prints the distribution of their p-values.
 pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
     let target = global.target(&[]);
     let stem = target.stem("calibration", "", &output::STUDY)?;
@@ -25,12 +18,8 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
     bar.finish_and_clear();
     let table = output::table(&view::calibration_rows(&found))?;
     let written = target.written(output::write(&stem, &view::calibration_drawing(&found), &table)?);
-    console.result(&Output { calibration: &found, written: &written }, || text(&found) + &written.text());
-    Ok(match found.accepted {
-        _ if found.interrupted => Verdict::Inconclusive,
-        true => Verdict::Good,
-        false => Verdict::Rejected,
-    })
+    console.saved(&found, &written, || text(&found));
+    Ok(Verdict::of(found.accepted, found.interrupted))
 }
 
 fn text(found: &Calibration) -> String {
@@ -44,11 +33,11 @@ fn text(found: &Calibration) -> String {
         text += "interrupted: the other tests are left out\n";
     }
     text + &format!(
-        "{} tests under {} seeds of {} samples: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
+        "{} under {} of {}: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
          uniformity of all p-values: p = {:.3}; tests with skewed p-values or a violation: {}\n",
-        found.tests.len(),
-        found.seeds,
-        found.samples,
+        counted(found.tests.len(), "test"),
+        counted(found.seeds as usize, "seed"),
+        counted(found.samples as usize, "sample"),
         100.0 * found.below_5_percent,
         100.0 * found.below_1_percent,
         found.uniformity.p,

@@ -1,4 +1,4 @@
-//! Samplers that are not part of this program: what `validate` takes to reach them.
+//! Samplers of other programs and in files: the arguments of `validate` for them.
 
 use crate::cli::console::Console;
 use crate::error::{Error, Result};
@@ -17,13 +17,13 @@ use std::time::Duration;
 #[derive(Args)]
 #[command(next_help_heading = "External samplers")]
 pub struct ExternalSampler {
-    /// Test the sampler of another program: it is started by this command and asked over its standard input and output
+    /// Test the sampler of another program: COMMAND starts it; requests and replies go over its standard input and output
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
-    /// Where the samples lie: sphere, hemisphere, square, line or discrete:N (default: what the program says)
+    /// Domain of the samples: sphere, hemisphere, square, line or discrete:N (default: what the program says)
     #[arg(long, value_name = "DOMAIN")]
     domain: Option<String>,
-    /// Time that the program has for every answer
+    /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
     /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
@@ -31,10 +31,12 @@ pub struct ExternalSampler {
     pdf: Option<PathBuf>,
 }
 
-/// What `--samples` says: how many to take, or the file that holds them.
+/// The value of `--samples`: their number, or the file with them.
 #[derive(Debug, Clone)]
 pub enum SampleSource {
+    /// As many from a sampler.
     Count(u64),
+    /// Those of a file.
     File(PathBuf),
 }
 
@@ -45,21 +47,21 @@ impl From<&OsStr> for SampleSource {
 }
 
 impl ExternalSampler {
-    /// The test of the sampler that was asked for, if any was.
+    /// The test of the external sampler, if there is one.
     pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
             (Some(_), Some(SampleSource::File(file)), _) => {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("with `exec`, samples are generated, not read"))
+                    .with_hint("with `exec`, the program generates the samples"))
             }
             (Some(command), ..) => self.program(command, space).map(Some),
             (None, Some(SampleSource::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
             (None, Some(SampleSource::File(file)), None) => {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("if it is a file of samples, give their density by `pdf` FILE"))
+                    .with_hint("if it is a file of samples, give their pdf by `pdf` FILE"))
             }
-            (None, _, Some(_)) => Err(Error::parameter("pdf", "a density without samples")
+            (None, _, Some(_)) => Err(Error::parameter("pdf", "a pdf without samples")
                 .with_hint("give a file of samples by `samples` FILE.csv")),
             (None, _, None) if space.is_some() => {
                 Err(Error::parameter("domain", "there is no external sampler to test")
@@ -106,9 +108,9 @@ fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) ->
             of_files(samples, density)
         }
         Some(_) if !is_table => {
-            Err(Error::parameter("pdf", "an image is a density over the sphere").with_hint("`domain` sphere"))
+            Err(Error::parameter("pdf", "an image is a pdf over the sphere").with_hint("`domain` sphere"))
         }
-        None => Err(Error::parameter("domain", "a table does not say what it is a density over")
+        None => Err(Error::parameter("domain", "the domain of a table is not known")
             .with_hint("`domain` sphere, hemisphere, square, line or discrete:N")),
         Some(space) => space.with(TableCase { samples, pdf }),
     }

@@ -6,11 +6,11 @@ mod planted;
 mod summary;
 
 use super::console::Console;
+use super::global::{Global, Verdict};
 use super::map_file::{self, MapOptions};
-use super::{Global, Verdict};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::{Case, Tested, Validation, run, select, suite};
 use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
@@ -36,10 +36,10 @@ pub struct Validate {
     /// List the tests and stop
     #[arg(long)]
     list: bool,
-    /// Test samplers with one planted fault each instead, all of which must be rejected
+    /// Instead, test samplers with one planted fault each, all of which must be rejected
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
-    /// Samples of each test (default: as many as --detect takes), or a CSV file that holds them (see --pdf)
+    /// Samples of each test (default: as many as --detect takes), or a CSV file with them (see --pdf)
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
     /// Take as many samples as detect a relative error W of the pdf with 90 % probability
@@ -51,7 +51,7 @@ pub struct Validate {
     /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
-    /// Draw the counts of each test: observed, expected, and how far they are apart
+    /// Plot the counts of each test: observed, expected, residuals
     #[arg(long)]
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
@@ -66,21 +66,9 @@ pub struct Validate {
     junit: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    validation: &'a Validation,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
 impl Validate {
-    /// Runs the command; errors name its flags.
+    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        self.execute(global, console).map_err(with_flag)
-    }
-
-    fn execute(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
             return planted::run(&self.protocol(global), global, console);
         }
@@ -92,7 +80,7 @@ impl Validate {
         if let Some(seeds) = self.calibrate {
             return calibration::run(&cases, &self.protocol(global), seeds, global, console);
         }
-        // Not only when all tests are done.
+        // Fail before the tests, not after them.
         self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
         let target = global.target(&[]);
         let stem = target.stem("validation", "", &output::STUDY)?;
@@ -110,7 +98,7 @@ impl Validate {
             files::write_bytes(path, junit::document(&validation).as_bytes())?;
             written.files.push(path.clone());
         }
-        console.result(&Output { validation: &validation, written: &written }, || summary::text(&validation, &written));
+        console.saved(&validation, &written, || summary::text(&validation));
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
             Validation { rejected: 1.., .. } => Verdict::Rejected,
@@ -142,20 +130,6 @@ impl Validate {
         }
         select(all, &self.names)
     }
-}
-
-/// The same error with the flag that sets the parameter in place of the library's name for it.
-fn with_flag(mut error: Error) -> Error {
-    if let Error::Parameter { name, .. } = &mut error {
-        let flag = match name.as_str() {
-            "level" | "samples" | "detect" | "domain" => format!("--{name}"),
-            "seeds" => "--calibrate".to_owned(),
-            "command" => "--exec".to_owned(),
-            _ => return error,
-        };
-        *name = flag;
-    }
-    error
 }
 
 /// Writes the counts of one test, if it has any.

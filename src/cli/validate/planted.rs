@@ -1,24 +1,16 @@
-//! `etalon validate --planted`: can the suite fail? Every mistake must be rejected, and nothing without one.
+//! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
 
 use super::summary::p_value;
 use crate::cli::console::Console;
-use crate::cli::{Global, Verdict};
+use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::files;
-use crate::output::{self, Written};
+use crate::output;
 use crate::study::validation::planted::{self, By, Findings};
 use crate::view::planted as view;
 use etalon_stats::Protocol;
-use serde::Serialize;
 
-#[derive(Serialize)]
-struct Output<'a> {
-    #[serde(flatten)]
-    findings: &'a Findings,
-    #[serde(flatten)]
-    written: &'a Written,
-}
-
+/// Runs all planted faults; writes and prints the findings.
 pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
     let target = global.target(&["planted"]);
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
@@ -28,15 +20,11 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     bar.finish_and_clear();
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let written = target.written(vec![path]);
-    console.result(&Output { findings: &findings, written: &written }, || text(&findings, &written));
-    Ok(match findings.is_good() {
-        _ if findings.interrupted => Verdict::Inconclusive,
-        true => Verdict::Good,
-        false => Verdict::Rejected,
-    })
+    console.saved(&findings, &written, || text(&findings));
+    Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
 
-fn text(findings: &Findings, written: &Written) -> String {
+fn text(findings: &Findings) -> String {
     let tests = &findings.tests;
     let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text =
@@ -66,5 +54,5 @@ fn text(findings: &Findings, written: &Written) -> String {
     if findings.interrupted {
         text += "interrupted before all tests were finished\n";
     }
-    text + &written.text()
+    text
 }

@@ -1,27 +1,29 @@
-//! What a run found, as a table for people: test by test if they are few, else by family with what needs a look in full.
+//! Results of tests as text: a line for each test if they are few, else one for each family and one for each test that is not
+//! accepted.
 
-use crate::output::Written;
 use crate::study::validation::{Tested, Validation};
+use crate::view::text::counted;
 use etalon_stats::Verdict;
 
-/// More tests than these are summed up.
+/// More tests than these are summarized by family.
 const FEW: usize = 40;
 
-pub fn text(validation: &Validation, written: &Written) -> String {
+/// The results of `validation` as text.
+pub fn text(validation: &Validation) -> String {
     let tests = &validation.tests;
     let mut text = String::new();
     if tests.len() <= FEW {
         text += &table(tests.iter());
     } else {
         text += &families(tests);
-        let doubtful: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
-        if !doubtful.is_empty() {
-            text += &format!("\n{}", table(doubtful.into_iter()));
+        let not_accepted: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
+        if !not_accepted.is_empty() {
+            text += &format!("\n{}", table(not_accepted.into_iter()));
         }
     }
     text += &format!(
-        "\n{} tests at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
-        tests.len(),
+        "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
+        counted(tests.len(), "test"),
         validation.level,
         validation.seed,
         validation.accepted,
@@ -32,14 +34,14 @@ pub fn text(validation: &Validation, written: &Written) -> String {
     if validation.interrupted {
         text += "interrupted before all tests were finished\n";
     }
-    text + &written.text()
+    text
 }
 
 /// One line for each test, and its remark below it.
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text = format!(
-        "{:<width$}  verdict            p   finds    samples  integral of the pdf             seconds\n",
+        "{:<width$}  verdict            p detects    samples  integral of the pdf             seconds\n",
         "test"
     );
     for Tested { name, outcome } in tests {
@@ -70,7 +72,7 @@ fn families(tests: &[Tested]) -> String {
         }
     }
     let width = groups.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let mut text = format!("{:<width$}  tests  accepted  least p   finds    samples\n", "family");
+    let mut text = format!("{:<width$}  tests  accepted    min p detects    samples\n", "family");
     for (name, members) in &groups {
         let outcomes = || members.iter().map(|test| &test.outcome);
         let accepted = outcomes().filter(|outcome| outcome.is_accepted()).count();
@@ -92,6 +94,7 @@ fn family(name: &str) -> String {
     words[..(words.len() - 1).min(2)].join("/")
 }
 
+/// A p-value with four decimals, or in scientific notation below 0.001.
 pub fn p_value(p: Option<f64>) -> String {
     p.map_or("-".into(), |p| if p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") })
 }

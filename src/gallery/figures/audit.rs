@@ -1,9 +1,7 @@
 //! The errors of the two reports: `audit`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{self, Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::figure;
+use crate::gallery::prelude::*;
 use crate::study::audit::{self, Erratum};
 use crate::view::audit as view;
 use etalon_stats::Verdict;
@@ -14,7 +12,7 @@ pub fn figures() -> Vec<Figure> {
         id: "audit",
         title: "Where the reports err, and which test detects it",
         report: Report::Both,
-        answers: "their own formulas",
+        reproduces: "their own formulas",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
                 image.",
         beside: None,

@@ -1,11 +1,7 @@
 //! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`.
 
 use crate::errata::Conventions;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::Request;
 use crate::study::depth::{self, DEPTHS, Depths, Row};
@@ -28,25 +24,17 @@ impl Study for DepthSeries {
 /// One figure for each of [`DEPTHS`], in that order.
 pub fn figures() -> Vec<Figure> {
     let texts = [
-        (
-            "depth-0",
-            "depth-1",
-            "Figure 1a, depth 0",
-            "etalon render cornell-spheres -s 64 -l 4 -m 0 --tone report",
-            "Only the area light itself is visible.",
-        ),
+        ("depth-0", "depth-1", "Figure 1a, depth 0", "Only the area light itself is visible."),
         (
             "depth-1",
             "depth-0",
             "Figure 1b, depth 1",
-            "etalon render cornell-spheres -s 64 -l 4 -m 1 --tone report",
             "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
         ),
         (
             "depth-2",
             "depth-1",
             "Figure 1c, depth 2",
-            "etalon render cornell-spheres -s 64 -l 4 -m 2 --tone report",
             "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
              light must enter and leave it.",
         ),
@@ -54,39 +42,30 @@ pub fn figures() -> Vec<Figure> {
             "depth-3",
             "depth-2",
             "Figure 1d, depth 3",
-            "etalon render cornell-spheres -s 64 -l 4 -m 3 --tone report",
             "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
         ),
         (
             "depth-4",
             "depth-3",
             "Figure 1e, depth 4",
-            "etalon render cornell-spheres -s 64 -l 4 -m 4 --tone report",
             "The glass sphere, as clear as before, appears in the mirror sphere.",
         ),
-        (
-            "depth-5",
-            "depth-4",
-            "Figure 1f, depth 5",
-            "etalon render cornell-spheres -s 64 -l 4 -m 5 --tone report",
-            "The light that this depth adds is faint.",
-        ),
+        ("depth-5", "depth-4", "Figure 1f, depth 5", "The light that this depth adds is faint."),
         (
             "depth-100",
             "depth-5",
             "Figure 1g, depth 100",
-            "etalon render cornell-spheres -s 64 -l 4 -m 100 --tone report",
             "Practically all light. Compare it with depth 5 to see how little was missing.",
         ),
     ];
-    let figure = |(place, (id, beside, answers, command, shows))| Figure {
+    let figure = |(place, (id, beside, reproduces, shows))| Figure {
         id,
         title: "Mirror and glass sphere, paths up to a depth",
         report: Report::Second,
-        answers,
+        reproduces,
         shows,
         beside: Some(beside),
-        command: Some(command),
+        command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report", DEPTHS[place])),
         make: Box::new(move |inputs, studies| content(inputs, studies, place)),
     };
     texts.into_iter().enumerate().map(figure).collect()

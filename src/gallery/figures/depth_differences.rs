@@ -1,11 +1,7 @@
 //! What each path depth adds: `depth-differences`.
 
 use super::depth::DepthSeries;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::depth::DEPTHS;
 use crate::view::depth as view;
 
@@ -15,7 +11,7 @@ pub fn figures() -> Vec<Figure> {
         id: "depth-differences",
         title: "What each further scattering adds, by path class",
         report: Report::Second,
-        answers: "Figure 1, what appears at each depth",
+        reproduces: "Figure 1, what appears at each depth",
         shows: "Each depth minus the one before, on one scale, with the path classes that make up the difference.",
         beside: None,
         command: None,

@@ -2,11 +2,8 @@
 
 use crate::envmap::info::Info;
 use crate::envmap::samplers::CdfSampler;
-use crate::error::Result;
 use crate::figure::Drawing;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::study::map_samples::{self, Row};
 use crate::view::map::{Display, Look};
 use glam::DVec3;
@@ -16,46 +13,28 @@ const MARKER: usize = 5;
 
 /// Three numbers of samples on the map, and one without the map.
 pub fn figures() -> Vec<Figure> {
-    let on_the_map = |id, n, answers, beside, command| Figure {
+    let on_the_map = |id, n, reproduces, beside| Figure {
         id,
         title: "Importance samples of the map",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
         beside: Some(beside),
-        command: Some(command),
+        command: Some(format!("etalon envmap sample {{map}} -n {n}")),
         make: Box::new(move |inputs, _| content(inputs, n, Display::samples)),
     };
     vec![
-        on_the_map(
-            "envmap-samples-64",
-            64,
-            "Figure 3, 64 samples",
-            "envmap-samples-256",
-            "etalon envmap sample {map} -n 64",
-        ),
-        on_the_map(
-            "envmap-samples-256",
-            256,
-            "Figure 4, 256 samples",
-            "median-cut-64",
-            "etalon envmap sample {map} -n 256",
-        ),
-        on_the_map(
-            "envmap-samples-1024",
-            1024,
-            "Figure 5, 1024 samples",
-            "envmap-samples-256",
-            "etalon envmap sample {map} -n 1024",
-        ),
+        on_the_map("envmap-samples-64", 64, "Figure 3, 64 samples", "envmap-samples-256"),
+        on_the_map("envmap-samples-256", 256, "Figure 4, 256 samples", "median-cut-64"),
+        on_the_map("envmap-samples-1024", 1024, "Figure 5, 1024 samples", "envmap-samples-256"),
         Figure {
             id: "envmap-samples-only-256",
             title: "The samples alone, in the colour of their radiance",
             report: Report::First,
-            answers: "Figure 6, radiance of 256 samples",
+            reproduces: "Figure 6, radiance of 256 samples",
             shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
             beside: Some("envmap-samples-256"),
-            command: Some("etalon envmap sample {map} -n 256"),
+            command: Some("etalon envmap sample {map} -n 256".into()),
             make: Box::new(|inputs, _| content(inputs, 256, Display::samples_only)),
         },
     ]

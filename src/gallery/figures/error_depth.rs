@@ -1,10 +1,7 @@
 //! Light missing at each maximum depth, and the time that it saves: `error-depth`.
 
 use super::error_time::{LIMIT, small};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::scene::{Request, builtin};
 use crate::study::converge::depth::{self, Depths};
 use crate::study::converge::doubling::Deadline;
@@ -16,7 +13,7 @@ pub fn figures() -> Vec<Figure> {
         id: "error-depth",
         title: "Light missing at each maximum depth, and the time that it saves",
         report: Report::Second,
-        answers: "Figure 1, max_ray_depth",
+        reproduces: "Figure 1, max_ray_depth",
         shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
         beside: None,
         command: None,

@@ -1,10 +1,6 @@
 //! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;
@@ -57,7 +53,7 @@ pub fn figures() -> Vec<Figure> {
             id: "error-time-sphere",
             title: "Error of the sphere against run time, by strategy",
             report: Report::First,
-            answers: "Figures 12 to 15, at equal time",
+            reproduces: "Figures 12 to 15, at equal time",
             shows: "Error over processor time and over samples per pixel, efficiency, and images at equal time with their \
                     errors.",
             beside: None,
@@ -68,7 +64,7 @@ pub fn figures() -> Vec<Figure> {
             id: "error-time-cornell",
             title: "Error of the Cornell box against run time, by strategy",
             report: Report::Second,
-            answers: "Figure 1, at equal time",
+            reproduces: "Figure 1, at equal time",
             shows: "The same for a mirror and a glass sphere in a Cornell box, lit by an area light.",
             beside: None,
             command: None,

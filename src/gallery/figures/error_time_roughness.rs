@@ -1,10 +1,7 @@
 //! Efficiency over roughness by the way of sampling normals: `error-time-roughness`.
 
 use super::error_time::{LIMIT, small};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::scene::Request;
 use crate::study::converge::doubling::Deadline;
 use crate::study::converge::roughness::{self, Level, NORMALS};
@@ -22,7 +19,7 @@ pub fn figures() -> Vec<Figure> {
         id: "error-time-roughness",
         title: "Efficiency over roughness, by the way of sampling normals",
         report: Report::Second,
-        answers: "Figure 3, over all roughnesses",
+        reproduces: "Figure 3, over all roughnesses",
         shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
         beside: None,
         command: None,

@@ -1,9 +1,7 @@
 //! Reflectance of glass from either side: `fresnel-enter`, `fresnel-exit`.
 
 use crate::errata::Conventions;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::prelude::*;
 use crate::study::fresnel;
 use crate::view::fresnel as view;
 
@@ -25,21 +23,21 @@ pub fn figures() -> Vec<Figure> {
             id: "fresnel-enter",
             title: "Reflectance from air into glass",
             report: Report::First,
-            answers: "Figure 1, reflectance from air into glass",
+            reproduces: "Figure 1, reflectance from air into glass",
             shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
                     approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
             beside: Some("fresnel-exit"),
-            command: Some("etalon fresnel --eta-i 1 --eta-t 1.45"),
+            command: Some("etalon fresnel --eta-i 1 --eta-t 1.45".into()),
             make: Box::new(|_, _| content(1.0, GLASS)),
         },
         Figure {
             id: "fresnel-exit",
             title: "Reflectance from glass into air",
             report: Report::First,
-            answers: "Figure 2, reflectance from glass into air",
+            reproduces: "Figure 2, reflectance from glass into air",
             shows: "The same from inside: total internal reflection beyond the critical angle.",
             beside: Some("fresnel-enter"),
-            command: Some("etalon fresnel --eta-i 1.45 --eta-t 1"),
+            command: Some("etalon fresnel --eta-i 1.45 --eta-t 1".into()),
             make: Box::new(|_, _| content(GLASS, 1.0)),
         },
     ]

@@ -1,11 +1,7 @@
 //! The statue in iron: `iron`.
 
 use super::roughness::{self, Statue};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 
 /// One figure.
 pub fn figures() -> Vec<Figure> {
@@ -13,10 +9,10 @@ pub fn figures() -> Vec<Figure> {
         id: "iron",
         title: "Iron statue",
         report: Report::Second,
-        answers: "Figure 4, iron",
+        reproduces: "Figure 4, iron",
         shows: "The same statue in iron: all colours are reflected nearly alike.",
         beside: Some("roughness-0.5"),
-        command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report"),
+        command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report".into()),
         make: Box::new(content),
     }]
 }

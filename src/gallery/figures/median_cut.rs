@@ -2,11 +2,8 @@
 
 use crate::envmap::cut::{SideRule, Split};
 use crate::envmap::info::Info;
-use crate::error::Result;
 use crate::figure::Drawing;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::study::median_cut::{self, Centroid, Row};
 use crate::view::map::{Display, Look};
 
@@ -15,29 +12,29 @@ const MARKER: usize = 5;
 
 /// Four partitions of the map, and the lights of the last one.
 pub fn figures() -> Vec<Figure> {
-    let partition = |id, n, answers, beside, command| Figure {
+    let partition = |id, n, reproduces, beside| Figure {
         id,
         title: "Median cut of the map",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
         beside: Some(beside),
-        command: Some(command),
+        command: Some(format!("etalon envmap cut {{map}} -n {n}")),
         make: Box::new(move |inputs, _| content(inputs, n, Display::partition)),
     };
     vec![
-        partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4", "etalon envmap cut {map} -n 2"),
-        partition("median-cut-4", 4, "Figure 8, 2 cuts", "median-cut-16", "etalon envmap cut {map} -n 4"),
-        partition("median-cut-16", 16, "Figure 9, 4 cuts", "median-cut-64", "etalon envmap cut {map} -n 16"),
-        partition("median-cut-64", 64, "Figure 10, 6 cuts", "median-cut-radiance-64", "etalon envmap cut {map} -n 64"),
+        partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4"),
+        partition("median-cut-4", 4, "Figure 8, 2 cuts", "median-cut-16"),
+        partition("median-cut-16", 16, "Figure 9, 4 cuts", "median-cut-64"),
+        partition("median-cut-64", 64, "Figure 10, 6 cuts", "median-cut-radiance-64"),
         Figure {
             id: "median-cut-radiance-64",
             title: "The lights of 64 regions",
             report: Report::First,
-            answers: "Figure 11, radiance of the centroids",
+            reproduces: "Figure 11, radiance of the centroids",
             shows: "One light at each centroid, in the colour of its region's flux.",
             beside: Some("median-cut-64"),
-            command: Some("etalon envmap cut {map} -n 64"),
+            command: Some("etalon envmap cut {map} -n 64".into()),
             make: Box::new(|inputs, _| content(inputs, 64, |display, rows| display.lights(rows, MARKER))),
         },
     ]

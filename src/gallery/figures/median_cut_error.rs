@@ -1,11 +1,7 @@
 //! Error of fixed lights in place of a map: `median-cut-error`.
 
 use super::error_time::{SphereCurves, biased, plan, sphere, stopped};
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::converge::lights::{self, CUTS};
 use crate::view::{converge, converge_series as view};
 
@@ -18,7 +14,7 @@ pub fn figures() -> Vec<Figure> {
         id: "median-cut-error",
         title: "Error of fixed lights in place of the map",
         report: Report::First,
-        answers: "Figures 7 to 11, their error",
+        reproduces: "Figures 7 to 11, their error",
         shows: "Error of the sphere lit by fixed lights of a median cut, over their number and over time, beside light samples \
                 of the map itself.",
         beside: None,

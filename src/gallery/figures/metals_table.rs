@@ -1,8 +1,6 @@
 //! Indices, special angles and albedo of the metals: `metals-table`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
+use crate::gallery::prelude::*;
 use crate::study::metals;
 use crate::view::metals as view;
 
@@ -15,7 +13,7 @@ pub fn figures() -> Vec<Figure> {
         id: "metals-table",
         title: "Metals: indices, special angles, albedo, error of the approximation",
         report: Report::Second,
-        answers: "Table 1, η and k of metals",
+        reproduces: "Table 1, η and k of metals",
         shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
                 Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
         beside: None,

@@ -1,9 +1,6 @@
 //! Inversion with uniform and with Gaussian random numbers: `proposal`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
+use crate::gallery::prelude::*;
 use crate::study::proposal::{self, Bin};
 use crate::view::proposal as view;
 
@@ -18,11 +15,11 @@ pub fn figures() -> Vec<Figure> {
         id: "proposal",
         title: "Inversion needs uniform random numbers",
         report: Report::First,
-        answers: "text, proposal distributions",
+        reproduces: "text, proposal distributions",
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
         beside: None,
-        command: Some("etalon envmap proposal {map}"),
+        command: Some("etalon envmap proposal {map}".into()),
         make: Box::new(|inputs, _| content(inputs)),
     }]
 }

@@ -1,11 +1,7 @@
 //! A golden statue of increasing roughness: `roughness-0.005`, `-0.05`, `-0.25`, `-0.5`.
 
 use crate::errata::Conventions;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::roughness::{self, Shot};
 use crate::view::statue as view;
@@ -39,14 +35,14 @@ impl Study for Statue {
 
 /// One figure for each α, each checked against the smoother one before it.
 pub fn figures() -> Vec<Figure> {
-    let figure = |id, alpha, smoother: Option<f32>, answers, beside, command| Figure {
+    let figure = |id, alpha, smoother: Option<f32>, reproduces, beside| Figure {
         id,
         title: "Golden statue of increasing roughness",
         report: Report::Second,
-        answers,
+        reproduces,
         shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights.",
         beside: Some(beside),
-        command: Some(command),
+        command: Some(format!("etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report")),
         make: Box::new(move |inputs, studies| {
             let mut content = content(inputs, studies, Statue::new("Au", alpha), "gold")?;
             if let Some(smoother) = smoother {
@@ -56,38 +52,10 @@ pub fn figures() -> Vec<Figure> {
         }),
     };
     vec![
-        figure(
-            "roughness-0.005",
-            0.005,
-            None,
-            "Figure 2a, α = 0.005",
-            "roughness-0.05",
-            "etalon render cornell-statue-au --alpha 0.005 -s 128 -l 1 -m 5 --tone report",
-        ),
-        figure(
-            "roughness-0.05",
-            0.05,
-            Some(0.005),
-            "Figure 2b, α = 0.05",
-            "roughness-0.005",
-            "etalon render cornell-statue-au --alpha 0.05 -s 128 -l 1 -m 5 --tone report",
-        ),
-        figure(
-            "roughness-0.25",
-            0.25,
-            Some(0.05),
-            "Figure 2c, α = 0.25",
-            "roughness-0.05",
-            "etalon render cornell-statue-au --alpha 0.25 -s 128 -l 1 -m 5 --tone report",
-        ),
-        figure(
-            "roughness-0.5",
-            0.5,
-            Some(0.25),
-            "Figure 2d, α = 0.5",
-            "roughness-0.25",
-            "etalon render cornell-statue-au --alpha 0.5 -s 128 -l 1 -m 5 --tone report",
-        ),
+        figure("roughness-0.005", 0.005, None, "Figure 2a, α = 0.005", "roughness-0.05"),
+        figure("roughness-0.05", 0.05, Some(0.005), "Figure 2b, α = 0.05", "roughness-0.005"),
+        figure("roughness-0.25", 0.25, Some(0.05), "Figure 2c, α = 0.25", "roughness-0.05"),
+        figure("roughness-0.5", 0.5, Some(0.25), "Figure 2d, α = 0.5", "roughness-0.25"),
     ]
 }
 

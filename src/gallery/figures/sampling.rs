@@ -1,11 +1,7 @@
 //! Importance sampling against hemisphere sampling: `sampling-importance`, `sampling-hemisphere`, `sampling-error`.
 
 use crate::errata::Conventions;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::sampling_strategies::{Comparison, compare};
 use crate::view::statue as view;
@@ -33,28 +29,28 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-importance",
             title: "Copper statue, importance sampling",
             report: Report::Second,
-            answers: "Figure 3a, importance sampling",
+            reproduces: "Figure 3a, importance sampling",
             shows: "Directions sampled in proportion to what the metal reflects: little noise with few samples.",
             beside: Some("sampling-hemisphere"),
-            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report"),
+            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report".into()),
             make: Box::new(|inputs, studies| render(inputs, studies, true)),
         },
         Figure {
             id: "sampling-hemisphere",
             title: "Copper statue, uniform hemisphere sampling",
             report: Report::Second,
-            answers: "Figure 3b, uniform hemisphere sampling",
+            reproduces: "Figure 3b, uniform hemisphere sampling",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
                     image looks dark and noisy.",
             beside: Some("sampling-importance"),
-            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report"),
+            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report".into()),
             make: Box::new(|inputs, studies| render(inputs, studies, false)),
         },
         Figure {
             id: "sampling-error",
             title: "Noise of both, and the dark rim at the silhouette",
             report: Report::Second,
-            answers: "Figure 3, the dark rim of hemisphere sampling",
+            reproduces: "Figure 3, the dark rim of hemisphere sampling",
             shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
                     like a dark rim.",
             beside: None,

@@ -1,11 +1,7 @@
 //! The white sphere under the environment map: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`.
 
 use crate::envmap::info::Info;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
 use crate::study::sphere::{Exact, PBRT_RMSE, shoot};
@@ -25,40 +21,22 @@ impl Study for ExactImage {
 
 /// Four numbers of samples per pixel.
 pub fn figures() -> Vec<Figure> {
-    let sphere = |id, spp, answers, beside, command| Figure {
+    let sphere = |id, spp, reproduces, beside| Figure {
         id,
         title: "The sphere under the map, and its error",
         report: Report::First,
-        answers,
+        reproduces,
         shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral: noise, which \
                 decreases with the number of samples.",
         beside: Some(beside),
-        command: Some(command),
+        command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4")),
         make: Box::new(move |inputs, studies| content(inputs, studies, spp)),
     };
     vec![
-        sphere("sphere-8", 8, "Figure 12, 8 samples", "sphere-64", "etalon render sphere-env --envmap {map} -s 8 -l 4"),
-        sphere(
-            "sphere-16",
-            16,
-            "Figure 13, 16 samples",
-            "sphere-8",
-            "etalon render sphere-env --envmap {map} -s 16 -l 4",
-        ),
-        sphere(
-            "sphere-32",
-            32,
-            "Figure 14, 32 samples",
-            "sphere-16",
-            "etalon render sphere-env --envmap {map} -s 32 -l 4",
-        ),
-        sphere(
-            "sphere-64",
-            64,
-            "Figure 15, 64 samples",
-            "sphere-32",
-            "etalon render sphere-env --envmap {map} -s 64 -l 4",
-        ),
+        sphere("sphere-8", 8, "Figure 12, 8 samples", "sphere-64"),
+        sphere("sphere-16", 16, "Figure 13, 16 samples", "sphere-8"),
+        sphere("sphere-32", 32, "Figure 14, 32 samples", "sphere-16"),
+        sphere("sphere-64", 64, "Figure 15, 64 samples", "sphere-32"),
     ]
 }
 

@@ -2,11 +2,7 @@
 
 use super::sphere::ExactImage;
 use crate::envmap::info::Info;
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::Studies;
+use crate::gallery::prelude::*;
 use crate::study::sphere::{self, AtNormal, Series};
 use crate::view::sphere as view;
 
@@ -19,7 +15,7 @@ pub fn figures() -> Vec<Figure> {
         id: "sphere-error",
         title: "Error of the sphere against samples and time",
         report: Report::First,
-        answers: "Figures 12 to 15, measured",
+        reproduces: "Figures 12 to 15, measured",
         shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
         beside: None,
         command: None,

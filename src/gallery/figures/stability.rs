@@ -1,11 +1,7 @@
 //! Numerical errors of the code that renders: `stability-fresnel`, `-conductor`, `-microfacet`, `-sampling`, `-geometry`,
 //! `-sums`. The registry of the study says which figure shows which family.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::Inputs;
-use crate::gallery::studies::{Studies, Study};
+use crate::gallery::prelude::*;
 use crate::study::stability::{self, Effort, Stability};
 use crate::view::{stability as maps, stability_summary as summary};
 
@@ -45,7 +41,7 @@ pub fn figures() -> Vec<Figure> {
         id,
         title,
         report: Report::Neither,
-        answers: "stability study",
+        reproduces: "stability study",
         shows: if id == SUMS { SUMMARY } else { MAPS },
         beside: None,
         command: None,

@@ -1,9 +1,7 @@
 //! The program's own samplers under test: `validation`.
 
-use crate::error::Result;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Content, Figure, Report};
-use crate::gallery::inputs::{Effort, Inputs};
+use crate::gallery::inputs::Effort;
+use crate::gallery::prelude::*;
 use crate::study::validation::{run, select, suite};
 use crate::view::validation as view;
 
@@ -18,11 +16,11 @@ pub fn figures() -> Vec<Figure> {
         id: "validation",
         title: "Every sampler against its pdf",
         report: Report::Neither,
-        answers: "samplers of both reports, tested",
+        reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
         beside: None,
-        command: Some("etalon validate"),
+        command: Some("etalon validate".into()),
         make: Box::new(|inputs, _| content(inputs)),
     }]
 }

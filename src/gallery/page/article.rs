@@ -1,35 +1,40 @@
 //! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
 
-use super::html::{Escaped, Seconds, counted};
-use super::picture::Picture;
+use super::embedded::EmbeddedImage;
+use super::html::{Escaped, Seconds};
 use super::record::Record;
 use crate::gallery::check::Check;
 use crate::gallery::figure::Figure;
+use crate::view::text::counted;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What else a figure's folder may hold of it, in the order of the links.
+/// Formats of a figure's files, in the order of the links.
 const FILES: [&str; 7] = ["svg", "png", "pdf", "csv", "exr", "pfm", "ppm"];
 
 /// A figure of the registry that was made.
 pub struct Article<'a> {
+    /// Its texts.
     pub figure: &'a Figure,
     /// Its place in the registry, from 1.
     pub number: usize,
+    /// Its checks and how it was made.
     pub record: &'a Record,
-    pub picture: Picture,
+    /// The image inside the page.
+    pub image: EmbeddedImage,
     /// Its counterpart for comparison, if that is on the page, too.
     pub beside: Option<&'static str>,
 }
 
 impl Article<'_> {
+    /// Number of failed checks.
     pub fn failed(&self) -> usize {
         self.record.checks.iter().filter(|c| !c.pass).count()
     }
 
     /// The figure as an `<article>`.
     pub fn html(&self, out: &mut String, folder: &Path) -> std::fmt::Result {
-        let Self { figure, record, picture, .. } = self;
+        let Self { figure, record, image, .. } = self;
         let id = Escaped(figure.id);
         writeln!(
             out,
@@ -45,10 +50,10 @@ impl Article<'_> {
             "<figure><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{}\"><img src=\"{}\" width=\"{}\" height=\"{}\" \
              data-vector=\"{}\" alt=\"{}\" /></a>",
             Escaped(&self.heading()),
-            picture.source,
-            picture.width,
-            picture.height,
-            picture.vector,
+            image.source,
+            image.width,
+            image.height,
+            image.vector,
             Escaped(&self.alternative())
         )?;
         out.push_str("<figcaption class=\"fine\">Files beside this page:");
@@ -63,18 +68,19 @@ impl Article<'_> {
         checks(out, &record.checks)?;
         out.push_str("<div class=\"again\"><p>Reproduce with</p>");
         command(out, &join(&format!("etalon reproduce --only {}", figure.id), &record.setup.options))?;
-        if let Some(direct) = figure.command {
+        if let Some(direct) = &figure.command {
             out.push_str("<p>or, with all options,</p>");
             command(out, &direct.replace("{map}", &record.setup.map))?;
         }
         writeln!(out, "<p class=\"fine\">{} here</p></div>\n</article>", Seconds(record.seconds))
     }
 
+    /// Number and title.
     pub fn heading(&self) -> String {
         format!("{}. {}", self.number, self.figure.title)
     }
 
-    /// For those who do not see the picture.
+    /// The text in place of the image.
     fn alternative(&self) -> String {
         let Figure { id, title, shows, .. } = self.figure;
         format!("{title} ({id}). {shows}")

@@ -33,17 +33,12 @@ impl Display for Seconds {
     }
 }
 
-/// "1 figure", "2 figures".
-pub fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn nothing_gets_out_of_its_place() {
+    fn escaped_text_stays_inside_its_attribute_or_element() {
         let evil = "\"><script>alert('&')</script>\u{8}\n";
         let safe = Escaped(evil).to_string();
         assert!(!safe.contains(['<', '>', '"', '\'', '\u{8}']), "{safe}");

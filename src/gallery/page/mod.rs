@@ -1,18 +1,19 @@
 //! The page that shows all figures: one HTML file that works alone and offline.
 
 mod article;
+mod embedded;
 mod html;
-mod picture;
 mod record;
 
-pub use record::{Record, Records, Setup, read_records, without_place};
+pub use record::{Record, Records, Setup, read_records, without_folder};
 
 use super::figure::{Figure, Report};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::view::text::counted;
 use article::{Article, join};
-use html::{Escaped, Seconds, counted};
-use picture::Picture;
+use embedded::EmbeddedImage;
+use html::{Escaped, Seconds};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -40,7 +41,7 @@ fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> R
         .filter_map(|(i, figure)| Some((i + 1, figure, records.get(figure.id)?)))
         .map(|(number, figure, record)| {
             let beside = figure.beside.filter(|id| records.contains_key(*id));
-            Ok(Article { figure, number, record, picture: Picture::read(folder, figure.id)?, beside })
+            Ok(Article { figure, number, record, image: EmbeddedImage::read(folder, figure.id)?, beside })
         })
         .collect()
 }

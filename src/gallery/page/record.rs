@@ -1,4 +1,4 @@
-//! What is known of the figures in a folder: one record per figure, kept in `reproduce.json` from run to run.
+//! Records of the figures in a folder: one per figure, in `reproduce.json`.
 
 use crate::error::{Error, Result};
 use crate::files;
@@ -18,12 +18,12 @@ const LIMIT: u64 = 16 << 20;
 /// Records by the figure's id.
 pub type Records = BTreeMap<String, Record>;
 
-/// How a figure came out.
+/// The outcome of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Wall-clock time that it took.
     pub seconds: f64,
-    /// What its numbers must meet.
+    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
@@ -31,7 +31,7 @@ pub struct Record {
     pub setup: Setup,
 }
 
-/// The program, what it was asked for and the machine. Names no host, no user and no folder.
+/// The program, its arguments and the machine, without names of host, user or folder.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Setup {
     /// Of the program.
@@ -40,7 +40,7 @@ pub struct Setup {
     pub seed: u64,
     /// The environment map, as the command line names it.
     pub map: String,
-    /// The flags that make the same again.
+    /// The flags that reproduce it.
     pub options: String,
     /// The processor's model.
     pub cpu: String,
@@ -59,7 +59,7 @@ impl Setup {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: inputs.seed,
-            map: without_place(&inputs.map.name),
+            map: without_folder(&inputs.map.name),
             options: options.to_owned(),
             cpu: cpu(),
             cores: std::thread::available_parallelism().map_or(1, NonZero::get),
@@ -69,9 +69,9 @@ impl Setup {
     }
 }
 
-/// A path that tells nobody where on a disk it lies: absolute ones lose their folders.
+/// A path without the place on this machine: absolute paths lose their folders.
 #[must_use]
-pub fn without_place(name: &str) -> String {
+pub fn without_folder(name: &str) -> String {
     let path = Path::new(name);
     match path.file_name() {
         Some(file) if path.is_absolute() => file.to_string_lossy().into_owned(),
@@ -87,7 +87,7 @@ fn cpu() -> String {
     model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }
 
-/// The records that earlier runs left in `folder`, of those `figures` whose files are still there.
+/// The records of earlier runs in `folder`, of those `figures` whose files are still there.
 ///
 /// # Errors
 /// When the file is there but cannot be read or understood.
@@ -107,6 +107,10 @@ pub fn read_records(folder: &Path, figures: &[Figure]) -> Result<Records> {
     Ok(records)
 }
 
+/// Writes the records to `reproduce.json` in `folder`.
+///
+/// # Errors
+/// A file that cannot be written.
 pub(super) fn write_records(folder: &Path, records: &Records) -> Result<()> {
     let path = folder.join(FILE);
     let mut text = serde_json::to_vec_pretty(records).map_err(|e| Error::io(&path, e.into()))?;
@@ -115,31 +119,13 @@ pub(super) fn write_records(folder: &Path, records: &Records) -> Result<()> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
     use crate::gallery::registry;
-
-    /// A record with one good and one bad check.
-    pub fn record() -> Record {
-        Record {
-            seconds: 0.25,
-            checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
-            errata: Vec::new(),
-            setup: Setup {
-                version: "0".into(),
-                seed: 1,
-                map: "nave".into(),
-                options: "--quick".into(),
-                cpu: "abacus".into(),
-                cores: 1,
-                threads: 1,
-                system: "none".into(),
-            },
-        }
-    }
+    use crate::gallery::tests::record;
 
     #[test]
-    fn records_survive_and_lost_figures_leave() {
+    fn records_are_read_back_without_those_of_missing_figures() {
         let dir = tempfile::tempdir().unwrap();
         let write = |name: &str| std::fs::write(dir.path().join(name), "x").unwrap();
         assert_eq!(read_records(dir.path(), &registry()).unwrap(), Records::new());
@@ -158,8 +144,8 @@ pub(super) mod tests {
 
     #[test]
     fn absolute_paths_lose_their_folders() {
-        assert_eq!(without_place("maps/a.exr"), "maps/a.exr");
-        assert_eq!(without_place("nave"), "nave");
-        assert_eq!(without_place("/home/who/a.exr"), "a.exr");
+        assert_eq!(without_folder("maps/a.exr"), "maps/a.exr");
+        assert_eq!(without_folder("nave"), "nave");
+        assert_eq!(without_folder("/home/who/a.exr"), "a.exr");
     }
 }

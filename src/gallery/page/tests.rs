@@ -1,8 +1,8 @@
 //! The page as a document: well-formed, complete, without references to elsewhere.
 
-use super::record::tests::record;
 use super::*;
 use crate::figure::Drawing;
+use crate::gallery::tests::record;
 use crate::gallery::{Erratum, registry};
 
 /// The page of all figures of the registry, each with an empty drawing.

@@ -1,4 +1,4 @@
-//! The files that a render leaves: pictures, or what to go on from.
+//! The files of a render: images, and the state from which it can be continued.
 
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
@@ -9,31 +9,31 @@ use crate::render::film::Part;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// How 8-bit pictures are shown.
+/// Tone mapping of 8-bit images.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ToneName {
     /// The sRGB curve, rounded
     Srgb,
-    /// Half a stop brighter, gamma 2.2, cut: the second report's pictures
+    /// Half a stop brighter, gamma 2.2, clipped: as in the second report
     Report,
 }
 
 /// Which files to write.
-pub struct Pictures {
+pub struct Images {
     target: Target,
     formats: Vec<&'static str>,
     tone: Option<ToneName>,
-    /// Of a shard: what its name gets added in a folder; its sums are kept, too.
+    /// Of a shard: the suffix of its default name; its file has the sums.
     shard: Option<String>,
 }
 
-impl Pictures {
-    /// Files at `target`, which `out` asked for; an error if they cannot be of that format.
+impl Images {
+    /// Files at `target`, by `out`; an error if they cannot have its format.
     pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
-                return Err(Error::parameter("out", "a shard is kept in an OpenEXR file")
+                return Err(Error::parameter("out", "a shard must be an OpenEXR file")
                     .with_hint("name a file with the extension .exr, or a folder"));
             }
             Some("png") => vec!["png"],
@@ -43,16 +43,16 @@ impl Pictures {
         Ok(Self { target, formats, tone, shard })
     }
 
-    /// Refuses to replace this file, too.
-    pub fn sparing(self, input: Option<PathBuf>) -> Self {
+    /// The same, which also refuses to replace `input`.
+    pub fn protecting(self, input: Option<PathBuf>) -> Self {
         Self { target: self.target.with_inputs(&Vec::from_iter(input)), ..self }
     }
 
-    /// Writes the pictures of a render called `name`, and first `state`, from which a later run can go on. Of an
+    /// Writes the images of a render called `name`, and first `state`, from which a later run can continue. Of an
     /// interrupted render (`cut`) there is one such file in any case, and a preview.
     pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Written> {
         state.map_or(Ok(()), |state| part.save(state))?;
-        let mut pictures = Vec::new();
+        let mut images = Vec::new();
         let formats = match &self.shard {
             None if cut => &["exr", "png"],
             _ => self.formats.as_slice(),
@@ -71,23 +71,23 @@ impl Pictures {
             } else {
                 part.write(&path)?;
             }
-            pictures.push(path);
+            images.push(path);
         }
-        let mut written = self.target.written(pictures);
+        let mut written = self.target.written(images);
         written.files.splice(..0, state.map(Path::to_owned));
         Ok(written)
     }
 
-    /// An error if the pictures of a render called `name` or its state could not be written.
+    /// An error if the images of a render called `name` or its state could not be written.
     pub fn check(&self, name: &str, state: Option<&Path>) -> Result<()> {
         let stem = self.stem(name)?;
-        let pictures = self.formats.iter().map(|format| output::with_extension(&stem, format));
-        state.map(Path::to_owned).into_iter().chain(pictures).try_for_each(|path| files::check_writable(&path))
+        let images = self.formats.iter().map(|format| output::with_extension(&stem, format));
+        state.map(Path::to_owned).into_iter().chain(images).try_for_each(|path| files::check_writable(&path))
     }
 
     fn stem(&self, name: &str) -> Result<PathBuf> {
         let shard = self.shard.as_deref().filter(|_| !self.target.is_named()).unwrap_or("");
-        // An interrupted render is kept in an EXR file, whatever the formats are.
+        // An interrupted render is saved in an EXR file, for any formats.
         self.target.stem(&output::file_name(name), shard, &[&self.formats[..], &["exr", "png"]].concat())
     }
 

@@ -1,4 +1,4 @@
-//! A figure's picture as the page carries it: the SVG of small plots, else the PNG made smaller.
+//! A figure's image inside the page: the SVG of small plots, else the PNG, reduced or as JPEG.
 
 use crate::error::{Error, Result};
 use crate::figure::base64;
@@ -9,47 +9,50 @@ use std::path::Path;
 
 /// Larger plots take fewer bytes as an image.
 const LARGEST_SVG: usize = 150_000;
-/// Larger PNG files are noise, which JPEG holds with fewer bytes.
+/// Larger PNG files are noisy; as JPEG they take fewer bytes.
 const LARGEST_PNG: usize = 60_000;
-/// Wider pictures are made as narrow as this.
+/// Wider images are reduced to this width in pixels.
 const WIDEST: u32 = 1200;
-/// Of JPEG: differs from the PNG by less than the noise that the pictures show.
+/// Of JPEG: differs from the PNG by less than the noise of the images.
 const QUALITY: u8 = 82;
-/// The largest file that is looked at.
+/// The largest file that is read, in bytes.
 const LIMIT: u64 = 256 << 20;
 
-/// A picture inside the page.
-pub struct Picture {
+/// An image inside the page.
+pub struct EmbeddedImage {
     /// A `data:` address.
     pub source: String,
-    /// Its size in CSS pixels.
+    /// In CSS pixels.
     pub width: u32,
+    /// In CSS pixels.
     pub height: u32,
     /// Whether it stays sharp at any size.
     pub vector: bool,
 }
 
-impl Picture {
-    /// The picture of the figure `id` in `folder`.
+impl EmbeddedImage {
+    /// The image of the figure `id` in `folder`.
     ///
     /// # Errors
     /// When a file of it is missing or damaged.
     pub fn read(folder: &Path, id: &str) -> Result<Self> {
         let path = folder.join(format!("{id}.svg"));
         let svg = files::read_bounded(&path, LIMIT)?;
-        let picture = |kind: &str, bytes: &[u8], [width, height]: [u32; 2], vector| {
+        let embedded = |kind: &str, bytes: &[u8], [width, height]: [u32; 2], vector| {
             Ok(Self { source: format!("data:image/{kind};base64,{}", base64(bytes)), width, height, vector })
         };
+        // Plots: the SVG itself, unless it is large or has an image inside
         if svg.len() <= LARGEST_SVG && !svg.windows(6).any(|w| w == b"<image") {
             let size = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
-            return picture("svg+xml", &svg, size, true);
+            return embedded("svg+xml", &svg, size, true);
         }
+        // Images: the PNG if it is small, else a JPEG of limited width
         let path = folder.join(format!("{id}.png"));
         let png = files::read_bounded(&path, LIMIT)?;
         let damaged = |e: image::ImageError| Error::input(&path, e.to_string());
         let mut full = image::load_from_memory_with_format(&png, image::ImageFormat::Png).map_err(damaged)?;
         if png.len() <= LARGEST_PNG {
-            return picture("png", &png, [full.width(), full.height()], false);
+            return embedded("png", &png, [full.width(), full.height()], false);
         }
         if full.width() > WIDEST {
             full = full.resize(WIDEST, u32::MAX, FilterType::CatmullRom);
@@ -57,7 +60,7 @@ impl Picture {
         let size = [full.width(), full.height()];
         let mut jpeg = Vec::new();
         JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(&full.into_rgb8()).map_err(damaged)?;
-        picture("jpeg", &jpeg, size, false)
+        embedded("jpeg", &jpeg, size, false)
     }
 }
 
@@ -82,7 +85,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut drawing = Drawing::new(300.5, 200.0, 1.0);
         drawing.write(&dir.path().join("a")).unwrap();
-        let small = Picture::read(dir.path(), "a").unwrap();
+        let small = EmbeddedImage::read(dir.path(), "a").unwrap();
         assert!(small.vector && small.source.starts_with("data:image/svg+xml;base64,"));
         assert_eq!([small.width, small.height], [301, 200]);
         let noise = Rgb8::from_fn(300, 200, |x, y| {
@@ -94,9 +97,9 @@ mod tests {
         });
         drawing.image(Rect::new(0.0, 0.0, 300.0, 200.0), noise);
         drawing.write(&dir.path().join("b")).unwrap();
-        let large = Picture::read(dir.path(), "b").unwrap();
+        let large = EmbeddedImage::read(dir.path(), "b").unwrap();
         assert!(!large.vector && large.source.starts_with("data:image/jpeg;base64,"));
         std::fs::write(dir.path().join("b.png"), vec![7; LARGEST_PNG + 1]).unwrap();
-        assert!(matches!(Picture::read(dir.path(), "b"), Err(Error::Input { .. })));
+        assert!(matches!(EmbeddedImage::read(dir.path(), "b"), Err(Error::Input { .. })));
     }
 }

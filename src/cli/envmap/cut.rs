@@ -1,0 +1,121 @@
+//! `etalon envmap cut`: the regions of a median cut and the lights that stand for them.
+
+use super::options::{LookArgs, MAP_HELP};
+use super::outputs::Outputs;
+use crate::cli::console::Console;
+use crate::cli::global::{Global, Verdict};
+use crate::cli::map_file::{self, MapOptions};
+use crate::envmap::cut::{SideRule, Split};
+use crate::envmap::info::Info;
+use crate::error::Result;
+use crate::interrupt;
+use crate::output::{self, Written};
+use crate::study::median_cut::{self, Centroid};
+use crate::view::map::Display;
+use crate::view::text::counted;
+use clap::{ArgAction, Args, ValueEnum};
+use serde::Serialize;
+use std::ffi::OsString;
+
+/// Divide a map by median cut
+#[derive(Args)]
+#[command(after_help = "Writes MAP-cut-N.{csv,svg,png,pdf} (the map with the regions and their centroids) and \
+                        MAP-cut-lights-N.{svg,png,pdf} (the centroids alone, in the colour of their region's flux).\n\n\
+                        Example:\n  etalon envmap cut nave -n 2,4,16,64")]
+pub struct Cut {
+    #[arg(help = MAP_HELP)]
+    map: OsString,
+    /// Numbers of regions. A power of two is reached level by level, every region cut at every level (Debevec 2005); any
+    /// other number by cutting the region with the most energy first
+    #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
+    n: Vec<usize>,
+    /// Cut where the energy halves, or where the larger variance of the two halves is smallest
+    #[arg(long, value_enum, default_value_t = SplitName::Energy)]
+    split: SplitName,
+    /// Put a region's light at its energy centroid, or at the first report's median pixel
+    #[arg(long, value_enum, default_value_t = CentroidName::Energy)]
+    centroid: CentroidName,
+    /// How the longer side of a region, which the cut divides, is measured: in texels, as in the first report, or on the
+    /// sphere, where texels near the poles are narrow
+    #[arg(long, value_enum, default_value_t = SidesName::Texels)]
+    sides: SidesName,
+    #[command(flatten)]
+    look: LookArgs,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+#[derive(Serialize)]
+struct Output {
+    n: usize,
+    /// Relative error of the regions' total flux.
+    flux_error: f64,
+    /// Energy of the most energetic region over the mean of all regions.
+    imbalance: f64,
+    #[serde(flatten)]
+    written: Written,
+}
+
+impl Cut {
+    /// Runs the command.
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        let info = Info::of(&source.map);
+        map_file::warn_upside_down(&info, &source.name, console);
+        let split = if self.split == SplitName::Energy { Split::Energy } else { Split::Variance };
+        let sides = if self.sides == SidesName::Texels { SideRule::Texels } else { SideRule::Sphere };
+        let centroid = match self.centroid {
+            CentroidName::Energy => Centroid::Energy,
+            CentroidName::Median => Centroid::Median,
+        };
+        let cuts = median_cut::cut(&source.map, &self.n, split, sides, centroid)?;
+        let display = Display::new(&source.map, self.look.look());
+        let target = global.target(&["map", "n"]);
+        let name = map_file::short_name(&self.map);
+        // Draw the regions over the map, and their lights on black.
+        let one = |(&n, rows): (&usize, &Vec<median_cut::Row>)| -> Result<Output> {
+            interrupt::check()?;
+            let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
+            let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
+            let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
+            files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
+            let (flux_error, imbalance) = (median_cut::flux_error(rows, info.flux_rgb), median_cut::imbalance(rows));
+            Ok(Output { n, flux_error, imbalance, written: target.written(files) })
+        };
+        let outputs = Outputs::of(&source.name, self.n.iter().zip(&cuts).map(one))?;
+        console.result(&outputs, || {
+            let line = |r: &Output| {
+                format!(
+                    "{}: relative error of the flux {:.1e}, most energetic one {:.3} times the mean\n{}",
+                    counted(r.n, "region"),
+                    r.flux_error,
+                    r.imbalance,
+                    r.written.text()
+                )
+            };
+            outputs.results.iter().map(line).collect()
+        });
+        Ok(outputs.verdict())
+    }
+}
+
+/// Names of [`Split`].
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SplitName {
+    Energy,
+    Variance,
+}
+
+/// Names of [`SideRule`].
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SidesName {
+    Texels,
+    Sphere,
+}
+
+/// Names of [`Centroid`].
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CentroidName {
+    Energy,
+    Median,
+}

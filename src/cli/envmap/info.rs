@@ -1,0 +1,57 @@
+//! `etalon envmap info`: size, range, flux and contrast of a map.
+
+use super::options::MAP_HELP;
+use crate::cli::console::Console;
+use crate::cli::global::Verdict;
+use crate::cli::map_file::{self, MapOptions};
+use crate::envmap::info;
+use crate::error::Result;
+use clap::Args;
+use std::ffi::OsString;
+
+/// Print a map's size, range, flux and contrast
+#[derive(Args)]
+pub struct Info {
+    #[arg(help = MAP_HELP)]
+    map: OsString,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+impl Info {
+    /// Runs the command.
+    pub fn run(&self, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        let info = info::Info::of(&source.map);
+        map_file::warn_upside_down(&info, &source.name, console);
+        console.result(&info, || {
+            let number = |v: Option<f32>| v.map_or("none".into(), |v| format!("{v:.6e}"));
+            let rgb = |v: [f64; 3]| format!("{:.6e} {:.6e} {:.6e}", v[0], v[1], v[2]);
+            format!(
+                "size                      {} x {}\nrange                     {} to {}\nmean over texels (RGB)    {}\n\
+                 mean over the sphere      {}\nflux (radiance x sr)      {}\npeak / mean               {:.1}\n\
+                 effective texels          {:.1} of {}\nbrightest texel           ({}, {}), {:.1}° above the horizon, \
+                 {:.2} % of the energy within 2°\nfrom above the horizon    {:.1} % of the energy\n\
+                 non-finite, negative      {}, {} texels\n",
+                info.width,
+                info.height,
+                number(info.min),
+                number(info.max),
+                rgb(info.mean_rgb),
+                rgb(info.solid_angle_mean_rgb),
+                rgb(info.flux_rgb),
+                info.peak_to_mean,
+                info.effective_texels,
+                info.width * info.height,
+                info.peak.0,
+                info.peak.1,
+                info.peak_elevation_deg,
+                100.0 * info.peak_share,
+                100.0 * info.upper_share,
+                info.nonfinite,
+                info.negative
+            )
+        });
+        Ok(Verdict::Good)
+    }
+}

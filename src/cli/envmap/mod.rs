@@ -1,0 +1,42 @@
+//! `etalon envmap`: environment maps, one file per subcommand.
+
+mod cut;
+mod info;
+mod make;
+mod options;
+mod outputs;
+mod proposal;
+mod sample;
+
+use super::console::Console;
+use super::global::{Global, Verdict};
+use crate::error::Result;
+use clap::Subcommand;
+
+/// The subcommands.
+#[derive(Subcommand)]
+pub enum Envmap {
+    /// Print a map's size, range, flux and contrast
+    Info(info::Info),
+    /// Show importance samples of a map
+    Sample(sample::Sample),
+    /// Divide a map by median cut
+    Cut(cut::Cut),
+    /// Compare uniform with Gaussian random numbers for inversion
+    Proposal(proposal::Proposal),
+    /// Write a built-in map
+    Make(make::Make),
+}
+
+impl Envmap {
+    /// Runs the command.
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        match self {
+            Envmap::Info(args) => args.run(console),
+            Envmap::Sample(args) => args.run(global, console),
+            Envmap::Cut(args) => args.run(global, console),
+            Envmap::Proposal(args) => args.run(global, console),
+            Envmap::Make(args) => args.run(global, console),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Arguments of several `envmap` subcommands: the map, and how it is shown.
+
+use crate::view::map::Look;
+use clap::Args;
+
+/// What the argument MAP takes.
+pub const MAP_HELP: &str = "A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black";
+
+/// How a map is shown.
+#[derive(Args)]
+pub struct LookArgs {
+    /// Exposure of the drawing in stops (default: chosen from the map)
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = finite)]
+    exposure: Option<f32>,
+    /// Pure power law 1/GAMMA instead of the sRGB curve
+    #[arg(long, value_name = "GAMMA", value_parser = gamma)]
+    gamma: Option<f32>,
+    /// Side of the markers of samples, in texels
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub window: u32,
+}
+
+impl LookArgs {
+    /// The tone mapping by the arguments.
+    pub fn look(&self) -> Look {
+        Look { exposure: self.exposure, gamma: self.gamma }
+    }
+}
+
+/// Reads a number of stops.
+fn finite(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
+}
+
+/// Reads the exponent of a power law.
+fn gamma(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
+}

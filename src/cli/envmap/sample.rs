@@ -1,0 +1,123 @@
+//! `etalon envmap sample`: importance samples of a map, drawn over it and alone.
+
+use super::options::{LookArgs, MAP_HELP};
+use super::outputs::Outputs;
+use crate::cli::console::Console;
+use crate::cli::global::{Global, Verdict};
+use crate::cli::map_file::{self, MapOptions};
+use crate::cli::values::{Model, map_samplers, map_sampling};
+use crate::envmap::EnvMap;
+use crate::envmap::info::Info;
+use crate::envmap::samplers::{ConventionalSampler, MapSampling, SurfaceSampler};
+use crate::errata::Conventions;
+use crate::error::Result;
+use crate::interrupt;
+use crate::output::{self, Written};
+use crate::study::map_samples;
+use crate::view::map::Display;
+use crate::view::text::counted;
+use clap::{ArgAction, Args};
+use glam::DVec3;
+use serde::Serialize;
+use std::ffi::OsString;
+use std::sync::Arc;
+
+/// Show importance samples of a map
+#[derive(Args)]
+#[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
+                        MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
+                        etalon envmap sample grace.exr --flip -n 64,256,1024")]
+pub struct Sample {
+    #[arg(help = MAP_HELP)]
+    map: OsString,
+    /// Numbers of samples
+    #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
+    n: Vec<usize>,
+    #[arg(long, value_name = "NAME", help = sampler_help(), default_value = "cdf", value_parser = map_sampling)]
+    sampler: MapSampling,
+    /// Normal of the illuminated surface in the map's frame (y up), for samplers that use it
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = direction, allow_hyphen_values = true)]
+    normal: DVec3,
+    /// The same as --sampler compensated
+    #[arg(long, conflicts_with_all = ["sampler", "model"])]
+    compensated: bool,
+    /// `report` samples as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
+    /// corners, an error of half a texel
+    #[arg(long, value_enum, default_value_t = Model::Exact, conflicts_with = "sampler")]
+    model: Model,
+    #[command(flatten)]
+    look: LookArgs,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+#[derive(Serialize)]
+struct Output {
+    n: usize,
+    /// Samples taken.
+    drawn: usize,
+    /// (R + G + B)/3; none for densities that leave out a part of the light.
+    flux_estimate: Option<f64>,
+    #[serde(flatten)]
+    written: Written,
+}
+
+impl Sample {
+    /// The sampler, and whether its density is positive wherever the map has light.
+    fn sampler(&self, map: &Arc<EnvMap>) -> Result<(Box<dyn SurfaceSampler>, bool)> {
+        if self.model == Model::Report {
+            MapSampling::MAP.request(map)?;
+            return Ok((Box::new(ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT)), true));
+        }
+        let sampling = if self.compensated { MapSampling::COMPENSATED } else { self.sampler };
+        let complete = sampling.entry().complete && !sampling.needs_normal();
+        Ok((sampling.sampler(map.clone())?, complete))
+    }
+
+    /// Runs the command.
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let source = map_file::load(&self.map, self.options, console)?;
+        map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+        let display = Display::new(&source.map, self.look.look());
+        let target = global.target(&["map", "n"]);
+        let name = map_file::short_name(&self.map);
+        let (sampler, complete) = self.sampler(&source.map)?;
+        // Sample n directions, and draw them over the map and on black.
+        let one = |n: usize| -> Result<Output> {
+            interrupt::check()?;
+            let samples = map_samples::draw(&source.map, &*sampler, self.normal, n, global.seed)?;
+            if samples.rows.is_empty() {
+                console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
+            }
+            let window = self.look.window as usize;
+            let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
+            let mut files =
+                output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
+            let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
+            files.extend(display.samples_only(&samples.rows, window).write(&only)?);
+            let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
+            Ok(Output { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) })
+        };
+        let outputs = Outputs::of(&source.name, self.n.iter().map(|&n| one(n)))?;
+        console.result(&outputs, || {
+            let line = |r: &Output| {
+                let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
+                format!("{}{flux}\n{}", counted(r.drawn, "sample"), r.written.text())
+            };
+            outputs.results.iter().map(line).collect()
+        });
+        Ok(outputs.verdict())
+    }
+}
+
+/// The help of `--sampler`.
+fn sampler_help() -> String {
+    format!("How directions are sampled. {}", map_samplers(|sampling| !sampling.has_fixed_lights()))
+}
+
+/// Reads a direction, not necessarily a unit vector.
+fn direction(text: &str) -> std::result::Result<DVec3, String> {
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let vector = parts.and_then(|parts| Some(DVec3::from_array(parts.try_into().ok()?)));
+    vector.and_then(DVec3::try_normalize).ok_or("not a direction X,Y,Z".into())
+}

@@ -1,0 +1,7 @@
+//! What every file of figures uses.
+
+pub use super::check::Check;
+pub use super::figure::{Content, Figure, Report};
+pub use super::inputs::Inputs;
+pub use super::studies::{Studies, Study};
+pub use crate::error::Result;

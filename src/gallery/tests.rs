@@ -1,0 +1,33 @@
+//! What tests of the gallery start from: the smallest inputs, and a record with a failed check.
+
+use super::check::Check;
+use super::inputs::{Effort, Inputs};
+use super::page::{Record, Setup};
+use crate::envmap::synthetic::Synthetic;
+use crate::envmap::{EnvMap, NamedMap};
+use std::sync::Arc;
+
+/// The smallest inputs.
+pub fn inputs() -> Inputs {
+    let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
+    Inputs { map, originals: None, seed: 1, effort: Effort::Quick }
+}
+
+/// A record with one good and one bad check.
+pub fn record() -> Record {
+    Record {
+        seconds: 0.25,
+        checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
+        errata: Vec::new(),
+        setup: Setup {
+            version: "0".into(),
+            seed: 1,
+            map: "nave".into(),
+            options: "--quick".into(),
+            cpu: "abacus".into(),
+            cores: 1,
+            threads: 1,
+            system: "none".into(),
+        },
+    }
+}
