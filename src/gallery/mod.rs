@@ -1,7 +1,7 @@
 //! The gallery: every figure with its texts and checks, the run that makes them, and the page that shows them.
 //!
 //! A figure calls a study, a view and checks; it computes nothing itself. Its file in `figures` has all of it, and
-//! [`registry()`] lists the files.
+//! [`registry()`] lists them.
 
 mod check;
 mod figure;
@@ -10,15 +10,14 @@ mod inputs;
 mod originals;
 pub mod page;
 mod prelude;
-mod registry;
 mod reproduce;
 mod studies;
 
 pub use check::{Check, Kind};
 pub use figure::{Content, Erratum, Figure, Make, RenderedImage, Report};
+pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;
-pub use registry::registry;
 pub use reproduce::{Reproduced, Reproduction, reproduce};
 pub use studies::{Studies, Study};
 

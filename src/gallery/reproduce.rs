@@ -2,9 +2,9 @@
 
 use super::check::{Check, Kind};
 use super::figure::{Content, Erratum, Figure, RenderedImage};
+use super::figures::registry;
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
-use super::registry::registry;
 use super::studies::Studies;
 use crate::error::{Error, Result};
 use crate::files;

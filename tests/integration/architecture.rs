@@ -67,7 +67,8 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
 fn modules() -> Vec<Module> {
     let src = root().join("src");
     let is_test = |file: &PathBuf| file.iter().any(|part| part == "tests.rs" || part == "tests");
-    let mut modules: Vec<Module> = files(&src, "rs").into_iter().filter(|f| !is_test(f)).map(|f| read(&src, f)).collect();
+    let mut modules: Vec<Module> =
+        files(&src, "rs").into_iter().filter(|f| !is_test(f)).map(|f| read(&src, f)).collect();
     modules.retain(|m| m.name() != "main");
     modules
 }
@@ -221,10 +222,13 @@ impl Graph {
                 let uses: Vec<&str> =
                     m.code.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next()).collect();
                 let own = &children[m.path.as_slice()];
-                uses.into_iter().flat_map(|u| paths(u, own)).filter_map(|p| {
-                    let item = p.last()?.clone();
-                    Some(((m.path.clone(), item), absolute(&m.path, &p)?))
-                }).collect::<Vec<_>>()
+                uses.into_iter()
+                    .flat_map(|u| paths(u, own))
+                    .filter_map(|p| {
+                        let item = p.last()?.clone();
+                        Some(((m.path.clone(), item), absolute(&m.path, &p)?))
+                    })
+                    .collect::<Vec<_>>()
             })
             .collect();
         let resolve = |from: &[String], path: &[String]| -> Option<Vec<String>> {
@@ -251,11 +255,15 @@ impl Graph {
 
     /// Groups of more than one module that reach each other.
     fn cycles(&self) -> Vec<Vec<String>> {
-        let reach: BTreeMap<&str, BTreeSet<&str>> = self.arrows.keys().map(|m| (m.as_str(), self.reachable(m))).collect();
+        let reach: BTreeMap<&str, BTreeSet<&str>> =
+            self.arrows.keys().map(|m| (m.as_str(), self.reachable(m))).collect();
         let mut groups = BTreeSet::new();
         for (module, reached) in &reach {
-            let group: Vec<String> =
-                reached.iter().filter(|other| reach.get(*other).is_some_and(|r| r.contains(module))).map(|m| (*m).to_owned()).collect();
+            let group: Vec<String> = reached
+                .iter()
+                .filter(|other| reach.get(*other).is_some_and(|r| r.contains(module)))
+                .map(|m| (*m).to_owned())
+                .collect();
             if group.len() > 1 {
                 groups.insert(group);
             }

@@ -13,7 +13,7 @@ use crate::errata::Conventions;
 use crate::error::Result;
 use crate::interrupt;
 use crate::output::{self, Written};
-use crate::study::map_samples;
+use crate::study::map_samples::{self, MapSamples};
 use crate::view::map::Display;
 use crate::view::text::counted;
 use clap::{ArgAction, Args};
@@ -82,10 +82,16 @@ impl Sample {
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
         let (sampler, complete) = self.sampler(&source.map)?;
-        // Sample n directions, and draw them over the map and on black.
-        let one = |n: usize| -> Result<Output> {
+        // Sample before drawing, so that the sampler's tables and the pages of figures are not in memory together.
+        let sample = |n: usize| {
             interrupt::check()?;
-            let samples = map_samples::draw(&source.map, &*sampler, self.normal, n, global.seed)?;
+            map_samples::draw(&source.map, &*sampler, self.normal, n, global.seed)
+        };
+        let sampled: Vec<Result<MapSamples>> = self.n.iter().map(|&n| sample(n)).collect();
+        drop(sampler);
+        // Draw n directions over the map and on black.
+        let one = |n: usize, samples: Result<MapSamples>| -> Result<Output> {
+            let samples = samples?;
             if samples.rows.is_empty() {
                 console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
             }
@@ -98,7 +104,7 @@ impl Sample {
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
             Ok(Output { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) })
         };
-        let outputs = Outputs::of(&source.name, self.n.iter().map(|&n| one(n)))?;
+        let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
         console.result(&outputs, || {
             let line = |r: &Output| {
                 let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
