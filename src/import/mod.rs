@@ -2,6 +2,7 @@
 //! tested here.
 
 pub mod collada;
+mod imported;
 pub mod mesh;
 pub(crate) mod number;
 pub mod pbrt;
@@ -10,30 +11,17 @@ pub mod sampler;
 mod shape;
 mod transform;
 
+pub use imported::Imported;
+
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
 use crate::raster;
-use crate::scene::{Environment, Request, Scene};
+use crate::scene::Environment;
 use collada::ColladaOptions;
 use pbrt::PbrtOptions;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-
-/// What a scene file holds.
-#[derive(Debug, Clone)]
-pub struct Imported {
-    /// What the file describes.
-    pub scene: Scene,
-    /// Image size and sampling that it asks for, defaults filled in.
-    pub request: Request,
-    /// Where the file wants its image, as written there.
-    pub output: Option<PathBuf>,
-    /// What was left out or filled in without harm to the image, each with its place, in the file's order.
-    pub warnings: Vec<String>,
-    /// The environment map that was read because the file names it.
-    pub map: Option<PathBuf>,
-}
 
 /// Extensions of the scene files that [`read_scene`] knows.
 pub const SCENE_EXTENSIONS: [&str; 2] = ["pbrt", "dae"];

@@ -1,7 +1,7 @@
 //! Clipped pictures: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
 use super::Image;
-use super::read::{blank, check_size};
+use super::decoded::{blank, check_size};
 use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
 use crate::error::{Error, Result};
 use crate::math::Rgb;

@@ -5,9 +5,11 @@
 //! Values are linear RGB and are returned as they stand in the file: negative and non-finite ones included.
 
 mod compare;
+mod decoded;
 mod exr;
 mod image;
 mod ldr;
+mod metadata;
 mod pfm;
 mod primaries;
 mod read;
@@ -19,8 +21,9 @@ mod write;
 pub use self::compare::{Comparison, compare, compare_with_halves};
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::Image;
+pub use self::metadata::Metadata;
 
 pub(crate) use self::read::decode_exr;
 pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};
 pub use self::tone::{ToneMap, auto_exposure, to_rgb8};
-pub use self::write::{Metadata, WriteOptions, write, write_with};
+pub use self::write::{WriteOptions, write, write_with};

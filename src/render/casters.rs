@@ -11,8 +11,7 @@
 //! these images (see [`super::light_tracing`]) have no use for cones.
 
 use super::diffuse;
-use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3, caustic};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, ZERO3, at, caustic, set};
 use super::solids;
 use super::wide::{Wide, wide};
 use crate::math::circular::Circular;

@@ -1,7 +1,6 @@
 //! The two vectorized stages of a diffuse hit: rays towards a light, and the directions in which the paths go on.
 
-use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3, at, set};
 use super::lights::{self, LightSamples, Sampled};
 use super::wide::{Wide, wide};
 use crate::math::Frame;

@@ -1,15 +1,14 @@
 //! Light that comes straight to a hit: shadow rays towards lights, and rays in search of light where that is asked for.
 
-use super::geometry::{at, set};
-use super::integrator::{Integrator, SHORT_OF_LIGHT, power_heuristic};
-use super::lanes::{LANES, NOTHING, ZERO3};
-use super::light_tracing::faithful_to_lamp;
+use super::integrator::{Integrator, SHORT_OF_LIGHT};
+use super::lanes::{LANES, NOTHING, ZERO3, at, set};
 use super::lights::{self, Kind, LightSamples};
+use super::mis::{balance_heuristic, power_heuristic};
 use super::needs::Needs;
 use super::settings::Sampling;
 use super::strategies::Scatter as BsdfOnly;
 use super::workspace::{Dimensions, Workspace};
-use super::{diffuse, rough, shine};
+use super::{diffuse, rough, shading_normal, shine};
 use crate::bsdf::Bsdf;
 use crate::math::{Frame, Rgb};
 use crate::scene::Environment;
@@ -161,7 +160,7 @@ impl Integrator<'_> {
                     }
                     if traced(number) {
                         for (i, hit) in work.rough[group.clone()].iter().enumerate() {
-                            if hit.caustic && faithful_to_lamp(&hit.surface, at(&light.wi, i)) {
+                            if hit.caustic && shading_normal::is_sound_to_light(&hit.surface, at(&light.wi, i)) {
                                 set(&mut light.weight, i, Rgb::ZERO);
                             }
                         }
@@ -282,11 +281,4 @@ impl Integrator<'_> {
             work.add(work.shadows.slot[i], work.shadows.word[i], at(&work.shadows.value, i) * radiance);
         }
     }
-}
-
-/// The weight of a sample over its density `p` when another strategy, of density `other` there, draws as many:
-/// (p / (p + q)) / p. Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.
-#[inline]
-fn balance_heuristic(p: f64, other: f64) -> f64 {
-    1.0 / (p + other)
 }

@@ -4,7 +4,7 @@
 //! few that a scene has is faster than any tree. Triangles stand in a bounding volume hierarchy of their own, built
 //! only where there is a mesh.
 
-use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
+use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
 use super::solids::{Panel, Solid, Wall};
 use super::wide::{Wide, wide};
 use crate::scene::bvh::{self, MeshBvh};
@@ -208,20 +208,6 @@ impl<'a> Geometry<'a> {
 fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
     let part = |lanes: &'a [Lane; 3]| lanes.each_ref().map(|lane| &lane[..count]);
     bvh::Rays { origin: part(&rays.origin), direction: part(&rays.direction), t_max: &t_max[..count] }
-}
-
-/// Component `i` of three lanes.
-#[inline(always)]
-pub fn at<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
-    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
-}
-
-/// Sets component `i` of three lanes.
-#[inline(always)]
-pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
-    lanes[0][i] = value.x;
-    lanes[1][i] = value.y;
-    lanes[2][i] = value.z;
 }
 
 /// The loop over all rays that looks for the nearest hit.

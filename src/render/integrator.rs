@@ -13,15 +13,17 @@
 use super::casters::{Casters, IMAGES_UP_TO};
 use super::diffuse;
 use super::faces::{Face, Kind};
-use super::geometry::{Geometry, Surface, at, set};
-use super::lanes::{LANES, NOTHING, Paths, ZERO3, caustic};
+use super::geometry::{Geometry, Surface};
+use super::lanes::{LANES, NOTHING, Paths, ZERO3, at, caustic, set};
 use super::lens::Lens;
-use super::light_tracing::{LightTracing, faithful_to_camera, faithful_to_lamp};
+use super::light_tracing::LightTracing;
 use super::lights::{SampleLight, Sampled};
+use super::mis::power_heuristic;
 use super::needs::Needs;
 use super::rough;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Sampling, Settings};
+use super::shading_normal;
 use super::shine;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, RoughHit, Workspace};
@@ -300,7 +302,8 @@ impl<'a> Integrator<'a> {
             slot: work.paths.slot[i],
             word: work.paths.word[i].then(false),
             object: work.hits.object[i],
-            caustic: caustic::is_brought(work.paths.caustic[i]) && faithful_to_camera(&surface, -direction),
+            caustic: caustic::is_brought(work.paths.caustic[i])
+                && shading_normal::is_sound_to_camera(&surface, -direction),
         });
     }
 
@@ -362,7 +365,7 @@ impl<'a> Integrator<'a> {
             }
             let j = work.next.count;
             work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
-            let brought = hit.caustic && faithful_to_lamp(&hit.surface, wi);
+            let brought = hit.caustic && shading_normal::is_sound_to_light(&hit.surface, wi);
             work.next.caustic[j] = if brought { caustic::CHAIN } else { caustic::NONE };
             let pdf = work.scattered.pdf[i];
             (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
@@ -412,12 +415,4 @@ pub(super) fn roulette(paths: &mut Paths, numbers: &SampleLanes, dimension: u32,
         set(&mut paths.throughput, i, throughput / survival);
         u < survival
     });
-}
-
-/// The share of a sample of density `p` when other samples find the same light with density `q`: p² / (p² + q²).
-/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 4.
-#[inline(always)]
-pub(super) fn power_heuristic(p: f32, q: f32) -> f32 {
-    let ratio = q / p;
-    1.0 / (1.0 + ratio * ratio)
 }

@@ -2,9 +2,9 @@
 
 use super::film::{Dropped, Film, Part, PathClasses, Row};
 use super::fingerprint;
-use super::geometry::{Geometry, at};
+use super::geometry::Geometry;
 use super::integrator::Integrator;
-use super::lanes::LANES;
+use super::lanes::{LANES, at};
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::needs::Needs;

@@ -1,6 +1,5 @@
 //! Many paths side by side, component by component, so that loops over them vectorize.
 
-use super::geometry::set;
 use crate::math::Rgb;
 use crate::render::film::PathClass;
 use glam::Vec3;
@@ -248,4 +247,18 @@ impl Shadows {
         self.word[i] = word;
         self.count += 1;
     }
+}
+
+/// Component `i` of three lanes.
+#[inline(always)]
+pub fn at<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
+    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
+}
+
+/// Sets component `i` of three lanes.
+#[inline(always)]
+pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
+    lanes[0][i] = value.x;
+    lanes[1][i] = value.y;
+    lanes[2][i] = value.z;
 }

@@ -1,7 +1,6 @@
 //! The camera for many rays at once.
 
-use super::geometry::set;
-use super::lanes::{LANES, Lane, Rays};
+use super::lanes::{LANES, Lane, Rays, set};
 use super::wide::{Wide, wide};
 use crate::scene::{Camera, Projection};
 use glam::Vec3;

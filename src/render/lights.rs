@@ -1,8 +1,7 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
 use super::cut_lights;
-use super::geometry::{at, set};
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use super::settings::Settings;
 use super::solids;
 use super::wide::{Wide, wide};

@@ -1,7 +1,6 @@
 //! Rough metal, many hits at once: the directions that the material draws, and what it scatters from given ones.
 
-use super::geometry::{at, set};
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use super::wide::{Wide, wide};
 use crate::bsdf::{Bsdf, NormalSampling, RoughConductor, Scatter};
 use crate::math::Rgb;

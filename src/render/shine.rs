@@ -6,10 +6,9 @@
 //! divided by the density w / ∫w. Source: Hart et al., "Practical Product Sampling by Fitting and Composing Warps",
 //! EGSR 2020.
 
-use super::geometry::{at, set};
-use super::integrator::power_heuristic;
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO3, block, blocks, put};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO3, at, block, blocks, put, set};
 use super::lights::PanelLight;
+use super::mis::power_heuristic;
 use super::wide::{Wide, wide};
 use super::workspace::RoughHit;
 use crate::bsdf::{Bsdf, NormalSampling};

@@ -1,6 +1,6 @@
 //! OBJ: the text format of Wavefront's Advanced Visualizer, as far as polygons go.
 
-use super::{point, unit_normals};
+use super::vertex::{point, unit_normals};
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::shape::{corner_uv, fan};

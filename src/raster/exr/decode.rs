@@ -5,7 +5,7 @@ use super::chunks::Block;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
-use crate::raster::read::{Decoded, blank, check_size};
+use crate::raster::decoded::{Decoded, blank, check_size};
 use crate::raster::{Image, primaries};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// Reads the picture of an OpenEXR file; which channels that is, see [`choose`].
 ///
 /// The image is the display window: data outside it are dropped, pixels of it without data are black.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let file = Exr::parse(path, bytes)?;
     let choice = choose(path, file.headers())?;
     let mut notes = notes(path, file.headers(), &choice)?;

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
-use crate::raster::write::SOFTWARE;
+use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use exr::compression::Compression;
 use exr::meta::BlockDescription;

@@ -6,7 +6,7 @@ use super::encode::is_free_name;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::raster::read::blank;
+use crate::raster::decoded::blank;
 use crate::raster::{Image, Metadata};
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;

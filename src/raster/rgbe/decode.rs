@@ -1,18 +1,18 @@
 //! Reading a Radiance picture: the text header, then scan lines in one of three packings.
 
-use super::{RUN_WIDTHS, linear};
+use super::pixel::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
 use crate::interrupt;
 use crate::math::Rgb;
+use crate::raster::decoded::{Decoded, blank, check_size, cut_off};
 use crate::raster::primaries;
-use crate::raster::read::{Decoded, blank, check_size, cut_off};
 use std::path::Path;
 
 /// Reads a Radiance picture. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
 /// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: what the scene had, not what the
 /// file was adjusted to. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
 /// effect.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let header = Header::parse(path, bytes)?;
     let (outer, inner) = (header.outer.length, header.inner.length);
     let (width, height) = if header.outer.vertical { (inner, outer) } else { (outer, inner) };

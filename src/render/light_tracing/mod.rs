@@ -16,14 +16,14 @@ mod tests;
 use super::diffuse;
 use super::faces::Kind;
 use super::film::{PathClass, Splat};
-use super::geometry::{Surface, at, set};
+use super::geometry::Surface;
 use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
-use super::lanes::{LANES, NOTHING};
+use super::lanes::{LANES, NOTHING, at, set};
 use super::lens::Lens;
+use super::shading_normal;
 use super::workspace::{Dimensions, Workspace};
 use crate::bsdf::{Scatter, Transport};
 use crate::math::Rgb;
-use glam::Vec3;
 use plan::EVERY;
 pub use plan::LightTracing;
 use std::f32::consts::FRAC_1_PI;
@@ -179,38 +179,11 @@ impl Integrator<'_> {
                 if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
                     continue;
                 }
-                let Some(factor) = adjoint_of_shading(&hit.surface, hit.frame.to_world(hit.wo), wi) else { continue };
+                let Some(factor) = shading_normal::adjoint_factor(&hit.surface, hit.frame.to_world(hit.wo), wi) else {
+                    continue;
+                };
                 work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight * factor, hit.slot, hit.word);
             }
         }
     }
-}
-
-/// What a path from a lamp is multiplied by where the normal for shading is not that of the surface, so that it brings the
-/// light that a camera path finds; `None` for light that is left to those. `wo` points to the lamp, `wi` to the camera.
-#[inline]
-fn adjoint_of_shading(surface: &Surface, wo: Vec3, wi: Vec3) -> Option<f32> {
-    if surface.is_flat() {
-        return Some(1.0);
-    }
-    let ratio = |w: Vec3| surface.shading.dot(w) / surface.normal.dot(w);
-    (faithful_to_camera(surface, wi) && faithful_to_lamp(surface, wo)).then(|| ratio(wo) / ratio(wi))
-}
-
-/// How different the cosines to the two normals of a surface may be. Where one of them is near 0 alone, a path from a lamp
-/// would be a speck of light.
-const FAITHFUL: f32 = 0.5;
-
-/// Whether paths from the lamps may leave a surface to `wi`, in the camera's direction.
-#[inline]
-pub fn faithful_to_camera(surface: &Surface, wi: Vec3) -> bool {
-    let (normal, shading) = (surface.normal.dot(wi), surface.shading.dot(wi));
-    shading > 0.0 && shading >= FAITHFUL * normal
-}
-
-/// Whether paths from the lamps may come to a surface from `wo`, in the lamps' direction.
-#[inline]
-pub fn faithful_to_lamp(surface: &Surface, wo: Vec3) -> bool {
-    let (normal, shading) = (surface.normal.dot(wo), surface.shading.dot(wo));
-    shading > 0.0 && normal > 0.0 && normal >= FAITHFUL * shading
 }

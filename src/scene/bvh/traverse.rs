@@ -4,8 +4,8 @@
 //! tested by the same operations in the same order everywhere, boxes are passed over only when nothing in them can be
 //! hit, and of two hits at the same distance the lower number counts.
 
-use super::MeshHit;
 use super::lanes::{Lanes, WIDTH};
+use super::query::MeshHit;
 use super::tree::{LEAF, Node, Pack, Tree};
 use crate::scene::camera::Ray;
 use crate::scene::mesh::Mesh;

@@ -64,8 +64,10 @@ impl Group {
     pub fn add(&self, _: &mut Command) {}
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
+    #![cfg(unix)]
+
     use super::*;
     use std::os::unix::process::ExitStatusExt;
     use std::process::Child;
