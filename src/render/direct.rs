@@ -6,9 +6,9 @@ use super::lights::{self, Kind, LightSamples};
 use super::mis::{balance_heuristic, power_heuristic};
 use super::needs::Needs;
 use super::settings::Sampling;
-use super::strategies::Scatter as BsdfOnly;
+use super::strategies::BsdfOnly;
 use super::workspace::{Dimensions, Workspace};
-use super::{diffuse, rough, shading_normal, shine};
+use super::{diffuse, rough, shading_normal, product_warp};
 use crate::bsdf::Bsdf;
 use crate::math::{Frame, Rgb};
 use crate::scene::Environment;
@@ -18,15 +18,15 @@ use std::ops::Range;
 
 impl Integrator<'_> {
     /// Whether light `number` is found by shadow rays: always, if nothing else can find it.
-    fn aims_at(&self, number: usize) -> bool {
+    fn samples_light(&self, number: usize) -> bool {
         self.sampling.by_light() || self.lights[number].object == NOTHING
     }
 
     /// Adds the light that comes straight to the diffuse hits.
     pub(super) fn light_diffuse<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
         let samples = self.request.light_samples;
-        if Needs::LAMPS.is_in(NEEDS) {
-            for (number, light) in self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i)) {
+        if Needs::LIGHTS.is_in(NEEDS) {
+            for (number, light) in self.lights.iter().enumerate().filter(|(i, _)| self.samples_light(*i)) {
                 // Light from one direction is the same every time.
                 let draws = if light.has_extent() { samples } else { 1 };
                 for index in 0..draws {
@@ -34,7 +34,7 @@ impl Integrator<'_> {
                     work.numbers.fill(self.arch, slots, dimensions.light(number), (index, draws), &mut work.u);
                     let scale = 1.0 / draws as f32;
                     diffuse::towards_light(self.arch, &work.points, light, &work.u, scale, &mut work.shadows);
-                    self.cast::<NEEDS>(work, light.object);
+                    self.trace_shadow_rays::<NEEDS>(work, light.object);
                 }
             }
         }
@@ -46,9 +46,9 @@ impl Integrator<'_> {
                 self.diffuse_to_environment::<NEEDS>(work, environment, dimensions.environment(), (index, samples));
             }
         }
-        if let Some(blind) = self.strategies.scatter() {
+        if let Some(bsdf_only) = self.strategies.bsdf_only() {
             for index in 0..samples {
-                self.gather_diffuse::<NEEDS>(work, blind, dimensions.gather(), (index, samples));
+                self.sample_bsdf_direct::<NEEDS>(work, bsdf_only, dimensions.bsdf_direct(), (index, samples));
             }
         }
     }
@@ -72,20 +72,20 @@ impl Integrator<'_> {
             if cos <= 0.0 {
                 continue;
             }
-            let other = self.strategies.scatter().map_or(0.0, |scatter| scatter.pdf(cos));
+            let other = self.strategies.bsdf_only().map_or(0.0, |scatter| scatter.pdf(cos));
             let share = (cos * balance_heuristic(light.pdf, other)) as f32;
             let value = at(&work.points.weight, i) * scale * light.radiance * share;
-            let (slot, word) = (work.points.slot[i], work.points.word[i]);
+            let (slot, word) = (work.points.slot[i], work.points.path_class[i]);
             work.shadows.push(at(&work.points.position, i), wi.as_vec3(), f32::INFINITY, value, slot, word);
         }
-        self.cast::<NEEDS>(work, NOTHING);
+        self.trace_shadow_rays::<NEEDS>(work, NOTHING);
     }
 
     /// Looks for light in directions that do not depend on where it is.
-    fn gather_diffuse<const NEEDS: u32>(
+    fn sample_bsdf_direct<const NEEDS: u32>(
         &self,
         work: &mut Workspace,
-        blind: BsdfOnly,
+        bsdf_only: BsdfOnly,
         dimension: u32,
         draw: (u32, u32),
     ) {
@@ -94,9 +94,9 @@ impl Integrator<'_> {
             let slot = work.points.slot[i];
             let normal = at(&work.points.normal, i);
             let Frame { x, y, .. } = Frame::from_normal(normal);
-            let local = blind.sample(work.numbers.pair(slot, dimension, draw));
+            let local = bsdf_only.sample(work.numbers.pair(slot, dimension, draw));
             let wi = x * local.x as f32 + y * local.y as f32 + normal * local.z as f32;
-            let pdf = blind.pdf(local.z);
+            let pdf = bsdf_only.pdf(local.z);
             if pdf <= 0.0 {
                 continue;
             }
@@ -109,10 +109,10 @@ impl Integrator<'_> {
             };
             let share = (local.z * balance_heuristic(pdf, other)) as f32 * FRAC_1_PI / draw.1 as f32;
             let value = at(&work.points.weight, i) * share;
-            let word = work.points.word[i];
+            let word = work.points.path_class[i];
             work.shadows.push(at(&work.points.position, i), wi, f32::INFINITY, value, slot, word);
         }
-        self.find::<NEEDS>(work);
+        self.trace_for_emitters::<NEEDS>(work);
     }
 
     /// Adds the light that comes straight to rough hits on one object.
@@ -124,7 +124,7 @@ impl Integrator<'_> {
         dimensions: Dimensions,
     ) {
         let samples = self.request.light_samples;
-        let (count, trust) = (group.len(), shine::trust(bsdf));
+        let (count, trust) = (group.len(), product_warp::trust(bsdf));
         let (mut slots, mut positions) = ([0; LANES], ZERO3);
         for (i, hit) in work.rough[group.clone()].iter().enumerate() {
             slots[i] = hit.slot;
@@ -132,11 +132,11 @@ impl Integrator<'_> {
         }
         let slots = &slots[..count];
         let mut light = LightSamples::default();
-        if Needs::LAMPS.is_in(NEEDS) {
+        if Needs::LIGHTS.is_in(NEEDS) {
             // The hits of a group are alike: paths from the lamps bring all their light to all or none.
             let traced = |number| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(number));
             let lit = work.rough[group.start].lit();
-            let lamps = self.lights.iter().enumerate().filter(|(i, _)| self.aims_at(*i) && !(lit && traced(*i)));
+            let lamps = self.lights.iter().enumerate().filter(|(i, _)| self.samples_light(*i) && !(lit && traced(*i)));
             for (number, lamp) in lamps {
                 let draws = if lamp.has_extent() { samples } else { 1 };
                 for index in 0..draws {
@@ -144,13 +144,13 @@ impl Integrator<'_> {
                     // Where the material's own directions find the lamp as well, they share it.
                     let rivals = lamp.object != NOTHING && self.sampling == Sampling::Mis;
                     let bent = match &lamp.kind {
-                        Kind::Panel(panel) if rivals && trust > 1.0 => Some(panel),
+                        Kind::Rectangle(panel) if rivals && trust > 1.0 => Some(panel),
                         _ => None,
                     };
                     let mut density = [1.0; LANES];
                     if let Some(panel) = bent {
                         let hits = &work.rough[group.clone()];
-                        shine::bend(self.arch, bsdf, panel, hits, draws, &mut work.u, &mut density);
+                        product_warp::bend(self.arch, bsdf, panel, hits, draws, &mut work.u, &mut density);
                     }
                     lights::sample_many(self.arch, lamp, &positions, count, &work.u, &mut light);
                     if bent.is_some() {
@@ -165,8 +165,8 @@ impl Integrator<'_> {
                             }
                         }
                     }
-                    self.aim(work, group.clone(), bsdf, &light, draws, rivals.then_some(trust));
-                    self.cast::<NEEDS>(work, lamp.object);
+                    self.sample_light(work, group.clone(), bsdf, &light, draws, rivals.then_some(trust));
+                    self.trace_shadow_rays::<NEEDS>(work, lamp.object);
                 }
             }
         }
@@ -176,36 +176,36 @@ impl Integrator<'_> {
             for index in 0..samples {
                 for (i, hit) in work.rough[group.clone()].iter().enumerate() {
                     let u = work.numbers.pair(hit.slot, dimensions.environment(), (index, samples));
-                    let drawn = sampler.sample_for(u, environment.to_map(hit.frame.z.as_dvec3()));
-                    let (wi, radiance, pdf) = drawn.map_or((DVec3::Z, Rgb::ZERO, 1.0), |s| (s.wi, s.radiance, s.pdf));
+                    let sampled = sampler.sample_for(u, environment.to_map(hit.frame.z.as_dvec3()));
+                    let (wi, radiance, pdf) = sampled.map_or((DVec3::Z, Rgb::ZERO, 1.0), |s| (s.wi, s.radiance, s.pdf));
                     set(&mut light.wi, i, (environment.to_world * wi).as_vec3());
                     set(&mut light.weight, i, environment.scale * radiance / pdf as f32);
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf as f32);
                 }
                 let rivals = (self.sampling == Sampling::Mis).then_some(1.0);
-                self.aim(work, group.clone(), bsdf, &light, samples, rivals);
-                self.cast::<NEEDS>(work, NOTHING);
+                self.sample_light(work, group.clone(), bsdf, &light, samples, rivals);
+                self.trace_shadow_rays::<NEEDS>(work, NOTHING);
             }
         }
         if self.sampling == Sampling::Hemisphere {
             for index in 0..samples {
                 for (i, hit) in work.rough[group.clone()].iter().enumerate() {
-                    let u = work.numbers.pair(hit.slot, dimensions.gather(), (index, samples));
+                    let u = work.numbers.pair(hit.slot, dimensions.bsdf_direct(), (index, samples));
                     let local = BsdfOnly::Hemisphere.sample(u);
                     let pdf = BsdfOnly::Hemisphere.pdf(local.z) as f32;
                     set(&mut light.wi, i, hit.frame.to_world(local.as_vec3()));
                     set(&mut light.weight, i, Rgb::splat(1.0 / pdf));
                     (light.distance[i], light.pdf[i]) = (f32::INFINITY, pdf);
                 }
-                self.aim(work, group.clone(), bsdf, &light, samples, None);
-                self.find::<NEEDS>(work);
+                self.sample_light(work, group.clone(), bsdf, &light, samples, None);
+                self.trace_for_emitters::<NEEDS>(work);
             }
         }
     }
 
     /// Puts up a ray from each hit of a group along its sample of `light`, one of `draws`. Where the
     /// material's own directions find the same light, `rivals` says for how many of them a sample counts.
-    fn aim(
+    fn sample_light(
         &self,
         work: &mut Workspace,
         group: Range<usize>,
@@ -233,12 +233,12 @@ impl Integrator<'_> {
             }
             let ours = |trust: f32| power_heuristic(trust * draws as f32 * light.pdf[i], scattered.pdf[i]);
             let share = rivals.map_or(1.0, ours);
-            work.shadows.push(hit.surface.leave(wi), wi, light.distance[i], value * share, hit.slot, hit.word);
+            work.shadows.push(hit.surface.ray_origin(wi), wi, light.distance[i], value * share, hit.slot, hit.path_class);
         }
     }
 
     /// Adds what the shadow rays bring that nothing stands in the way of.
-    fn cast<const NEEDS: u32>(&self, work: &mut Workspace, light: u32) {
+    fn trace_shadow_rays<const NEEDS: u32>(&self, work: &mut Workspace, light: u32) {
         if Needs::OCCLUSION.is_in(NEEDS) {
             let shadows = &mut work.shadows;
             for limit in &mut shadows.limit[..shadows.count] {
@@ -250,13 +250,13 @@ impl Integrator<'_> {
         }
         for i in 0..work.shadows.count {
             if work.blocked[i] == 0 {
-                work.add(work.shadows.slot[i], work.shadows.word[i], at(&work.shadows.value, i));
+                work.add(work.shadows.slot[i], work.shadows.path_class[i], at(&work.shadows.value, i));
             }
         }
     }
 
     /// Adds what rays in search of light find, which is multiplied by their value.
-    fn find<const NEEDS: u32>(&self, work: &mut Workspace) {
+    fn trace_for_emitters<const NEEDS: u32>(&self, work: &mut Workspace) {
         self.geometry.nearest(&work.shadows.rays, work.shadows.count, &mut work.found);
         // Beside light samples only the environment is looked for.
         let lamps = !self.sampling.by_light();
@@ -267,7 +267,7 @@ impl Integrator<'_> {
                     Some(environment) if Needs::ENVIRONMENT.is_in(NEEDS) => environment.radiance(direction.as_dvec3()),
                     _ => continue,
                 },
-                object => match &self.faces[object as usize].emission {
+                object => match &self.shaders[object as usize].emission {
                     Some(emission) if lamps => {
                         let surface = self.geometry.surface(&work.shadows.rays, &work.found, i);
                         if !emission.is_seen(surface.normal, direction) {
@@ -278,7 +278,7 @@ impl Integrator<'_> {
                     _ => continue,
                 },
             };
-            work.add(work.shadows.slot[i], work.shadows.word[i], at(&work.shadows.value, i) * radiance);
+            work.add(work.shadows.slot[i], work.shadows.path_class[i], at(&work.shadows.value, i) * radiance);
         }
     }
 }

@@ -91,9 +91,9 @@ impl<'a> Geometry<'a> {
             }
         }
         let offsets = hulls.iter().map(|hull| 16.0 * f32::EPSILON * extent(hull)).collect();
-        let balls = || hulls.iter().flatten();
-        let low = balls().fold(Vec3::INFINITY, |low, (p, radius)| low.min(p - radius));
-        let high = balls().fold(Vec3::NEG_INFINITY, |high, (p, radius)| high.max(p + radius));
+        let bounds = || hulls.iter().flatten();
+        let low = bounds().fold(Vec3::INFINITY, |low, (p, radius)| low.min(p - radius));
+        let high = bounds().fold(Vec3::NEG_INFINITY, |high, (p, radius)| high.max(p + radius));
         let meshes = with_meshes.then(|| Meshes {
             bounds: around(mesh_objects.iter().flat_map(|&i| &hulls[i as usize])),
             tree: MeshBvh::build(&meshes),
@@ -270,7 +270,7 @@ impl Wide for Reach<'_> {
         for i in 0..count.min(LANES) {
             let (origin, inverse) = (at(&rays.origin, i), at(&rays.direction, i).recip());
             let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
-            // 0 · ∞ on the face of a slab is NaN, which max and min pass over.
+            // 0 · ∞ on the shader of a slab is NaN, which max and min pass over.
             let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
             let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(limit[i]);
             reach[i] = if near <= far { limit[i] } else { 0.0 };

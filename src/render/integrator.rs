@@ -10,9 +10,9 @@
 //!
 //! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
 
-use super::casters::{Casters, IMAGES_UP_TO};
+use super::caustic_cones::{CausticCones, IMAGES_UP_TO};
 use super::diffuse;
-use super::faces::{Face, Kind};
+use super::shaders::{SurfaceShader, Kind};
 use super::geometry::{Geometry, Surface};
 use super::lanes::{LANES, NOTHING, Paths, ZERO3, at, caustic, set};
 use super::lens::Lens;
@@ -24,7 +24,7 @@ use super::rough;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Sampling, Settings};
 use super::shading_normal;
-use super::shine;
+use super::product_warp;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, RoughHit, Workspace};
 use crate::bsdf::{Bsdf, Scatter};
@@ -51,9 +51,9 @@ pub struct Integrator<'a> {
     pub(super) scene: &'a Scene,
     pub(super) request: Request,
     pub(super) geometry: Geometry<'a>,
-    pub(super) faces: Vec<Face>,
+    pub(super) shaders: Vec<SurfaceShader>,
     pub(super) lights: Vec<Sampled>,
-    casters: Casters,
+    caustic_cones: CausticCones,
     pub(super) light_tracing: Option<LightTracing>,
     pub(super) strategies: Strategies,
     pub(super) sampling: Sampling,
@@ -74,20 +74,20 @@ impl<'a> Integrator<'a> {
         geometry: Geometry<'a>,
     ) -> Result<Self> {
         let lights = Sampled::all(scene, settings)?;
-        let faces = Face::all(scene, settings, &lights);
-        let unsampled = |face: &Face| {
-            face.light.is_none() && face.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
+        let shaders = SurfaceShader::all(scene, settings, &lights);
+        let unsampled = |shader: &SurfaceShader| {
+            shader.light.is_none() && shader.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
         };
-        let light_tracing = LightTracing::new(scene, request, settings, &faces, &lights, &geometry);
-        let only_bsdf_sampled_emitters = settings.sampling.by_light() && faces.iter().any(unsampled);
+        let light_tracing = LightTracing::new(scene, request, settings, &shaders, &lights, &geometry);
+        let only_bsdf_sampled_emitters = settings.sampling.by_light() && shaders.iter().any(unsampled);
         Ok(Self {
             scene,
             request: *request,
             geometry,
-            faces,
+            shaders,
             lights,
             // Other strategies are as their name says.
-            casters: if settings.sampling == Sampling::Mis { Casters::new(scene) } else { Casters::default() },
+            caustic_cones: if settings.sampling == Sampling::Mis { CausticCones::new(scene) } else { CausticCones::default() },
             light_tracing,
             strategies,
             sampling: settings.sampling,
@@ -99,7 +99,7 @@ impl<'a> Integrator<'a> {
 
     /// What a thread needs to run [`Integrator::trace`].
     pub fn workspace(&self, settings: &Settings) -> Workspace {
-        Workspace::new(settings, self.casters.cones())
+        Workspace::new(settings, self.caustic_cones.cones())
     }
 
     fn dimensions(&self, scatterings: u32) -> Dimensions {
@@ -120,9 +120,9 @@ impl<'a> Integrator<'a> {
             channel[..count].fill(1.0);
         }
         paths.pdf[..count].fill(f32::INFINITY);
-        paths.sky[..count].fill(1.0);
-        paths.word[..count].fill(PathClass::DIRECT);
-        let start = if self.light_tracing.is_some() { caustic::NEW } else { caustic::NONE };
+        paths.environment_share[..count].fill(1.0);
+        paths.path_class[..count].fill(PathClass::DIRECT);
+        let start = if self.light_tracing.is_some() { caustic::CAMERA } else { caustic::NONE };
         paths.caustic[..count].fill(start);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
@@ -151,11 +151,11 @@ impl<'a> Integrator<'a> {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     let caustics = &work.points.caustic[..work.points.count];
-                    if self.casters.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
-                        diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+                    if self.caustic_cones.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
+                        diffuse::extend_paths(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
                         let images = scatterings <= IMAGES_UP_TO;
-                        self.casters.carry_on(
+                        self.caustic_cones.extend_paths(
                             self.arch,
                             &mut work.cones,
                             images,
@@ -186,20 +186,20 @@ impl<'a> Integrator<'a> {
             let id = work.hits.object[i];
             if id == NOTHING {
                 if Needs::ENVIRONMENT.is_in(NEEDS) {
-                    self.leave(work, i);
+                    self.add_environment(work, i);
                 }
                 continue;
             }
-            let face = &self.faces[id as usize];
-            if Needs::LAMPS.is_in(NEEDS)
-                && let Some(emission) = &face.emission
+            let shader = &self.shaders[id as usize];
+            if Needs::LIGHTS.is_in(NEEDS)
+                && let Some(emission) = &shader.emission
             {
-                self.glow(work, i, face, emission);
+                self.add_emission(work, i, shader, emission);
             }
             if last {
                 continue;
             }
-            match face.kind {
+            match shader.kind {
                 Kind::Black => {}
                 Kind::Diffuse { albedo } => self.collect(work, i, albedo),
                 Kind::Delta(_) if Needs::DELTA.is_in(NEEDS) => work.delta.push(i as u32),
@@ -223,30 +223,30 @@ impl<'a> Integrator<'a> {
 
     /// A ray leaves the scene.
     #[inline]
-    fn leave(&self, work: &mut Workspace, i: usize) {
-        let share = work.paths.sky[i];
+    fn add_environment(&self, work: &mut Workspace, i: usize) {
+        let share = work.paths.environment_share[i];
         if let Some(environment) = &self.scene.environment
             && share > 0.0
         {
             let radiance = environment.radiance(at(&work.paths.rays.direction, i).as_dvec3());
             let value = at(&work.paths.throughput, i) * radiance * share;
-            work.add(work.paths.slot[i], work.paths.word[i], value);
+            work.add(work.paths.slot[i], work.paths.path_class[i], value);
         }
     }
 
     /// A ray has hit a lamp.
     #[inline]
-    fn glow(&self, work: &mut Workspace, i: usize, face: &Face, emission: &Emission) {
+    fn add_emission(&self, work: &mut Workspace, i: usize, shader: &SurfaceShader, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
         if !emission.is_seen(surface.normal, at(&work.paths.rays.direction, i)) {
             return;
         }
         let pdf = work.paths.pdf[i];
         let traced = |light| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(light));
-        if caustic::is_brought(work.paths.caustic[i]) && face.light.is_some_and(traced) {
+        if caustic::is_light_traced(work.paths.caustic[i]) && shader.light.is_some_and(traced) {
             return;
         }
-        let share = match (emission.visibility, face.light) {
+        let share = match (emission.visibility, shader.light) {
             _ if pdf == f32::INFINITY => 1.0,
             (EmitterVisibility::CameraOnly, _) => 0.0,
             (EmitterVisibility::Sampled, Some(_)) if pdf == 0.0 => 0.0,
@@ -257,7 +257,7 @@ impl<'a> Integrator<'a> {
             }
         };
         let value = at(&work.paths.throughput, i) * emission.radiance * share;
-        work.add(work.paths.slot[i], work.paths.word[i], value);
+        work.add(work.paths.slot[i], work.paths.path_class[i], value);
     }
 
     /// Puts a diffuse hit with the others.
@@ -271,18 +271,18 @@ impl<'a> Integrator<'a> {
         set(&mut points.normal, j, surface.shading * side);
         set(&mut points.weight, j, at(&work.paths.throughput, i) * albedo);
         points.slot[j] = work.paths.slot[i];
-        points.word[j] = work.paths.word[i].then(false);
+        points.path_class[j] = work.paths.path_class[i].then(false);
         let caustic = caustic::after_diffuse(work.paths.caustic[i]);
         points.caustic[j] = if surface.is_flat() { caustic } else { caustic::NONE };
         points.count += 1;
     }
 
-    /// The surface that the ray of path `i` has hit, as the material there sees it: one that reflects on both sides faces the
+    /// The surface that the ray of path `i` has hit, as the material there sees it: one that reflects on both sides shaders the
     /// ray's origin.
     #[inline]
     pub(super) fn scattering_surface(&self, work: &Workspace, i: usize) -> Surface {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        let two_sided = self.faces[work.hits.object[i] as usize].two_sided;
+        let two_sided = self.shaders[work.hits.object[i] as usize].two_sided;
         if two_sided { surface.facing(-at(&work.paths.rays.direction, i)) } else { surface }
     }
 
@@ -300,9 +300,9 @@ impl<'a> Integrator<'a> {
             wo,
             throughput: at(&work.paths.throughput, i),
             slot: work.paths.slot[i],
-            word: work.paths.word[i].then(false),
+            path_class: work.paths.path_class[i].then(false),
             object: work.hits.object[i],
-            caustic: caustic::is_brought(work.paths.caustic[i])
+            caustic: caustic::is_light_traced(work.paths.caustic[i])
                 && shading_normal::is_sound_to_camera(&surface, -direction),
         });
     }
@@ -316,7 +316,7 @@ impl<'a> Integrator<'a> {
         work.numbers.fill(self.arch, &slots[..work.delta.len()], dimensions.choice(), (0, 1), &mut work.u);
         for (k, &i) in work.delta.iter().enumerate() {
             let i = i as usize;
-            let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
+            let Kind::Delta(bsdf) = &self.shaders[work.hits.object[i] as usize].kind else { continue };
             let surface = self.scattering_surface(work, i);
             let direction = at(&work.paths.rays.direction, i);
             let frame = surface.frame(-direction);
@@ -324,7 +324,7 @@ impl<'a> Integrator<'a> {
             let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
             let j = work.next.count;
-            work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
+            work.next.push(surface.ray_origin(wi), wi, throughput, work.paths.slot[i], work.paths.path_class[i].then(true));
             let tracing = self.light_tracing.as_ref();
             let casts = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
             work.next.caustic[j] = if casts { caustic::after_other(work.paths.caustic[i]) } else { caustic::NONE };
@@ -334,15 +334,15 @@ impl<'a> Integrator<'a> {
     /// Adds the light at the rough hits and scatters their paths, one object after the other.
     fn scatter_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
         for group in work.rough_groups() {
-            if let Kind::Rough(bsdf) = &self.faces[work.rough[group.start].object as usize].kind {
+            if let Kind::Rough(bsdf) = &self.shaders[work.rough[group.start].object as usize].kind {
                 self.light_rough::<NEEDS>(work, group.clone(), bsdf, dimensions);
-                self.carry_on_rough(work, group, bsdf, dimensions);
+                self.extend_rough_paths(work, group, bsdf, dimensions);
             }
         }
     }
 
     /// Draws directions for the hits on one rough object.
-    pub(super) fn draw_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
+    pub(super) fn sample_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
         let (mut slots, mut wo) = ([0; LANES], ZERO3);
         let count = group.len();
         for (i, hit) in work.rough[group].iter().enumerate() {
@@ -354,9 +354,9 @@ impl<'a> Integrator<'a> {
     }
 
     /// Scatters the paths that have hit one rough object.
-    fn carry_on_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
-        self.draw_rough(work, group.clone(), bsdf, dimensions);
-        let trust = shine::trust(bsdf);
+    fn extend_rough_paths(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
+        self.sample_rough(work, group.clone(), bsdf, dimensions);
+        let trust = product_warp::trust(bsdf);
         for (i, hit) in work.rough[group].iter().enumerate() {
             let weight = at(&work.scattered.weight, i);
             let wi = hit.frame.to_world(at(&work.scattered.wi, i));
@@ -364,22 +364,22 @@ impl<'a> Integrator<'a> {
                 continue;
             }
             let j = work.next.count;
-            work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
+            work.next.push(hit.surface.ray_origin(wi), wi, hit.throughput * weight, hit.slot, hit.path_class);
             let brought = hit.caustic && shading_normal::is_sound_to_light(&hit.surface, wi);
             work.next.caustic[j] = if brought { caustic::CHAIN } else { caustic::NONE };
             let pdf = work.scattered.pdf[i];
-            (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
+            (work.next.pdf[j], work.next.environment_share[j]) = match self.sampling {
                 // All light that it finds, but for pictures, which are left to mirrors and glass.
                 Sampling::Bsdf => (f32::MAX, 1.0),
                 Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
-                Sampling::Mis => (pdf / trust, self.sky_share(hit, wi, pdf)),
+                Sampling::Mis => (pdf / trust, self.environment_weight(hit, wi, pdf)),
             };
         }
     }
 
-    /// The share of the environment's light that a direction drawn by a rough material brings.
+    /// The share of the environment's light that a direction sampled by a rough material brings.
     #[inline]
-    fn sky_share(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
+    fn environment_weight(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
         let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 1.0 };
         let map = |w: Vec3| environment.to_map(w.as_dvec3());
         let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
@@ -388,7 +388,7 @@ impl<'a> Integrator<'a> {
 }
 
 impl Surface {
-    /// The frame for shading, seen from `wo`: where the interpolated normal faces away, that of the surface itself.
+    /// The frame for shading, seen from `wo`: where the interpolated normal shaders away, that of the surface itself.
     #[inline]
     pub(super) fn frame(&self, wo: Vec3) -> Frame {
         let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
@@ -397,7 +397,7 @@ impl Surface {
 
     /// Where a ray to `wi` starts.
     #[inline]
-    pub fn leave(&self, wi: Vec3) -> Vec3 {
+    pub fn ray_origin(&self, wi: Vec3) -> Vec3 {
         let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
         self.position + self.normal * (side * self.offset)
     }

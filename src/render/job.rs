@@ -194,7 +194,7 @@ impl<'a> Job<'a> {
                 work.numbers.assign(slot, pixel, number);
             }
             work.waiting.drain(..count);
-            self.integrator.trace_from_lamps(work, count, &self.lens);
+            self.integrator.trace_light_paths(work, count, &self.lens);
             work.splats.drain(..).for_each(|splat| row.splat(splat));
         }
     }

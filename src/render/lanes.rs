@@ -48,9 +48,9 @@ pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[Block;
 /// diffuse to one that the camera sees, or to one that is seen from there.
 pub mod caustic {
     /// It has met nothing.
-    pub const NEW: u32 = 3;
+    pub const CAMERA: u32 = 3;
     /// It comes from the diffuse surface that the camera sees.
-    pub const SEEN: u32 = 2;
+    pub const FIRST_DIFFUSE: u32 = 2;
     /// It comes from the second one, or from surfaces that are not diffuse after either: these bring the lamps' light.
     pub const CHAIN: u32 = 1;
     /// Paths from the lamps bring none of its light.
@@ -65,13 +65,13 @@ pub mod caustic {
     /// After another one.
     #[inline(always)]
     pub fn after_other(state: u32) -> u32 {
-        if is_brought(state) { CHAIN } else { NONE }
+        if is_light_traced(state) { CHAIN } else { NONE }
     }
 
     /// Whether light of the lamps that the path meets next is brought.
     #[inline(always)]
-    pub fn is_brought(state: u32) -> bool {
-        state == SEEN || state == CHAIN
+    pub fn is_light_traced(state: u32) -> bool {
+        state == FIRST_DIFFUSE || state == CHAIN
     }
 }
 
@@ -102,15 +102,15 @@ pub struct Paths {
     pub count: usize,
     pub rays: Rays,
     pub throughput: Lane3,
-    /// Density with which the ray's direction was drawn, for weighing the light it finds against light samples:
+    /// Density with which the ray's direction was sampled, for weighing the light it finds against light samples:
     /// infinite when no light sample could have found the same light, 0 when that light was sampled already.
     pub pdf: Lane,
     /// The share of the environment's light that the ray brings if it leaves the scene; the rest was sampled already.
-    pub sky: Lane,
+    pub environment_share: Lane,
     /// The camera sample that the path belongs to.
     pub slot: [u32; LANES],
     /// What scattered the path so far.
-    pub word: [PathClass; LANES],
+    pub path_class: [PathClass; LANES],
     /// Whether the lamps' light along this path is brought by paths from the lamps, see [`caustic`]. Of those themselves:
     /// whether a diffuse surface has scattered them.
     pub caustic: [u32; LANES],
@@ -126,7 +126,7 @@ pub struct Points {
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
     pub slot: [u32; LANES],
-    pub word: [PathClass; LANES],
+    pub path_class: [PathClass; LANES],
     /// [`Paths::caustic`] of the paths that go on from here.
     pub caustic: [u32; LANES],
 }
@@ -139,7 +139,7 @@ pub struct Shadows {
     pub limit: Lane,
     pub value: Lane3,
     pub slot: [u32; LANES],
-    pub word: [PathClass; LANES],
+    pub path_class: [PathClass; LANES],
 }
 
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
@@ -163,9 +163,9 @@ impl Default for Paths {
             rays: Rays::default(),
             throughput: ZERO3,
             pdf: [0.0; LANES],
-            sky: [0.0; LANES],
+            environment_share: [0.0; LANES],
             slot: [0; LANES],
-            word: [PathClass::DIRECT; LANES],
+            path_class: [PathClass::DIRECT; LANES],
             caustic: [0; LANES],
         }
     }
@@ -179,7 +179,7 @@ impl Default for Points {
             normal: ZERO3,
             weight: ZERO3,
             slot: [0; LANES],
-            word: [PathClass::DIRECT; LANES],
+            path_class: [PathClass::DIRECT; LANES],
             caustic: [0; LANES],
         }
     }
@@ -193,7 +193,7 @@ impl Default for Shadows {
             limit: [0.0; LANES],
             value: ZERO3,
             slot: [0; LANES],
-            word: [PathClass::DIRECT; LANES],
+            path_class: [PathClass::DIRECT; LANES],
         }
     }
 }
@@ -201,15 +201,15 @@ impl Default for Shadows {
 impl Paths {
     /// Adds a path whose ray finds all the light that it meets.
     #[inline(always)]
-    pub fn push(&mut self, origin: Vec3, direction: Vec3, throughput: Rgb, slot: u32, word: PathClass) {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, throughput: Rgb, slot: u32, path_class: PathClass) {
         let i = self.count;
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);
         set(&mut self.throughput, i, throughput);
         self.pdf[i] = f32::INFINITY;
-        self.sky[i] = 1.0;
+        self.environment_share[i] = 1.0;
         self.slot[i] = slot;
-        self.word[i] = word;
+        self.path_class[i] = path_class;
         self.caustic[i] = 0;
         self.count += 1;
     }
@@ -225,8 +225,8 @@ impl Paths {
                     {
                         lane[j] = lane[i];
                     }
-                    (self.pdf[j], self.sky[j]) = (self.pdf[i], self.sky[i]);
-                    (self.slot[j], self.word[j], self.caustic[j]) = (self.slot[i], self.word[i], self.caustic[i]);
+                    (self.pdf[j], self.environment_share[j]) = (self.pdf[i], self.environment_share[i]);
+                    (self.slot[j], self.path_class[j], self.caustic[j]) = (self.slot[i], self.path_class[i], self.caustic[i]);
                 }
                 self.count += 1;
             }
@@ -237,14 +237,14 @@ impl Paths {
 impl Shadows {
     /// Adds a ray.
     #[inline(always)]
-    pub fn push(&mut self, origin: Vec3, direction: Vec3, limit: f32, value: Rgb, slot: u32, word: PathClass) {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, limit: f32, value: Rgb, slot: u32, path_class: PathClass) {
         let i = self.count;
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);
         set(&mut self.value, i, value);
         self.limit[i] = limit;
         self.slot[i] = slot;
-        self.word[i] = word;
+        self.path_class[i] = path_class;
         self.count += 1;
     }
 }

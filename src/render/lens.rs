@@ -46,7 +46,7 @@ impl Lens {
         }
     }
 
-    /// The area that the whole picture shows at the distance of a point, of surfaces that face the camera.
+    /// The area that the whole picture shows at the distance of a point, of surfaces that shader the camera.
     #[inline]
     pub fn area_at(&self, point: Vec3) -> f32 {
         // The film's area, one unit of length away, over cos³ θ / d², θ the angle to the axis and d the distance.
@@ -61,7 +61,7 @@ impl Lens {
 
     /// How the camera sees a point, if it is on the film; whether something stands in between is not asked.
     #[inline]
-    pub fn see(&self, point: Vec3) -> Option<View> {
+    pub fn project(&self, point: Vec3) -> Option<View> {
         let to = point - self.position;
         let depth = to.dot(self.forward);
         if depth <= 0.0 {
@@ -83,11 +83,11 @@ impl Lens {
 
     /// The rays through row `y` of the film at the given columns, `u` inside each pixel.
     pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
-        wide(arch, Expose { lens: self, columns, y, u, count, rays });
+        wide(arch, CameraRays { lens: self, columns, y, u, count, rays });
     }
 }
 
-struct Expose<'a> {
+struct CameraRays<'a> {
     lens: &'a Lens,
     columns: &'a [u32; LANES],
     y: u32,
@@ -96,7 +96,7 @@ struct Expose<'a> {
     rays: &'a mut Rays,
 }
 
-impl Wide for Expose<'_> {
+impl Wide for CameraRays<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { columns, y, u, count, rays, .. } = self;
@@ -129,14 +129,14 @@ mod tests {
             for (x, y) in (0..30).flat_map(|x| (0..20).map(move |y| (x, y))) {
                 let ray = camera.ray((f64::from(x) + 0.3) / 30.0, (f64::from(y) + 0.8) / 20.0);
                 let point = ray.origin + 2.5 * ray.direction;
-                let view = lens.see(point).unwrap();
+                let view = lens.project(point).unwrap();
                 assert_eq!(view.pixel, [x as u32, y as u32]);
                 assert!((view.distance - 2.5).abs() < 1e-5 && (view.direction + ray.direction).length() < 1e-5);
-                assert!(lens.see(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
+                assert!(lens.project(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
             }
             for (x, y) in [(-0.1, 0.5), (1.1, 0.5), (0.5, -0.1), (0.5, 1.1)] {
                 let ray = camera.ray(x, y);
-                assert!(lens.see(ray.origin + ray.direction).is_none(), "beside the film");
+                assert!(lens.project(ray.origin + ray.direction).is_none(), "beside the film");
             }
         }
     }
@@ -156,7 +156,7 @@ mod tests {
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let at = |i: i32, half: f32| half * (2.0 * (i as f32 + 0.5) / n as f32 - 1.0);
                 let point = Vec3::new(at(i, half[0]), at(j, half[1]), -2.0);
-                let cos = lens.see(point).unwrap().direction.z;
+                let cos = lens.project(point).unwrap().direction.z;
                 film += cos / lens.area_at(point) * 4.0 * half[0] * half[1] / (n * n) as f32;
             }
             assert!((film - 1.0).abs() < 1e-3, "{film}");

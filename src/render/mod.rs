@@ -1,17 +1,17 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
 //! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, film, solids, lanes,
-//! geometry, sample_lanes, lens, cut_lights, lights, faces, needs, strategies, diffuse, casters, rough, workspace, shine,
-//! integrator, light_tracing, direct, job. Three imports run the other way: of geometry in lanes, of integrator in shine,
+//! geometry, sample_lanes, lens, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones, rough, workspace, product_warp,
+//! integrator, light_tracing, direct, job. Three imports run the other way: of geometry in lanes, of integrator in product_warp,
 //! of light_tracing in integrator.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
-mod casters;
+mod caustic_cones;
 mod cut_lights;
 mod diffuse;
 mod direct;
-mod faces;
+mod shaders;
 pub mod film;
 mod fingerprint;
 mod geometry;
@@ -27,7 +27,7 @@ mod rough;
 mod sample_lanes;
 mod settings;
 mod shading_normal;
-mod shine;
+mod product_warp;
 mod solids;
 mod strategies;
 mod wide;

@@ -32,7 +32,7 @@ impl Needs {
     /// Light from infinity.
     pub const ENVIRONMENT: Need = Need(2);
     /// Glowing surfaces, and lights that are not objects.
-    pub const LAMPS: Need = Need(4);
+    pub const LIGHTS: Need = Need(4);
     /// Mirrors and glass.
     pub const DELTA: Need = Need(8);
     /// Rough metal.
@@ -42,9 +42,9 @@ impl Needs {
     /// The sets that kernels are compiled for.
     pub const LEAN: [u32; 5] = [
         Self::ENVIRONMENT.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::DELTA.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::ROUGH.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0 | Self::DELTA.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0 | Self::ROUGH.0,
         Self::ALL,
     ];
 
@@ -71,7 +71,7 @@ impl Needs {
         let bits = [
             (Self::OCCLUSION, !lone_convex_from_outside(scene)),
             (Self::ENVIRONMENT, scene.environment.is_some()),
-            (Self::LAMPS, lamps),
+            (Self::LIGHTS, lamps),
             (Self::DELTA, any(true)),
             (Self::ROUGH, any(false)),
         ];
@@ -95,7 +95,7 @@ impl Needs {
         let mut list = Vec::new();
         let parts = [
             (Self::ENVIRONMENT, "environment light"),
-            (Self::LAMPS, "lamps"),
+            (Self::LIGHTS, "lamps"),
             (Self::DELTA, "mirrors and glass"),
             (Self::ROUGH, "rough metal"),
         ];

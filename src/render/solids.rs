@@ -18,7 +18,7 @@ impl Solid for Sphere {
 
 /// 1 − cos of half the angle that a sphere fills, from the squared sine of it (radius over distance, if that is below 1).
 #[inline(always)]
-pub fn opening(sin2: f32) -> f32 {
+pub fn one_minus_cos_half_angle(sin2: f32) -> f32 {
     // 1 − √(1 − s²) without the cancellation.
     sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
 }

@@ -15,34 +15,34 @@ pub enum Strategies {
     None,
     /// By the light alone: the sampler is complete.
     Light(Box<dyn SurfaceSampler>),
-    Surface(Scatter),
+    Surface(BsdfOnly),
     /// Combined by multiple importance sampling.
-    Both(Box<dyn SurfaceSampler>, Scatter),
+    Both(Box<dyn SurfaceSampler>, BsdfOnly),
 }
 
 /// A strategy that chooses directions by the surface alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scatter {
+pub enum BsdfOnly {
     /// By the material's density.
     Bsdf,
     /// Uniformly over the hemisphere.
     Hemisphere,
 }
 
-impl Scatter {
+impl BsdfOnly {
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
-            Scatter::Bsdf => diffuse::sample(u),
-            Scatter::Hemisphere => warp::uniform_hemisphere(u),
+            BsdfOnly::Bsdf => diffuse::sample(u),
+            BsdfOnly::Hemisphere => warp::uniform_hemisphere(u),
         }
     }
 
     #[inline]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            Scatter::Bsdf => diffuse::pdf(cos),
-            Scatter::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
+            BsdfOnly::Bsdf => diffuse::pdf(cos),
+            BsdfOnly::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
         }
     }
 }
@@ -54,7 +54,7 @@ impl Strategies {
     /// only add noise (almost three times the error on the first report's scene), so combining then means leaving
     /// them out.
     pub fn new(scene: &Scene, settings: &Settings, needs: &Needs) -> Result<Self> {
-        let scatter = if settings.sampling == Sampling::Hemisphere { Scatter::Hemisphere } else { Scatter::Bsdf };
+        let scatter = if settings.sampling == Sampling::Hemisphere { BsdfOnly::Hemisphere } else { BsdfOnly::Bsdf };
         if !settings.sampling.by_light() {
             return Ok(Strategies::Surface(scatter));
         }
@@ -88,7 +88,7 @@ impl Strategies {
 
     /// The strategy that draws without regard to the light, if one is in use.
     #[inline]
-    pub fn scatter(&self) -> Option<Scatter> {
+    pub fn bsdf_only(&self) -> Option<BsdfOnly> {
         match self {
             Strategies::Surface(scatter) | Strategies::Both(_, scatter) => Some(*scatter),
             Strategies::None | Strategies::Light(_) => None,

@@ -1,6 +1,6 @@
 //! What one thread works with while it follows paths: their lanes, what they have hit, and the light found so far.
 
-use super::casters::Cone;
+use super::caustic_cones::Cone;
 use super::film::{PathClass, PathClasses, Splat};
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, Lane, Lane3, Paths, Points, Shadows};
@@ -53,7 +53,7 @@ pub struct RoughHit {
     pub wo: Vec3,
     pub throughput: Rgb,
     pub slot: u32,
-    pub word: PathClass,
+    pub path_class: PathClass,
     pub object: u32,
     /// Whether paths from the lamps bring their light to here, apart from directions where the normals disagree.
     pub caustic: bool,
@@ -107,15 +107,15 @@ impl Workspace {
         ends.collect()
     }
 
-    /// Light that a path of class `word` has found.
+    /// Light that a path of `path_class` has found.
     #[inline(always)]
-    pub(super) fn add(&mut self, slot: u32, word: PathClass, value: Rgb) {
+    pub(super) fn add(&mut self, slot: u32, path_class: PathClass, value: Rgb) {
         let slot = slot as usize % LANES;
         self.radiance[0][slot] += value.x;
         self.radiance[1][slot] += value.y;
         self.radiance[2][slot] += value.z;
         if let Some(classes) = self.classes {
-            self.layers[slot * classes.count() + classes.index(word)] += value;
+            self.layers[slot * classes.count() + classes.index(path_class)] += value;
         }
     }
 }
@@ -130,7 +130,7 @@ impl Dimensions {
     pub(super) const OTHERS: u32 = 4;
 
     /// Of paths from the lamps, where they start and after so many scatterings: far from those of camera paths.
-    pub(super) fn from_lamps(scatterings: u32) -> Self {
+    pub(super) fn of_light_paths(scatterings: u32) -> Self {
         Self { first: (1 << 31) + scatterings * Self::OTHERS }
     }
 
@@ -145,7 +145,7 @@ impl Dimensions {
     }
 
     /// Where light is looked for without regard to where it is.
-    pub fn gather(self) -> u32 {
+    pub fn bsdf_direct(self) -> u32 {
         self.first + 2
     }
 

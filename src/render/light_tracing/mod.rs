@@ -14,9 +14,8 @@ mod plan;
 mod tests;
 
 use super::diffuse;
-use super::faces::Kind;
+use super::shaders::Kind;
 use super::film::{PathClass, Splat};
-use super::geometry::Surface;
 use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
 use super::lanes::{LANES, NOTHING, at, set};
 use super::lens::Lens;
@@ -24,16 +23,16 @@ use super::shading_normal;
 use super::workspace::{Dimensions, Workspace};
 use crate::bsdf::{Scatter, Transport};
 use crate::math::Rgb;
-use plan::EVERY;
+use plan::SAMPLES_PER_LIGHT_PATH;
 pub use plan::LightTracing;
 use std::f32::consts::FRAC_1_PI;
 
 impl Integrator<'_> {
     /// Follows one path from the lamps for each of the first `count` slots and puts the light that it brings to pixels
-    /// into `work.splats`: for [`EVERY`] samples of a pixel.
-    pub fn trace_from_lamps(&self, work: &mut Workspace, count: usize, lens: &Lens) {
+    /// into `work.splats`: for [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel.
+    pub fn trace_light_paths(&self, work: &mut Workspace, count: usize, lens: &Lens) {
         let Some(tracing) = &self.light_tracing else { return };
-        self.start_at_lamps(work, tracing, count);
+        self.start_light_paths(work, tracing, count);
         // The scattering at the diffuse surface counts as well.
         for scatterings in 1..=self.request.max_depth {
             let count = work.paths.count;
@@ -52,7 +51,7 @@ impl Integrator<'_> {
                     continue;
                 }
                 let scattered = work.paths.caustic[i] != 0;
-                match self.faces[object as usize].kind {
+                match self.shaders[object as usize].kind {
                     // What comes straight from a lamp, light samples find.
                     Kind::Diffuse { albedo } if scatterings > 1 => {
                         work.arrived.push(i as u32);
@@ -70,10 +69,10 @@ impl Integrator<'_> {
             }
             self.splat(work, tracing, lens);
             work.next.count = 0;
-            let dimensions = Dimensions::from_lamps(scatterings);
-            self.pass_on_diffuse(work, dimensions);
-            self.pass_on_delta(work, dimensions);
-            self.pass_on_rough(work, dimensions);
+            let dimensions = Dimensions::of_light_paths(scatterings);
+            self.extend_diffuse(work, dimensions);
+            self.extend_delta(work, dimensions);
+            self.extend_rough(work, dimensions);
             roulette(&mut work.next, &work.numbers, dimensions.choice(), scatterings);
             std::mem::swap(&mut work.paths, &mut work.next);
         }
@@ -81,12 +80,12 @@ impl Integrator<'_> {
     }
 
     /// Rays from the lamps to the targets.
-    fn start_at_lamps(&self, work: &mut Workspace, tracing: &LightTracing, count: usize) {
+    fn start_light_paths(&self, work: &mut Workspace, tracing: &LightTracing, count: usize) {
         work.paths.count = 0;
-        let dimensions = Dimensions::from_lamps(0);
+        let dimensions = Dimensions::of_light_paths(0);
         let slots: [u32; LANES] = std::array::from_fn(|slot| slot as u32);
         let mut u = [[[0.0; LANES]; 2]; 3];
-        for (u, dimension) in u.iter_mut().zip([dimensions.choice(), dimensions.gather(), dimensions.bsdf()]) {
+        for (u, dimension) in u.iter_mut().zip([dimensions.choice(), dimensions.bsdf_direct(), dimensions.bsdf()]) {
             work.numbers.fill(self.arch, &slots[..count], dimension, (0, 1), u);
         }
         for slot in 0..count {
@@ -100,7 +99,7 @@ impl Integrator<'_> {
             if glow == 0.0 {
                 continue;
             }
-            set(&mut work.power, slot, lamp.power * (glow * solid_angle * EVERY as f32));
+            set(&mut work.power, slot, lamp.power * (glow * solid_angle * SAMPLES_PER_LIGHT_PATH as f32));
             let origin = start.position + start.normal * self.geometry.offset(light.object).copysign(cos);
             work.paths.push(origin, direction, Rgb::ONE, slot as u32, PathClass::DIRECT);
         }
@@ -112,10 +111,10 @@ impl Integrator<'_> {
         work.shadows.count = 0;
         for k in 0..work.arrived.len() {
             let i = work.arrived[k] as usize;
-            let Kind::Diffuse { albedo } = self.faces[work.hits.object[i] as usize].kind else { continue };
+            let Kind::Diffuse { albedo } = self.shaders[work.hits.object[i] as usize].kind else { continue };
             let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
             let wi = -at(&work.paths.rays.direction, i);
-            let Some(view) = lens.see(surface.position) else { continue };
+            let Some(view) = lens.project(surface.position) else { continue };
             let side = if surface.normal.dot(view.direction) > 0.0 { 1.0 } else { -1.0 };
             let normal = surface.normal * side;
             let origin = surface.position + normal * surface.offset;
@@ -127,7 +126,7 @@ impl Integrator<'_> {
             let power = at(&work.power, slot as usize) * at(&work.paths.throughput, i);
             let seen = normal.dot(view.direction) / area;
             let value = power * albedo * (FRAC_1_PI * seen);
-            let word = work.paths.word[i].then(false).reversed();
+            let word = work.paths.path_class[i].then(false).reversed();
             pixel[work.shadows.count] = view.pixel;
             let limit = view.distance * SHORT_OF_LIGHT;
             work.shadows.push(origin, view.direction, limit, value, slot, word);
@@ -136,25 +135,25 @@ impl Integrator<'_> {
         self.geometry.occluded(&shadows.rays, shadows.count, &shadows.limit, NOTHING, &mut work.blocked);
         for k in 0..work.shadows.count {
             if work.blocked[k] == 0 {
-                let class = self.classes.map_or(0, |classes| classes.index(work.shadows.word[k]));
+                let class = self.classes.map_or(0, |classes| classes.index(work.shadows.path_class[k]));
                 work.splats.push(Splat { pixel: pixel[k], class, value: at(&work.shadows.value, k) });
             }
         }
     }
 
     /// Scatters the paths that have hit diffuse surfaces, for one to which they are seen.
-    fn pass_on_diffuse(&self, work: &mut Workspace, dimensions: Dimensions) {
+    fn extend_diffuse(&self, work: &mut Workspace, dimensions: Dimensions) {
         let count = work.points.count;
         work.numbers.fill(self.arch, &work.points.slot[..count], dimensions.bsdf(), (0, 1), &mut work.u);
-        diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+        diffuse::extend_paths(self.arch, &work.points, &work.u, &mut work.next);
         work.next.caustic[..count].fill(1);
     }
 
     /// Scatters the paths that have hit mirrors and glass.
-    fn pass_on_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
+    fn extend_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
         for k in 0..work.delta.len() {
             let i = work.delta[k] as usize;
-            let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
+            let Kind::Delta(bsdf) = &self.shaders[work.hits.object[i] as usize].kind else { continue };
             let surface = self.scattering_surface(work, i);
             let wo = -at(&work.paths.rays.direction, i);
             let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
@@ -164,15 +163,15 @@ impl Integrator<'_> {
             };
             let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
-            work.next.push(surface.leave(wi), wi, throughput, slot, work.paths.word[i].then(true));
+            work.next.push(surface.ray_origin(wi), wi, throughput, slot, work.paths.path_class[i].then(true));
         }
     }
 
     /// Scatters the paths that have hit rough metal, one object after the other.
-    fn pass_on_rough(&self, work: &mut Workspace, dimensions: Dimensions) {
+    fn extend_rough(&self, work: &mut Workspace, dimensions: Dimensions) {
         for group in work.rough_groups() {
-            let Kind::Rough(bsdf) = &self.faces[work.rough[group.start].object as usize].kind else { continue };
-            self.draw_rough(work, group.clone(), bsdf, dimensions);
+            let Kind::Rough(bsdf) = &self.shaders[work.rough[group.start].object as usize].kind else { continue };
+            self.sample_rough(work, group.clone(), bsdf, dimensions);
             for (i, hit) in work.rough[group].iter().enumerate() {
                 let weight = at(&work.scattered.weight, i);
                 let wi = hit.frame.to_world(at(&work.scattered.wi, i));
@@ -182,7 +181,7 @@ impl Integrator<'_> {
                 let Some(factor) = shading_normal::adjoint_factor(&hit.surface, hit.frame.to_world(hit.wo), wi) else {
                     continue;
                 };
-                work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight * factor, hit.slot, hit.word);
+                work.next.push(hit.surface.ray_origin(wi), wi, hit.throughput * weight * factor, hit.slot, hit.path_class);
             }
         }
     }

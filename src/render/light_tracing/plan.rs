@@ -3,7 +3,7 @@
 use crate::bsdf::Scatter;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
-use crate::render::faces::{Face, Kind};
+use crate::render::shaders::{SurfaceShader, Kind};
 use crate::render::geometry::Geometry;
 use crate::render::lights::Sampled;
 use crate::render::settings::{Sampling, Settings};
@@ -18,7 +18,7 @@ use std::f32::consts::TAU;
 const NEAREST: f32 = 0.05;
 
 /// Of so many samples of a pixel one comes with a path from a lamp.
-pub const EVERY: u32 = 5;
+pub const SAMPLES_PER_LIGHT_PATH: u32 = 5;
 
 /// Of more targets than these all are taken as one.
 const MOST_TARGETS: usize = 8;
@@ -57,16 +57,16 @@ impl LightTracing {
         scene: &Scene,
         request: &Request,
         settings: &Settings,
-        faces: &[Face],
+        shaders: &[SurfaceShader],
         lights: &[Sampled],
         geometry: &Geometry<'_>,
     ) -> Option<Self> {
         if settings.sampling != Sampling::Mis || settings.camera_paths_only || request.max_depth < 2 {
             return None;
         }
-        let casts: Vec<bool> = faces.iter().zip(&scene.objects).map(|(face, o)| casts(face, &o.shape)).collect();
+        let casts: Vec<bool> = shaders.iter().zip(&scene.objects).map(|(shader, o)| casts(shader, &o.shape)).collect();
         let targets = targets(scene.objects.iter().zip(&casts).filter(|(_, casts)| **casts).map(|(o, _)| &o.shape));
-        let seen = faces.iter().any(|face| matches!(face.kind, Kind::Diffuse { .. }));
+        let seen = shaders.iter().any(|shader| matches!(shader.kind, Kind::Diffuse { .. }));
         let lamps = lamps(lights);
         let nearest = NEAREST * geometry.extent().powi(2);
         (seen && !targets.is_empty() && !lamps.is_empty()).then_some(Self { lamps, targets, casts, nearest })
@@ -92,11 +92,11 @@ impl LightTracing {
     }
 
     /// The number of the path from a lamp that comes with a sample of a pixel, if one does. The first of a pixel comes with
-    /// any of [`EVERY`] samples, so that there are as many paths as there should be, however few samples.
+    /// any of [`SAMPLES_PER_LIGHT_PATH`] samples, so that there are as many paths as there should be, however few samples.
     #[inline]
     pub fn path(seed: u64, pixel: u64, sample: u32) -> Option<u32> {
-        let phase = mix64(seed ^ mix64(pixel)) as u32 % EVERY;
-        (sample % EVERY == phase).then_some(sample / EVERY)
+        let phase = mix64(seed ^ mix64(pixel)) as u32 % SAMPLES_PER_LIGHT_PATH;
+        (sample % SAMPLES_PER_LIGHT_PATH == phase).then_some(sample / SAMPLES_PER_LIGHT_PATH)
     }
 
     /// A lamp at random.
@@ -111,21 +111,21 @@ impl LightTracing {
     pub fn direction(&self, point: Vec3, choice: f32, u: [f32; 2]) -> (Vec3, f32) {
         let total: f32 = self.targets.iter().map(|target| target.cone(point).1).sum();
         let mut rest = choice * total;
-        let (mut axis, mut opening) = (Vec3::Y, 2.0);
+        let (mut axis, mut one_minus_cos_half_angle) = (Vec3::Y, 2.0);
         for target in &self.targets {
-            (axis, opening) = target.cone(point);
-            if rest < opening {
+            (axis, one_minus_cos_half_angle) = target.cone(point);
+            if rest < one_minus_cos_half_angle {
                 break;
             }
-            rest -= opening;
+            rest -= one_minus_cos_half_angle;
         }
-        let below = u[0] * opening;
+        let below = u[0] * one_minus_cos_half_angle;
         let (sin, cos) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
         let (x, y) = axis.any_orthonormal_pair();
         let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
         let direction = (x * cos_phi + y * sin_phi) * sin + axis * cos;
         let holding = self.targets.iter().filter(|target| target.holds(point, direction)).count();
-        // Rounding at the rim may leave out the one that it was drawn for.
+        // Rounding at the rim may leave out the one that it was sampled for.
         (direction, TAU * total / holding.max(1) as f32)
     }
 }
@@ -137,21 +137,21 @@ impl Target {
         let to = self.centre - point;
         let d2 = to.length_squared();
         let sin2 = self.radius * self.radius / d2;
-        if sin2 < 1.0 { (to / d2.sqrt(), solids::opening(sin2)) } else { (Vec3::Y, 2.0) }
+        if sin2 < 1.0 { (to / d2.sqrt(), solids::one_minus_cos_half_angle(sin2)) } else { (Vec3::Y, 2.0) }
     }
 
     #[inline]
     fn holds(&self, point: Vec3, direction: Vec3) -> bool {
-        let (axis, opening) = self.cone(point);
-        0.5 * (direction - axis).length_squared() <= opening
+        let (axis, one_minus_cos_half_angle) = self.cone(point);
+        0.5 * (direction - axis).length_squared() <= one_minus_cos_half_angle
     }
 }
 
-/// Whether paths from the lamps scatter at a face: at rough metal of any shape; in mirrors and glass only where the normal
+/// Whether paths from the lamps scatter at a shader: at rough metal of any shape; in mirrors and glass only where the normal
 /// for shading is that of the surface, which is the same from either end of a path. Materials that are not reciprocal must be
 /// met by camera paths.
-fn casts(face: &Face, shape: &Shape) -> bool {
-    match face.kind {
+fn casts(shader: &SurfaceShader, shape: &Shape) -> bool {
+    match shader.kind {
         Kind::Black | Kind::Diffuse { .. } => false,
         Kind::Rough(bsdf) => bsdf.is_reciprocal(),
         Kind::Delta(bsdf) => bsdf.is_reciprocal() && !matches!(shape, Shape::Mesh(_)),
@@ -182,10 +182,10 @@ fn targets<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<Target> {
 
 /// The lamps, chosen in proportion to their power.
 fn lamps(lights: &[Sampled]) -> Vec<Lamp> {
-    let glowing = || lights.iter().enumerate().filter_map(|(i, light)| light.glowing().map(|(r, area)| (i, r * area)));
-    let total: f32 = glowing().map(|(_, power)| power.element_sum()).sum();
+    let powers = || lights.iter().enumerate().filter_map(|(i, light)| light.emitted().map(|(r, area)| (i, r * area)));
+    let total: f32 = powers().map(|(_, power)| power.element_sum()).sum();
     let mut up_to = 0.0;
-    glowing()
+    powers()
         .map(|(light, power)| {
             let probability = power.element_sum() / total;
             up_to += probability;

@@ -1,6 +1,6 @@
 //! Light from the lamps and light found from the camera is the same light.
 
-use super::plan::EVERY;
+use super::plan::SAMPLES_PER_LIGHT_PATH;
 use super::*;
 use crate::render::settings::Settings;
 use crate::render::{Silent, render};
@@ -29,7 +29,7 @@ fn room(objects: Vec<Object>, projection: Projection) -> Scene {
     Scene { name: "room".into(), camera, objects: all, lights: Vec::new(), environment: None }
 }
 
-fn glow(radiance: f32) -> Emission {
+fn add_emission(radiance: f32) -> Emission {
     Emission { radiance: Rgb::splat(radiance), two_sided: false, visibility: EmitterVisibility::Sampled }
 }
 
@@ -61,13 +61,13 @@ fn inside_out(x: f32) -> Shape {
 /// Few triangles and normals far from theirs.
 fn rounded(x: f32) -> Shape {
     let corners = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-    let mut faces = Vec::new();
+    let mut shaders = Vec::new();
     for (a, b, c) in (0..8).map(|i| (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2))) {
         let upright = (a + b + c) % 2 == 0;
-        faces.push(if upright { [a, b, c] } else { [a, c, b] });
+        shaders.push(if upright { [a, b, c] } else { [a, c, b] });
     }
     let at = corners.map(|c| Vec3::new(x, 0.6, 0.0) + 0.55 * c);
-    Shape::Mesh(Arc::new(Mesh::new(at.to_vec(), corners.to_vec(), faces).unwrap()))
+    Shape::Mesh(Arc::new(Mesh::new(at.to_vec(), corners.to_vec(), shaders).unwrap()))
 }
 
 /// The mean difference between the pictures by both kinds of paths and by camera paths alone, in standard errors.
@@ -135,12 +135,12 @@ fn many_lamps_and_targets_share_the_paths() {
         let centre = Vec3::new(-1.5 + 0.3 * i as f32, 0.3, -0.5);
         Object::new(Shape::Sphere(Sphere { centre, radius: 0.12 }), metal(0.3))
     };
-    for balls in [3, 11] {
-        let mut scene = room((0..balls).map(small).collect(), WIDE);
+    for spheres in [3, 11] {
+        let mut scene = room((0..spheres).map(small).collect(), WIDE);
         let bulb = Shape::Sphere(Sphere { centre: Vec3::new(1.0, 1.5, -1.0), radius: 0.2 });
         scene.objects.push(Object { emission: Some(glow(30.0)), ..Object::new(bulb, metal(0.5)) });
         let z = bias(&scene, 1 << 12, 3);
-        assert!(z.abs() < 5.0, "{balls} balls: {z} standard errors");
+        assert!(z.abs() < 5.0, "{spheres} spheres: {z} standard errors");
     }
 }
 
@@ -151,7 +151,7 @@ fn there_are_as_many_paths_as_there_should_be() {
         let numbers: Vec<u32> = of(5).collect();
         assert_eq!(numbers, (0..numbers.len() as u32).collect::<Vec<_>>(), "each number once");
         let count = (0..4000).map(|pixel| of(pixel).count()).sum::<usize>() as f64;
-        let expected = 4000.0 * f64::from(samples) / f64::from(EVERY);
+        let expected = 4000.0 * f64::from(samples) / f64::from(SAMPLES_PER_LIGHT_PATH);
         assert!((count - expected).abs() < 4.0 * 4000f64.sqrt(), "{samples}: {count}, not {expected}");
     }
 }

@@ -7,9 +7,9 @@ use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};
 
 /// What an object does to light.
-pub struct Face {
+pub struct SurfaceShader {
     pub kind: Kind,
-    /// Whether the material reflects alike on both sides: its normal then faces the viewer.
+    /// Whether the material reflects alike on both sides: its normal then shaders the viewer.
     pub two_sided: bool,
     pub emission: Option<Emission>,
     /// The number of the light that samples this object.
@@ -29,8 +29,8 @@ pub enum Kind {
     Rough(Bsdf),
 }
 
-impl Face {
-    /// The faces of all objects; `lights` are those that are sampled.
+impl SurfaceShader {
+    /// The shaders of all objects; `lights` are those that are sampled.
     pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
         let kind = |material: &Material| match *material {
             Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
@@ -40,12 +40,12 @@ impl Face {
                 if bsdf.lobes().are_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };
-        let face = |(i, object): (usize, &crate::scene::Object)| Self {
+        let shader = |(i, object): (usize, &crate::scene::Object)| Self {
             kind: kind(&object.material),
             two_sided: matches!(object.material, Material::Conductor(conductor) if conductor.two_sided),
             emission: object.emission,
             light: lights.iter().position(|light| light.object == i as u32),
         };
-        scene.objects.iter().enumerate().map(face).collect()
+        scene.objects.iter().enumerate().map(shader).collect()
     }
 }

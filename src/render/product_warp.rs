@@ -1,13 +1,13 @@
-//! Lamp samples for broad metal, drawn where on the lamp the metal shines.
+//! Lamp samples for broad metal, sampled where on the lamp the metal shines.
 //!
 //! Seen from rough metal some part of a lamp is reflected and the rest is not. So the numbers that a lamp sample is made
-//! of are bent first: drawn in proportion to a function w of the unit square that is linear along either axis, with
+//! of are bent first: sampled in proportion to a function w of the unit square that is linear along either axis, with
 //! values at the corners that follow what the metal scatters from the corners of the lamp. The sample's weight is
 //! divided by the density w / ∫w. Source: Hart et al., "Practical Product Sampling by Fitting and Composing Warps",
 //! EGSR 2020.
 
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO3, at, block, blocks, put, set};
-use super::lights::PanelLight;
+use super::lights::RectangleLight;
 use super::mis::power_heuristic;
 use super::wide::{Wide, wide};
 use super::workspace::RoughHit;
@@ -41,12 +41,12 @@ pub fn trust(bsdf: &Bsdf) -> f32 {
     if alpha >= BROAD && normals == NormalSampling::Vndf { TRUST } else { 1.0 }
 }
 
-/// Bends the numbers that a sample of a lamp is drawn with at each hit on broad metal; `density` becomes the density of
+/// Bends the numbers that a sample of a lamp is sampled with at each hit on broad metal; `density` becomes the density of
 /// the new ones in the unit square. `draws` is how many samples of the lamp each hit gets.
 pub fn bend(
     arch: Arch,
     bsdf: &Bsdf,
-    lamp: &PanelLight,
+    lamp: &RectangleLight,
     hits: &[RoughHit],
     draws: u32,
     u: &mut [Lane; 2],
@@ -79,7 +79,7 @@ struct Views {
 
 struct Bend<'a, D> {
     facets: D,
-    lamp: &'a PanelLight,
+    lamp: &'a RectangleLight,
     views: &'a Views,
     trust: f32,
     u: &'a mut [Lane; 2],
@@ -148,7 +148,7 @@ impl Bilinear {
         Self([a * scale + FLOOR, b * scale + FLOOR, c * scale + FLOOR, d * scale + FLOOR])
     }
 
-    /// A point of the square drawn in proportion to the function, and its density.
+    /// A point of the square sampled in proportion to the function, and its density.
     #[inline(always)]
     fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
         let [a, b, c, d] = self.0;
@@ -159,7 +159,7 @@ impl Bilinear {
     }
 }
 
-/// A number drawn in proportion to a line from `a` at 0 to `b` at 1: the root of a quadratic, without cancellation.
+/// A number sampled in proportion to a line from `a` at 0 to `b` at 1: the root of a quadratic, without cancellation.
 #[inline(always)]
 fn linear(u: f32, a: f32, b: f32) -> f32 {
     let x = u * (a + b) / (a + (a * a + u * (b * b - a * a)).sqrt());

@@ -1,8 +1,8 @@
 //! Where paths go on from a diffuse hit when there are mirrors, glass or metal in the scene.
 //!
-//! Through these a lamp shines as a small bright image, which directions drawn by the cosine alone seldom find: most of
-//! the noise of such scenes. So a share of the directions is drawn from cones: one around each ball, and one around the
-//! place where a ball reflects a lamp to the point. A cone of solid angle Ωⱼ is drawn from in proportion to a weight wⱼ,
+//! Through these a lamp shines as a small bright image, which directions sampled by the cosine alone seldom find: most of
+//! the noise of such scenes. So a share of the directions is sampled from cones: one around each ball, and one around the
+//! place where a ball reflects a lamp to the point. A cone of solid angle Ωⱼ is sampled from in proportion to a weight wⱼ,
 //! the cosine to 1, and the density of the mixture at a direction is
 //!
 //! (cos θ / π + Σ wⱼ/Ωⱼ over the cones that hold it) / (1 + Σ wⱼ).
@@ -35,16 +35,16 @@ const BLURRED: f32 = 0.15;
 /// to lose than time.
 pub const IMAGES_UP_TO: u32 = 2;
 
-/// Of more balls than these only the largest get a cone.
+/// Of more spheres than these only the largest get a cone.
 const MOST_BALLS: usize = 8;
 
 /// With more pairs of ball and lamp than these none gets a cone.
 const MOST_IMAGES: usize = 16;
 
-/// The balls and images of a scene.
+/// The spheres and images of a scene.
 #[derive(Debug, Clone, Default)]
-pub struct Casters {
-    balls: Vec<Ball>,
+pub struct CausticCones {
+    spheres: Vec<Ball>,
     images: Vec<Image>,
 }
 
@@ -68,11 +68,11 @@ struct Image {
 #[derive(Clone)]
 pub struct Cone {
     axis: Lane3,
-    opening: Lane,
+    one_minus_cos_half_angle: Lane,
     weight: Lane,
 }
 
-impl Casters {
+impl CausticCones {
     /// Looks at a scene once. Meshes get no ball: they fill too little of it, and the directions that miss cost more time
     /// than the others save noise.
     pub fn new(scene: &Scene) -> Self {
@@ -81,15 +81,15 @@ impl Casters {
             (Shape::Sphere(s), material) => Some((Ball { centre: s.centre, radius: s.radius }, material)),
             _ => None,
         });
-        let mut balls: Vec<(Ball, Material)> = shiny.collect();
-        balls.sort_by(|(a, _), (b, _)| b.radius.total_cmp(&a.radius));
-        balls.truncate(MOST_BALLS);
+        let mut spheres: Vec<(Ball, Material)> = shiny.collect();
+        spheres.sort_by(|(a, _), (b, _)| b.radius.total_cmp(&a.radius));
+        spheres.truncate(MOST_BALLS);
         let lamps = lamps(scene);
-        let mut casters = Self { balls: balls.iter().map(|(ball, _)| *ball).collect(), ..Self::default() };
-        if balls.len() * lamps.len() > MOST_IMAGES {
-            return casters;
+        let mut caustic_cones = Self { spheres: spheres.iter().map(|(ball, _)| *ball).collect(), ..Self::default() };
+        if spheres.len() * lamps.len() > MOST_IMAGES {
+            return caustic_cones;
         }
-        for ((ball, material), lamp) in balls.iter().flat_map(|ball| lamps.iter().map(move |lamp| (ball, lamp))) {
+        for ((ball, material), lamp) in spheres.iter().flat_map(|ball| lamps.iter().map(move |lamp| (ball, lamp))) {
             let reflects = match *material {
                 Material::Mirror { .. } => true,
                 Material::Conductor(metal) => metal.alpha < BLURRED,
@@ -97,7 +97,7 @@ impl Casters {
                 Material::Glass { .. } | Material::Refraction { .. } | Material::Diffuse { .. } => false,
             };
             if reflects {
-                casters.images.push(Image {
+                caustic_cones.images.push(Image {
                     ball: *ball,
                     lamp: lamp.centre(),
                     normal: lamp.normal(),
@@ -105,22 +105,22 @@ impl Casters {
                 });
             }
         }
-        casters
+        caustic_cones
     }
 
     pub fn is_empty(&self) -> bool {
-        self.balls.is_empty()
+        self.spheres.is_empty()
     }
 
     /// Room for the cones.
     pub fn cones(&self) -> Vec<Cone> {
-        let count = self.balls.len() + self.images.len();
-        vec![Cone { axis: ZERO3, opening: [0.0; LANES], weight: [0.0; LANES] }; count]
+        let count = self.spheres.len() + self.images.len();
+        vec![Cone { axis: ZERO3, one_minus_cos_half_angle: [0.0; LANES], weight: [0.0; LANES] }; count]
     }
 
-    /// Appends to `next` each point's path, carried on in a direction drawn by the mixture; `images` says whether with
+    /// Appends to `next` each point's path, carried on in a direction sampled by the mixture; `images` says whether with
     /// images.
-    pub fn carry_on(
+    pub fn extend_paths(
         &self,
         arch: Arch,
         cones: &mut [Cone],
@@ -130,7 +130,7 @@ impl Casters {
         next: &mut Paths,
     ) {
         let mut used = 0;
-        for target in &self.balls {
+        for target in &self.spheres {
             wide(arch, Aim { target, points, cone: &mut cones[used] });
             used += 1;
         }
@@ -141,7 +141,7 @@ impl Casters {
             }
         }
         let cones = &cones[..used];
-        let mut choice = Choice { axis: points.normal, opening: [0.0; LANES], rest: [0.0; LANES] };
+        let mut choice = Choice { axis: points.normal, one_minus_cos_half_angle: [0.0; LANES], rest: [0.0; LANES] };
         let mut total = [1.0; LANES];
         for cone in cones {
             wide(arch, AddTo { sum: &mut total, cone, count: points.count });
@@ -194,8 +194,8 @@ impl Target for Ball {
         let to = self.centre - point;
         let d2 = to.length_squared();
         let sin2 = self.radius * self.radius / d2;
-        let opening = solids::opening(sin2);
-        (to * (1.0 / d2.sqrt()), opening, if sin2 < 1.0 { BALL_WEIGHT * TAU * opening } else { 0.0 })
+        let one_minus_cos_half_angle = solids::one_minus_cos_half_angle(sin2);
+        (to * (1.0 / d2.sqrt()), one_minus_cos_half_angle, if sin2 < 1.0 { BALL_WEIGHT * TAU * one_minus_cos_half_angle } else { 0.0 })
     }
 }
 
@@ -215,7 +215,7 @@ fn unit(v: Vec3) -> Vec3 {
 
 /// 1 − cos of the angle of that tangent.
 #[inline(always)]
-fn opening(tan: f32) -> f32 {
+fn one_minus_cos_half_angle(tan: f32) -> f32 {
     let root = (1.0 + tan * tan).sqrt();
     tan * tan / (root * (1.0 + root))
 }
@@ -237,7 +237,7 @@ impl Target for Image {
         let tan = lamp_radius / (d + l + 2.0 * l * d * cos / radius);
         let outside = (point - centre).length_squared() > radius * radius;
         let lit = (cos > 0.0) & (front.dot(to_lamp) < 0.0) & outside;
-        (to_point * (-1.0 / d), opening(tan), if lit { IMAGE_WEIGHT } else { 0.0 })
+        (to_point * (-1.0 / d), one_minus_cos_half_angle(tan), if lit { IMAGE_WEIGHT } else { 0.0 })
     }
 }
 
@@ -251,13 +251,13 @@ impl<T: Target> Wide for Aim<'_, T> {
     #[inline(always)]
     fn run(self) {
         let position = self.points.position;
-        let (mut axis, mut opening, mut weight) = (ZERO3, [0.0; LANES], [0.0; LANES]);
+        let (mut axis, mut one_minus_cos_half_angle, mut weight) = (ZERO3, [0.0; LANES], [0.0; LANES]);
         for i in 0..self.points.count.min(LANES) {
             let (a, o, w) = self.target.cone(at(&position, i));
             set(&mut axis, i, a);
-            (opening[i], weight[i]) = (o, if self.points.caustic[i] == caustic::NONE { w } else { 0.0 });
+            (one_minus_cos_half_angle[i], weight[i]) = (o, if self.points.caustic[i] == caustic::NONE { w } else { 0.0 });
         }
-        *self.cone = Cone { axis, opening, weight };
+        *self.cone = Cone { axis, one_minus_cos_half_angle, weight };
     }
 }
 
@@ -279,8 +279,8 @@ impl Wide for AddTo<'_> {
 /// Which part of the mixture each point draws from: the cosine about the normal, or a cone.
 struct Choice {
     axis: Lane3,
-    /// 1 − cos to the cone's axis, drawn by where in its share the number fell.
-    opening: Lane,
+    /// 1 − cos to the cone's axis, sampled by where in its share the number fell.
+    one_minus_cos_half_angle: Lane,
     /// The number, stretched to the shares still to be dealt out; negative once a cone is chosen.
     rest: Lane,
 }
@@ -300,7 +300,7 @@ impl Wide for Choose<'_> {
             let here = (rest >= 0.0) & (rest < weight);
             let (new, old) = (at(&cone.axis, i), at(&choice.axis, i));
             set(&mut choice.axis, i, if here { new } else { old });
-            choice.opening[i] = if here { rest / weight * cone.opening[i] } else { choice.opening[i] };
+            choice.one_minus_cos_half_angle[i] = if here { rest / weight * cone.one_minus_cos_half_angle[i] } else { choice.one_minus_cos_half_angle[i] };
             let left = if rest >= 0.0 { rest - weight } else { rest };
             choice.rest[i] = if here { -1.0 } else { left };
         }
@@ -321,7 +321,7 @@ impl Wide for Direct<'_> {
         for i in 0..count.min(LANES) {
             let rest = choice.rest[i];
             // 1 − cos, uniform in the cone, or sin² = u for the cosine.
-            let below = choice.opening[i];
+            let below = choice.one_minus_cos_half_angle[i];
             let u = rest.clamp(0.0, 1.0 - f32::EPSILON / 2.0);
             let in_cone = rest < 0.0;
             let sin = if in_cone { below * (2.0 - below) } else { u }.sqrt();
@@ -348,8 +348,8 @@ impl Wide for AddDensity<'_> {
         for i in 0..count.min(LANES) {
             // |w − a|² / 2 = 1 − cos, which keeps its digits for narrow cones.
             let off = 0.5 * (at(direction, i) - at(&cone.axis, i)).length_squared();
-            let inside = (off <= cone.opening[i]) & (cone.weight[i] > 0.0);
-            density[i] += if inside { cone.weight[i] / (TAU * cone.opening[i]) } else { 0.0 };
+            let inside = (off <= cone.one_minus_cos_half_angle[i]) & (cone.weight[i] > 0.0);
+            density[i] += if inside { cone.weight[i] / (TAU * cone.one_minus_cos_half_angle[i]) } else { 0.0 };
         }
     }
 }
