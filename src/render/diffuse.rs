@@ -41,7 +41,7 @@ impl Wide for Value<'_> {
     }
 }
 
-/// Appends to `next` each point's path, carried on in a direction of density cos θ / π.
+/// Appends to `next` each point's path, extended in a direction of pdf cos θ / π.
 pub fn extend_paths(arch: Arch, points: &Points, u: &[Lane; 2], next: &mut Paths) {
     assert!(next.count + points.count <= LANES);
     wide(arch, ExtendPaths { points, u, next });
@@ -80,8 +80,8 @@ impl Wide for ExtendPaths<'_> {
     }
 }
 
-/// Appends to `next` the path of point `i`, carried on in a direction of its own. It finds no lamps: their light was
-/// sampled.
+/// Appends to `next` the path of point `i`, extended in a given direction. Emission that it hits does not count: light samples
+/// have found it.
 #[inline(always)]
 pub fn follow(next: &mut Paths, points: &Points, i: usize, direction: Vec3, throughput: Vec3) {
     let j = next.count;

@@ -58,7 +58,7 @@ pub struct Geometry<'a> {
 /// The triangles of all meshes.
 struct Meshes {
     tree: MeshBvh,
-    /// A box around all of them, with room for rounding.
+    /// A box around all of them, with a margin for rounding.
     bounds: [Vec3; 2],
     /// The object that each mesh is.
     object: Vec<u32>,
@@ -270,7 +270,7 @@ impl Wide for Reach<'_> {
         for i in 0..count.min(LANES) {
             let (origin, inverse) = (at(&rays.origin, i), at(&rays.direction, i).recip());
             let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
-            // 0 · ∞ on the shader of a slab is NaN, which max and min pass over.
+            // 0 · ∞ on the face of a slab is NaN, which max and min pass over.
             let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
             let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(limit[i]);
             reach[i] = if near <= far { limit[i] } else { 0.0 };
@@ -278,7 +278,7 @@ impl Wide for Reach<'_> {
     }
 }
 
-/// Balls that together reach as far as a shape in all directions: itself, or the corners of it or of the box around it.
+/// Spheres that together reach as far as a shape in all directions: itself, or the corners of it or of the box around it.
 type Hull = Vec<(Vec3, f32)>;
 
 fn hull(shape: &Shape) -> Hull {
@@ -296,8 +296,8 @@ fn hull(shape: &Shape) -> Hull {
 fn around<'a>(points: impl Iterator<Item = &'a (Vec3, f32)>) -> [Vec3; 2] {
     let ends = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     let [low, high] = points.fold(ends, |[low, high], (p, _)| [low.min(*p), high.max(*p)]);
-    let room = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
-    [low - room, high + room]
+    let margin = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
+    [low - margin, high + margin]
 }
 
 /// Largest coordinate of a shape, which its points are rounded to.

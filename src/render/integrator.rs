@@ -1,18 +1,16 @@
 //! The path integrator: what light arrives along camera rays.
 //!
-//! [`LANES`] paths are followed side by side, one scattering after the other. At each step all rays are traced, the
-//! light that they find is added, and the hits are sorted by what the surface does: diffuse ones go on together, in
-//! loops that vectorize, the rest one by one. That keeps the arithmetic of a Cornell box four to eight lanes wide
-//! without a line of vector code, and the order of the paths does not matter: every random number is a function of its
-//! pixel, sample and dimension, so a path's light has the same bits in any company.
+//! [`LANES`] paths are followed together, one scattering at a time. At each step all rays are traced, emission is added, and
+//! the hits are sorted by material: diffuse ones continue together in loops that the compiler vectorizes, the others one by
+//! one. Every random number is a function of its pixel, sample and dimension, so the radiance of a path has the same bits
+//! whichever paths share its batch.
 //!
-//! Lamps that shine by way of mirrors, glass or metal on what the camera sees are left to [`super::light_tracing`].
+//! Caustics on surfaces that the camera sees come from [`super::light_tracing`].
 //!
-//! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
+//! `NEEDS` are the bits of [`Needs`]: parts of the renderer whose bit is 0 are not in the compiled loop.
 
-use super::caustic_cones::{CausticCones, IMAGES_UP_TO};
+use super::caustic_cones::{CausticCones, REFLECTIONS_UP_TO};
 use super::diffuse;
-use super::shaders::{SurfaceShader, Kind};
 use super::geometry::{Geometry, Surface};
 use super::lanes::{LANES, NOTHING, Paths, ZERO3, at, caustic, set};
 use super::lens::Lens;
@@ -20,11 +18,12 @@ use super::light_tracing::LightTracing;
 use super::lights::{SampleLight, Sampled};
 use super::mis::power_heuristic;
 use super::needs::Needs;
+use super::product_warp;
 use super::rough;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Sampling, Settings};
+use super::shaders::{Kind, SurfaceShader};
 use super::shading_normal;
-use super::product_warp;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, RoughHit, Workspace};
 use crate::bsdf::{Bsdf, Scatter};
@@ -36,14 +35,14 @@ use glam::Vec3;
 use pulp::Arch;
 use std::ops::Range;
 
-/// Russian roulette ends paths whose throughput is below this, and lifts the others to it. To lift them to 1 would make
-/// each a speck of light.
+/// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
+/// would cause fireflies.
 const ROULETTE_BELOW: f32 = 0.1;
 
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
 
-/// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
+/// Factor on the length of shadow rays, so that rounding does not let a light occlude itself.
 pub(super) const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
 
 /// A scene made ready for rendering.
@@ -59,7 +58,7 @@ pub struct Integrator<'a> {
     pub(super) sampling: Sampling,
     pub(super) arch: Arch,
     pub(super) classes: Option<PathClasses>,
-    /// Whether there are lamps that neither light samples nor rays in search of light find.
+    /// Whether there are area lights that only directions sampled by a BSDF find.
     only_bsdf_sampled_emitters: bool,
 }
 
@@ -87,7 +86,11 @@ impl<'a> Integrator<'a> {
             shaders,
             lights,
             // Other strategies are as their name says.
-            caustic_cones: if settings.sampling == Sampling::Mis { CausticCones::new(scene) } else { CausticCones::default() },
+            caustic_cones: if settings.sampling == Sampling::Mis {
+                CausticCones::new(scene)
+            } else {
+                CausticCones::default()
+            },
             light_tracing,
             strategies,
             sampling: settings.sampling,
@@ -107,7 +110,7 @@ impl<'a> Integrator<'a> {
         Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
     }
 
-    /// Makes the camera rays of the first `count` slots, which belong to row `y`.
+    /// Generates the camera rays of the first `count` slots, which belong to row `y`.
     pub fn start(&self, work: &mut Workspace, count: usize, lens: &Lens, y: u32) {
         let paths = &mut work.paths;
         paths.count = count;
@@ -130,7 +133,7 @@ impl<'a> Integrator<'a> {
         work.layers[..count * self.classes.map_or(0, PathClasses::count)].fill(Rgb::ZERO);
     }
 
-    /// Follows the camera rays to their ends and adds the light that they find to `work.radiance`.
+    /// Traces the camera paths to their ends and adds their radiance to `work.radiance`.
     pub fn trace<const NEEDS: u32>(&self, work: &mut Workspace, lens: &Lens) {
         let mut scatterings = 0;
         while work.paths.count > 0 {
@@ -138,7 +141,7 @@ impl<'a> Integrator<'a> {
             self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
             self.sort_hits::<NEEDS>(work, scatterings == self.request.max_depth);
             if scatterings == 0 {
-                self.unmark_near(work, lens);
+                self.exclude_near(work, lens);
             }
             let dimensions = self.dimensions(scatterings);
             scatterings += 1;
@@ -146,7 +149,7 @@ impl<'a> Integrator<'a> {
             let last = scatterings == self.request.max_depth;
             if work.points.count > 0 {
                 self.light_diffuse::<NEEDS>(work, dimensions);
-                // After the last hit there is nothing to find but lamps that only chance can find.
+                // After the last hit only area lights without light samples remain to be found.
                 if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.only_bsdf_sampled_emitters) {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
@@ -154,11 +157,11 @@ impl<'a> Integrator<'a> {
                     if self.caustic_cones.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
                         diffuse::extend_paths(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
-                        let images = scatterings <= IMAGES_UP_TO;
+                        let reflections = scatterings <= REFLECTIONS_UP_TO;
                         self.caustic_cones.extend_paths(
                             self.arch,
                             &mut work.cones,
-                            images,
+                            reflections,
                             &work.points,
                             &work.u,
                             &mut work.next,
@@ -177,7 +180,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Adds the light that the rays have hit, and sorts the hits by what is to be done with them, if anything.
+    /// Adds the emission at the hits, and sorts the hits by the kind of their material.
     fn sort_hits<const NEEDS: u32>(&self, work: &mut Workspace, last: bool) {
         work.points.count = 0;
         work.delta.clear();
@@ -209,8 +212,8 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Unmarks those of the diffuse hits that the camera sees from too near for paths from the lamps.
-    fn unmark_near(&self, work: &mut Workspace, lens: &Lens) {
+    /// Marks the diffuse hits that are too near to the camera for light tracing.
+    fn exclude_near(&self, work: &mut Workspace, lens: &Lens) {
         let points = &mut work.points;
         if let Some(tracing) = &self.light_tracing {
             for i in 0..points.count {
@@ -221,7 +224,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// A ray leaves the scene.
+    /// Adds the environment's radiance to a path whose ray leaves the scene, weighted against light samples.
     #[inline]
     fn add_environment(&self, work: &mut Workspace, i: usize) {
         let share = work.paths.environment_share[i];
@@ -234,7 +237,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// A ray has hit a lamp.
+    /// Adds the emission of the surface that a path has hit, weighted against light samples.
     #[inline]
     fn add_emission(&self, work: &mut Workspace, i: usize, shader: &SurfaceShader, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
@@ -246,6 +249,7 @@ impl<'a> Integrator<'a> {
         if caustic::is_light_traced(work.paths.caustic[i]) && shader.light.is_some_and(traced) {
             return;
         }
+        // Compute the MIS weight of the sampled direction.
         let share = match (emission.visibility, shader.light) {
             _ if pdf == f32::INFINITY => 1.0,
             (EmitterVisibility::CameraOnly, _) => 0.0,
@@ -260,7 +264,7 @@ impl<'a> Integrator<'a> {
         work.add(work.paths.slot[i], work.paths.path_class[i], value);
     }
 
-    /// Puts a diffuse hit with the others.
+    /// Adds a diffuse hit to the batch.
     #[inline]
     pub(super) fn collect(&self, work: &mut Workspace, i: usize, albedo: Rgb) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
@@ -277,8 +281,7 @@ impl<'a> Integrator<'a> {
         points.count += 1;
     }
 
-    /// The surface that the ray of path `i` has hit, as the material there sees it: one that reflects on both sides shaders the
-    /// ray's origin.
+    /// The surface that the ray of path `i` has hit; that of a two-sided material faces the ray's origin.
     #[inline]
     pub(super) fn scattering_surface(&self, work: &Workspace, i: usize) -> Surface {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
@@ -286,6 +289,7 @@ impl<'a> Integrator<'a> {
         if two_sided { surface.facing(-at(&work.paths.rays.direction, i)) } else { surface }
     }
 
+    /// Adds a hit on the front of a rough surface to the batch.
     pub(super) fn collect_rough(&self, work: &mut Workspace, i: usize) {
         let surface = self.scattering_surface(work, i);
         let direction = at(&work.paths.rays.direction, i);
@@ -307,7 +311,7 @@ impl<'a> Integrator<'a> {
         });
     }
 
-    /// Scatters the paths that have hit mirrors and glass.
+    /// Extends the paths that have hit mirrors and glass.
     fn scatter_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
         let mut slots = [0; LANES];
         for (slot, &i) in slots.iter_mut().zip(&work.delta) {
@@ -324,14 +328,20 @@ impl<'a> Integrator<'a> {
             let wi = frame.to_world(sample.wi);
             let throughput = at(&work.paths.throughput, i) * sample.weight;
             let j = work.next.count;
-            work.next.push(surface.ray_origin(wi), wi, throughput, work.paths.slot[i], work.paths.path_class[i].then(true));
+            work.next.push(
+                surface.ray_origin(wi),
+                wi,
+                throughput,
+                work.paths.slot[i],
+                work.paths.path_class[i].then(true),
+            );
             let tracing = self.light_tracing.as_ref();
-            let casts = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
-            work.next.caustic[j] = if casts { caustic::after_other(work.paths.caustic[i]) } else { caustic::NONE };
+            let is_traced = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
+            work.next.caustic[j] = if is_traced { caustic::after_other(work.paths.caustic[i]) } else { caustic::NONE };
         }
     }
 
-    /// Adds the light at the rough hits and scatters their paths, one object after the other.
+    /// Adds direct light at the rough hits and extends their paths, one object after the other.
     fn scatter_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
         for group in work.rough_groups() {
             if let Kind::Rough(bsdf) = &self.shaders[work.rough[group.start].object as usize].kind {
@@ -341,7 +351,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Draws directions for the hits on one rough object.
+    /// Samples the BSDF at the hits on one rough object.
     pub(super) fn sample_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
         let (mut slots, mut wo) = ([0; LANES], ZERO3);
         let count = group.len();
@@ -353,10 +363,10 @@ impl<'a> Integrator<'a> {
         rough::sample_many(self.arch, bsdf, &wo, &work.u, count, &mut work.scattered);
     }
 
-    /// Scatters the paths that have hit one rough object.
+    /// Extends the paths that have hit one rough object.
     fn extend_rough_paths(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
         self.sample_rough(work, group.clone(), bsdf, dimensions);
-        let trust = product_warp::trust(bsdf);
+        let count_in_mis = product_warp::light_count_in_mis(bsdf);
         for (i, hit) in work.rough[group].iter().enumerate() {
             let weight = at(&work.scattered.weight, i);
             let wi = hit.frame.to_world(at(&work.scattered.wi, i));
@@ -365,19 +375,19 @@ impl<'a> Integrator<'a> {
             }
             let j = work.next.count;
             work.next.push(hit.surface.ray_origin(wi), wi, hit.throughput * weight, hit.slot, hit.path_class);
-            let brought = hit.caustic && shading_normal::is_sound_to_light(&hit.surface, wi);
-            work.next.caustic[j] = if brought { caustic::CHAIN } else { caustic::NONE };
+            let is_traced = hit.caustic && shading_normal::is_sound_to_light(&hit.surface, wi);
+            work.next.caustic[j] = if is_traced { caustic::CHAIN } else { caustic::NONE };
             let pdf = work.scattered.pdf[i];
             (work.next.pdf[j], work.next.environment_share[j]) = match self.sampling {
-                // All light that it finds, but for pictures, which are left to mirrors and glass.
+                // All emission counts, except that of surfaces which are visible to the camera only.
                 Sampling::Bsdf => (f32::MAX, 1.0),
                 Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
-                Sampling::Mis => (pdf / trust, self.environment_weight(hit, wi, pdf)),
+                Sampling::Mis => (pdf / count_in_mis, self.environment_weight(hit, wi, pdf)),
             };
         }
     }
 
-    /// The share of the environment's light that a direction sampled by a rough material brings.
+    /// The MIS weight of the environment's radiance in a direction sampled by a rough material.
     #[inline]
     fn environment_weight(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
         let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 1.0 };
@@ -388,14 +398,14 @@ impl<'a> Integrator<'a> {
 }
 
 impl Surface {
-    /// The frame for shading, seen from `wo`: where the interpolated normal shaders away, that of the surface itself.
+    /// The shading frame for `wo`: about the geometric normal where the shading normal faces away.
     #[inline]
     pub(super) fn frame(&self, wo: Vec3) -> Frame {
         let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
         Frame::from_normal(if same_side { self.shading } else { self.normal })
     }
 
-    /// Where a ray to `wi` starts.
+    /// The origin of a ray towards `wi`, offset against self-intersection.
     #[inline]
     pub fn ray_origin(&self, wi: Vec3) -> Vec3 {
         let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
@@ -403,7 +413,7 @@ impl Surface {
     }
 }
 
-/// Ends paths at random that carry little light after so many scatterings, and lets the others stand for them.
+/// Russian roulette: ends paths of low throughput at random and raises the throughput of the survivors.
 pub(super) fn roulette(paths: &mut Paths, numbers: &SampleLanes, dimension: u32, scatterings: u32) {
     if scatterings <= ROULETTE_AFTER {
         return;

@@ -19,7 +19,7 @@ pub struct Lens {
     step: [f32; 2],
 }
 
-/// A point as the camera sees it.
+/// The projection of a point to the film.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     /// Unit direction towards the camera.
@@ -31,6 +31,7 @@ pub struct View {
 }
 
 impl Lens {
+    /// The camera in single precision.
     pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let (half_width, half_height, parallel) = match camera.projection {
             Projection::Orthographic { half_width, half_height } => (half_width, half_height, true),
@@ -46,7 +47,7 @@ impl Lens {
         }
     }
 
-    /// The area that the whole picture shows at the distance of a point, of surfaces that shader the camera.
+    /// The area that the whole image covers at the distance of a point, of surfaces that face the camera.
     #[inline]
     pub fn area_at(&self, point: Vec3) -> f32 {
         // The film's area, one unit of length away, over cos³ θ / d², θ the angle to the axis and d the distance.
@@ -59,7 +60,7 @@ impl Lens {
         film * depth * depth * depth / to.length()
     }
 
-    /// How the camera sees a point, if it is on the film; whether something stands in between is not asked.
+    /// Projects a point to the film, if it is inside; occlusion is not tested.
     #[inline]
     pub fn project(&self, point: Vec3) -> Option<View> {
         let to = point - self.position;
@@ -143,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_picture_shows_as_much_as_its_pixels_together() {
-        // The area of the plane z = -2 that the picture shows, summed over directions: dA cos / area_at is the share of
+        // The area of the plane z = -2 that the image shows, summed over directions: dA cos / area_at is the share of
         // the film that dA is seen in.
         for (projection, half) in [
             (Projection::Perspective { tan_half_width: 0.8, tan_half_height: 0.3 }, [1.6, 0.6]),

@@ -1,9 +1,8 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
-//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, film, solids, lanes,
-//! geometry, sample_lanes, lens, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones, rough, workspace, product_warp,
-//! integrator, light_tracing, direct, job. Three imports run the other way: of geometry in lanes, of integrator in product_warp,
-//! of light_tracing in integrator.
+//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes,
+//! geometry, sample_lanes, lens, shading_normal, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones,
+//! rough, workspace, product_warp, integrator, light_tracing, direct, job.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
@@ -11,7 +10,6 @@ mod caustic_cones;
 mod cut_lights;
 mod diffuse;
 mod direct;
-mod shaders;
 pub mod film;
 mod fingerprint;
 mod geometry;
@@ -23,11 +21,12 @@ mod light_tracing;
 pub(crate) mod lights;
 mod mis;
 mod needs;
+mod product_warp;
 mod rough;
 mod sample_lanes;
 mod settings;
+mod shaders;
 mod shading_normal;
-mod product_warp;
 mod solids;
 mod strategies;
 mod wide;

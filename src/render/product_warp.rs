@@ -1,10 +1,9 @@
-//! Lamp samples for broad metal, sampled where on the lamp the metal shines.
+//! Samples of rectangular lights for broad metal, in proportion to what the metal scatters.
 //!
-//! Seen from rough metal some part of a lamp is reflected and the rest is not. So the numbers that a lamp sample is made
-//! of are bent first: sampled in proportion to a function w of the unit square that is linear along either axis, with
-//! values at the corners that follow what the metal scatters from the corners of the lamp. The sample's weight is
-//! divided by the density w / ∫w. Source: Hart et al., "Practical Product Sampling by Fitting and Composing Warps",
-//! EGSR 2020.
+//! A rough metal reflects some parts of a light more than others. So the random numbers of a light sample are warped first:
+//! sampled in proportion to a function w of the unit square that is bilinear, with values at the corners that approximate
+//! what the metal scatters from the corners of the light. The sample's weight is divided by the pdf w / ∫w. Source: Hart
+//! et al., "Practical Product Sampling by Fitting and Composing Warps", EGSR 2020.
 
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO3, at, block, blocks, put, set};
 use super::lights::RectangleLight;
@@ -17,40 +16,40 @@ use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
 
-/// From this alpha on the corners tell enough of what is between them; a sharper image of a lamp is smaller than it.
+/// The least alpha for which values at the corners are enough: a smaller one reflects only a part of the light.
 const BROAD: f32 = 0.15;
 
-/// How many of the metal's own directions a lamp sample counts for in multiple importance sampling, where bent: flat in
-/// the reports' scenes from 2 to 4.
-const TRUST: f32 = 2.0;
+/// Light samples that the MIS weight assumes for each warped one. In the reports' scenes the variance hardly changes from
+/// 2 to 4.
+const LIGHT_COUNT: f32 = 2.0;
 
-/// Added to the values at the corners, which add up to 1: the density is nowhere below 4 · 0.1 / 1.4.
+/// Added to the values at the corners, which add up to 1: the pdf is nowhere below 4 · 0.1 / 1.4.
 const FLOOR: f32 = 0.1;
 
-/// Where along its half sides the lamp's corners are looked at: a line through these values fits better than one
-/// through those at the very ends.
+/// Where on the half sides, from 0 to 1, the corner values are taken: a line through these fits better than one through
+/// the values at the ends.
 const CORNER: f32 = 0.8;
 
-/// [`TRUST`] for a broad metal, else 1. Any number gives the right mean if all samples of a hit's light go by the same.
-pub fn trust(bsdf: &Bsdf) -> f32 {
+/// [`LIGHT_COUNT`] for a broad metal, else 1. The estimate is unbiased for any number that all samples of a light share.
+pub fn light_count_in_mis(bsdf: &Bsdf) -> f32 {
     let (alpha, normals) = match bsdf {
         Bsdf::Beckmann(c) => (c.distribution.alpha, c.normals),
         Bsdf::Ggx(c) => (c.distribution.alpha, c.normals),
         _ => return 1.0,
     };
-    if alpha >= BROAD && normals == NormalSampling::Vndf { TRUST } else { 1.0 }
+    if alpha >= BROAD && normals == NormalSampling::Vndf { LIGHT_COUNT } else { 1.0 }
 }
 
-/// Bends the numbers that a sample of a lamp is sampled with at each hit on broad metal; `density` becomes the density of
-/// the new ones in the unit square. `draws` is how many samples of the lamp each hit gets.
-pub fn bend(
+/// Warps the random numbers of a light sample at each hit on broad metal; `pdf` becomes their pdf in the unit square.
+/// `sample_count` is the number of samples of the light at each hit.
+pub fn warp(
     arch: Arch,
     bsdf: &Bsdf,
-    lamp: &RectangleLight,
+    light: &RectangleLight,
     hits: &[RoughHit],
-    draws: u32,
+    sample_count: u32,
     u: &mut [Lane; 2],
-    density: &mut Lane,
+    pdf: &mut Lane,
 ) {
     let (mut position, mut normal, mut wo) = (ZERO3, ZERO3, ZERO3);
     for (i, hit) in hits.iter().enumerate().take(LANES) {
@@ -59,17 +58,17 @@ pub fn bend(
         set(&mut wo, i, hit.frame.to_world(hit.wo));
     }
     let views = Views { count: hits.len(), position, normal, wo };
-    let trust = TRUST * draws as f32;
+    let light_count = LIGHT_COUNT * sample_count as f32;
     match bsdf {
         Bsdf::Beckmann(metal) => {
-            wide(arch, Bend { facets: metal.distribution, lamp, views: &views, trust, u, density })
+            wide(arch, Warp { facets: metal.distribution, light, views: &views, light_count, u, pdf })
         }
-        Bsdf::Ggx(metal) => wide(arch, Bend { facets: metal.distribution, lamp, views: &views, trust, u, density }),
-        _ => density.fill(1.0),
+        Bsdf::Ggx(metal) => wide(arch, Warp { facets: metal.distribution, light, views: &views, light_count, u, pdf }),
+        _ => pdf.fill(1.0),
     }
 }
 
-/// Hits and where they are seen from.
+/// Positions, normals and outgoing directions of hits.
 struct Views {
     count: usize,
     position: Lane3,
@@ -77,62 +76,65 @@ struct Views {
     wo: Lane3,
 }
 
-struct Bend<'a, D> {
+struct Warp<'a, D> {
     facets: D,
-    lamp: &'a RectangleLight,
+    light: &'a RectangleLight,
     views: &'a Views,
-    trust: f32,
+    light_count: f32,
     u: &'a mut [Lane; 2],
-    density: &'a mut Lane,
+    pdf: &'a mut Lane,
 }
 
-impl<D: SampleNormals<f32>> Wide for Bend<'_, D> {
+impl<D: SampleNormals<f32>> Wide for Warp<'_, D> {
     #[inline(always)]
     fn run(self) {
-        let (facets, lamp, trust) = (self.facets, *self.lamp, self.trust);
+        let (facets, light, light_count) = (self.facets, *self.light, self.light_count);
         let corners = [[-CORNER, -CORNER], [CORNER, -CORNER], [-CORNER, CORNER], [CORNER, CORNER]];
         for number in 0..blocks(self.views.count) {
             let Views { position, normal, wo, .. } = self.views;
             let (position, normal, wo) = (block(position, number), block(normal, number), block(wo, number));
-            let mut rival = [0.0; BLOCK];
+            // Compute the ratio of the BSDF's pdf to the light's, up to the factor D.
+            let mut pdf_ratio = [0.0; BLOCK];
             for i in 0..BLOCK {
-                let over_d = 0.25 * facets.g1_over_cos(leaning(at(&normal, i).dot(at(&wo, i))));
-                rival[i] = over_d / (trust * lamp.pdf_from_afar(at(&position, i)));
+                let over_d = 0.25 * facets.g1_over_cos(at_cosine(at(&normal, i).dot(at(&wo, i))));
+                pdf_ratio[i] = over_d / (light_count * light.pdf_from_afar(at(&position, i)));
             }
+            // Evaluate what the metal scatters from each corner.
             let mut values = [[0.0; BLOCK]; 4];
             for (value, [x, y]) in values.iter_mut().zip(corners) {
-                let corner = lamp.place(x, y);
+                let corner = light.place(x, y);
                 for i in 0..BLOCK {
-                    value[i] = shine(facets, at(&normal, i), at(&wo, i), corner - at(&position, i), rival[i]);
+                    value[i] = scattered(facets, at(&normal, i), at(&wo, i), corner - at(&position, i), pdf_ratio[i]);
                 }
             }
+            // Sample the bilinear function.
             let mut u = block(self.u, number);
-            let mut density = [0.0; BLOCK];
+            let mut pdf = [0.0; BLOCK];
             for i in 0..BLOCK {
                 let function = Bilinear::of([values[0][i], values[1][i], values[2][i], values[3][i]]);
-                ([u[0][i], u[1][i]], density[i]) = function.sample([u[0][i], u[1][i]]);
+                ([u[0][i], u[1][i]], pdf[i]) = function.sample([u[0][i], u[1][i]]);
             }
             put(self.u, number, &u);
-            put(from_mut(self.density), number, &[density]);
+            put(from_mut(self.pdf), number, &[pdf]);
         }
     }
 }
 
-/// What the metal scatters to `wo` of the light from `to`, up to a factor, less the share that its own directions bring:
-/// D · `rival` is their density over the lamp's. The cosine times the BSDF is near enough in proportion to D.
+/// What the metal scatters to `wo` from `to`, up to a factor, times the MIS weight of light samples: D · `pdf_ratio` is the
+/// pdf of BSDF samples over that of light samples. D approximates the BSDF times the cosine.
 #[inline(always)]
-fn shine<D: SampleNormals<f32>>(facets: D, normal: Vec3, wo: Vec3, to: Vec3, rival: f32) -> f32 {
+fn scattered<D: SampleNormals<f32>>(facets: D, normal: Vec3, wo: Vec3, to: Vec3, pdf_ratio: f32) -> f32 {
     let wi = to * (1.0 / to.length());
     let sum = wo + wi;
-    let d = facets.d(leaning(normal.dot(sum) / sum.length()));
-    let value = d * power_heuristic(1.0, d * rival);
+    let d = facets.d(at_cosine(normal.dot(sum) / sum.length()));
+    let value = d * power_heuristic(1.0, d * pdf_ratio);
     // False for what is not a number.
     if (normal.dot(wi) > 0.0) & (value > 0.0) { value } else { 0.0 }
 }
 
-/// A direction with that cosine: facets lie alike all round.
+/// A direction with that cosine to the normal; the distribution is isotropic.
 #[inline(always)]
-fn leaning(cos: f32) -> [f32; 3] {
+fn at_cosine(cos: f32) -> [f32; 3] {
     [(1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos]
 }
 
@@ -140,7 +142,7 @@ fn leaning(cos: f32) -> [f32; 3] {
 struct Bilinear([f32; 4]);
 
 impl Bilinear {
-    /// The function that has these values at the corners, in proportion, and everywhere something.
+    /// The function with values at the corners in proportion to these, plus [`FLOOR`].
     #[inline(always)]
     fn of(values: [f32; 4]) -> Self {
         let [a, b, c, d] = values;
@@ -148,7 +150,7 @@ impl Bilinear {
         Self([a * scale + FLOOR, b * scale + FLOOR, c * scale + FLOOR, d * scale + FLOOR])
     }
 
-    /// A point of the square sampled in proportion to the function, and its density.
+    /// A point of the square sampled in proportion to the function, and its pdf.
     #[inline(always)]
     fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
         let [a, b, c, d] = self.0;
@@ -159,7 +161,8 @@ impl Bilinear {
     }
 }
 
-/// A number sampled in proportion to a line from `a` at 0 to `b` at 1: the root of a quadratic, without cancellation.
+/// A number in [0, 1) sampled in proportion to a line from `a` at 0 to `b` at 1: the root of a quadratic, without
+/// cancellation.
 #[inline(always)]
 fn linear(u: f32, a: f32, b: f32) -> f32 {
     let x = u * (a + b) / (a + (a * a + u * (b * b - a * a)).sqrt());
@@ -171,20 +174,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bent_numbers_have_the_density_that_they_say() {
+    fn warped_numbers_have_the_pdf_that_is_returned() {
         let squares =
             [[1.0, 0.0, 0.0, 0.0], [0.0, 3.0, 1.0, 7.0], [2.0, 2.0, 2.0, 2.0], [0.0; 4], [1e30, 1.0, 0.0, 5.0]];
         const SIDE: usize = 1024;
         let middle = |i: usize| (i as f32 + 0.5) / SIDE as f32;
         for values in squares {
             let function = Bilinear::of(values);
-            // The mean of g / density is the integral of g, here of monomials.
+            // The mean of g / pdf is the integral of g, here of monomials.
             let mut sums = [0.0; 4];
             for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
-                let ([x, y], density) = function.sample([middle(i), middle(j)]);
-                assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y) && density > 0.28, "{values:?}");
+                let ([x, y], pdf) = function.sample([middle(i), middle(j)]);
+                assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y) && pdf > 0.28, "{values:?}");
                 for (sum, g) in sums.iter_mut().zip([1.0, x, y, x * y * y]) {
-                    *sum += f64::from(g / density) / (SIDE * SIDE) as f64;
+                    *sum += f64::from(g / pdf) / (SIDE * SIDE) as f64;
                 }
             }
             for (sum, expected) in sums.into_iter().zip([1.0, 1.0 / 2.0, 1.0 / 2.0, 1.0 / 6.0]) {

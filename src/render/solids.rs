@@ -79,7 +79,7 @@ impl Solid for TiltedPanel {
     }
 }
 
-/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and lamps often are: a third
+/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and area lights often are: a third
 /// of the arithmetic.
 #[derive(Debug, Clone, Copy)]
 pub struct AxisPanel<const AXIS: usize> {

@@ -139,7 +139,7 @@ fn lamps_give_the_light_that_lambert_says() {
     let ceiling = Rectangle::new(Vec3::new(0.0, 1.0, 0.0), 0.4 * Vec3::X, 0.3 * Vec3::Z).unwrap();
     let tilted = Rectangle::new(Vec3::new(-0.5, 0.8, 0.0), Vec3::new(0.3, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.2));
     for panel in [ceiling, tilted.unwrap()] {
-        // The front must shader the floor.
+        // The front must face the floor.
         let [x, y] = panel.half_sides();
         let panel = if panel.normal().y > 0.0 { Rectangle::new(panel.centre(), y, x).unwrap() } else { panel };
         let corners = panel.corners().map(|c| c.as_dvec3() - DVec3::new(0.3, 0.0, 0.2));

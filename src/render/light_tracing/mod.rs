@@ -1,10 +1,9 @@
-//! Caustics, brought by paths from the lamps.
+//! Light tracing of caustics.
 //!
-//! Light that comes from a lamp by way of mirrors, glass or metal to a diffuse surface is hard to find from there: few
-//! directions lead to where the lamp is seen. From the lamp it is easy: paths start towards the objects that are not
-//! diffuse, and what arrives at a surface that the camera sees is added to the pixel where it is seen; so is what one more
-//! diffuse surface scatters there. Camera paths leave this light out ([`caustic`](super::lanes::caustic)), so that it
-//! counts once.
+//! Few directions from a diffuse surface lead to an area light by way of mirrors, glass or metal. Light paths find these
+//! easily: they start from area lights towards the objects that are not diffuse, and where they arrive at a diffuse surface
+//! that the camera sees, their contribution is splatted to its pixel; so is what one more diffuse surface scatters there.
+//! Camera paths leave this light out ([`caustic`](super::lanes::caustic)), so that it counts once.
 //!
 //! Source: Arvo, "Backward ray tracing", SIGGRAPH 1986 course notes; Veach, "Robust Monte Carlo Methods for Light
 //! Transport Simulation", 1997, sections 5.3 (shading normals) and 10.3.4 (light tracing).
@@ -14,26 +13,26 @@ mod plan;
 mod tests;
 
 use super::diffuse;
-use super::shaders::Kind;
 use super::film::{PathClass, Splat};
 use super::integrator::{Integrator, SHORT_OF_LIGHT, roulette};
 use super::lanes::{LANES, NOTHING, at, set};
 use super::lens::Lens;
+use super::shaders::Kind;
 use super::shading_normal;
 use super::workspace::{Dimensions, Workspace};
 use crate::bsdf::{Scatter, Transport};
 use crate::math::Rgb;
-use plan::SAMPLES_PER_LIGHT_PATH;
 pub use plan::LightTracing;
+use plan::SAMPLES_PER_LIGHT_PATH;
 use std::f32::consts::FRAC_1_PI;
 
 impl Integrator<'_> {
-    /// Follows one path from the lamps for each of the first `count` slots and puts the light that it brings to pixels
-    /// into `work.splats`: for [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel.
+    /// Traces a light path for each of the first `count` slots and appends its contributions, which stand for
+    /// [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel, to `work.splats`.
     pub fn trace_light_paths(&self, work: &mut Workspace, count: usize, lens: &Lens) {
         let Some(tracing) = &self.light_tracing else { return };
         self.start_light_paths(work, tracing, count);
-        // The scattering at the diffuse surface counts as well.
+        // The scattering at the diffuse surface counts towards the depth.
         for scatterings in 1..=self.request.max_depth {
             let count = work.paths.count;
             if count == 0 {
@@ -50,17 +49,17 @@ impl Integrator<'_> {
                 if object == NOTHING {
                     continue;
                 }
-                let scattered = work.paths.caustic[i] != 0;
+                let after_diffuse = work.paths.caustic[i] != 0;
                 match self.shaders[object as usize].kind {
-                    // What comes straight from a lamp, light samples find.
+                    // Light samples find direct light.
                     Kind::Diffuse { albedo } if scatterings > 1 => {
                         work.arrived.push(i as u32);
                         let flat = || self.geometry.surface(&work.paths.rays, &work.hits, i).is_flat();
-                        if !scattered && !last && flat() {
+                        if !after_diffuse && !last && flat() {
                             self.collect(work, i, albedo);
                         }
                     }
-                    _ if scattered => {}
+                    _ if after_diffuse => {}
                     _ if last || !tracing.scatters_at(object) => {}
                     Kind::Delta(_) => work.delta.push(i as u32),
                     Kind::Rough(_) => self.collect_rough(work, i),
@@ -79,7 +78,7 @@ impl Integrator<'_> {
         work.paths.count = 0;
     }
 
-    /// Rays from the lamps to the targets.
+    /// Samples an area light, a point on it, and a direction to a target for each slot.
     fn start_light_paths(&self, work: &mut Workspace, tracing: &LightTracing, count: usize) {
         work.paths.count = 0;
         let dimensions = Dimensions::of_light_paths(0);
@@ -89,23 +88,23 @@ impl Integrator<'_> {
             work.numbers.fill(self.arch, &slots[..count], dimension, (0, 1), u);
         }
         for slot in 0..count {
-            let [[of_lamp, of_target], place, within] = u.each_ref().map(|[a, b]| [a[slot], b[slot]]);
-            let lamp = tracing.lamp(of_lamp);
-            let light = &self.lights[lamp.light];
+            let [[u_light, u_target], place, within] = u.each_ref().map(|[a, b]| [a[slot], b[slot]]);
+            let chosen = tracing.light(u_light);
+            let light = &self.lights[chosen.light];
             let Some(start) = light.start(place) else { continue };
-            let (direction, solid_angle) = tracing.direction(start.position, of_target, within);
+            let (direction, solid_angle) = tracing.direction(start.position, u_target, within);
             let cos = start.normal.dot(direction);
-            let glow = if start.two_sided { cos.abs() } else { cos.max(0.0) };
-            if glow == 0.0 {
+            let emitted_cos = if start.two_sided { cos.abs() } else { cos.max(0.0) };
+            if emitted_cos == 0.0 {
                 continue;
             }
-            set(&mut work.power, slot, lamp.power * (glow * solid_angle * SAMPLES_PER_LIGHT_PATH as f32));
+            set(&mut work.power, slot, chosen.power * (emitted_cos * solid_angle * SAMPLES_PER_LIGHT_PATH as f32));
             let origin = start.position + start.normal * self.geometry.offset(light.object).copysign(cos);
             work.paths.push(origin, direction, Rgb::ONE, slot as u32, PathClass::DIRECT);
         }
     }
 
-    /// Adds what has arrived at diffuse surfaces to the pixels where the camera sees them.
+    /// Connects the hits on diffuse surfaces to the camera and splats their contributions.
     fn splat(&self, work: &mut Workspace, tracing: &LightTracing, lens: &Lens) {
         let mut pixel = [[0; 2]; LANES];
         work.shadows.count = 0;
@@ -124,8 +123,8 @@ impl Integrator<'_> {
             }
             let slot = work.paths.slot[i];
             let power = at(&work.power, slot as usize) * at(&work.paths.throughput, i);
-            let seen = normal.dot(view.direction) / area;
-            let value = power * albedo * (FRAC_1_PI * seen);
+            let importance = normal.dot(view.direction) / area;
+            let value = power * albedo * (FRAC_1_PI * importance);
             let word = work.paths.path_class[i].then(false).reversed();
             pixel[work.shadows.count] = view.pixel;
             let limit = view.distance * SHORT_OF_LIGHT;
@@ -141,7 +140,7 @@ impl Integrator<'_> {
         }
     }
 
-    /// Scatters the paths that have hit diffuse surfaces, for one to which they are seen.
+    /// Extends the paths that have hit diffuse surfaces, by one scattering.
     fn extend_diffuse(&self, work: &mut Workspace, dimensions: Dimensions) {
         let count = work.points.count;
         work.numbers.fill(self.arch, &work.points.slot[..count], dimensions.bsdf(), (0, 1), &mut work.u);
@@ -149,7 +148,7 @@ impl Integrator<'_> {
         work.next.caustic[..count].fill(1);
     }
 
-    /// Scatters the paths that have hit mirrors and glass.
+    /// Extends the paths that have hit mirrors and glass, with the adjoint BSDF.
     fn extend_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
         for k in 0..work.delta.len() {
             let i = work.delta[k] as usize;
@@ -167,7 +166,7 @@ impl Integrator<'_> {
         }
     }
 
-    /// Scatters the paths that have hit rough metal, one object after the other.
+    /// Extends the paths that have hit rough metal, one object after the other.
     fn extend_rough(&self, work: &mut Workspace, dimensions: Dimensions) {
         for group in work.rough_groups() {
             let Kind::Rough(bsdf) = &self.shaders[work.rough[group.start].object as usize].kind else { continue };
@@ -181,7 +180,13 @@ impl Integrator<'_> {
                 let Some(factor) = shading_normal::adjoint_factor(&hit.surface, hit.frame.to_world(hit.wo), wi) else {
                     continue;
                 };
-                work.next.push(hit.surface.ray_origin(wi), wi, hit.throughput * weight * factor, hit.slot, hit.path_class);
+                work.next.push(
+                    hit.surface.ray_origin(wi),
+                    wi,
+                    hit.throughput * weight * factor,
+                    hit.slot,
+                    hit.path_class,
+                );
             }
         }
     }
