@@ -1,4 +1,4 @@
-//! Clipped pictures: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
+//! Clipped images: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
 use super::Image;
 use super::decoded::{blank, check_size};
@@ -47,7 +47,7 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Reads a clipped picture; values are taken to be sRGB-encoded and come out linear, in [0, 1].
+/// Reads a clipped image; values are taken to be sRGB-encoded and come out linear, in [0, 1].
 pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image> {
     let damaged = |e: ImageError| match e {
         ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_bit_files_go_there_and_back() {
+    fn eight_bit_files_round_trip() {
         let image = Image::from_fn(16, 16, |x, y| {
             let value = |code: usize| linear_from_srgb(code as f32 / 255.0);
             Rgb::new(value(16 * y + x), value(255 - 16 * y - x), 0.0)

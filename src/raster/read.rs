@@ -123,6 +123,7 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use super::super::decoded::check_size;
     use super::*;
 
     fn refusal(bytes: &[u8]) -> Error {
@@ -130,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_is_named() {
+    fn files_that_are_no_image_are_described() {
         for (bytes, expected) in [
             (&b""[..], "empty"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n", "Git LFS pointer"),

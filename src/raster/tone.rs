@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_values_are_black_or_white() {
+    fn nan_and_infinities_are_black_or_white() {
         for tone in
             [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::By(Conventions::SECOND_REPORT)]
         {
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn srgb_goes_there_and_back() {
+    fn srgb_round_trip() {
         for code in 0..=255_u8 {
             assert_eq!(one(linear_from_srgb(f32::from(code) / 255.0), ToneMap::default()), code);
         }

@@ -281,7 +281,7 @@ impl Integrator<'_> {
                 object => match &self.shaders[object as usize].emission {
                     Some(emission) if with_objects => {
                         let surface = self.geometry.surface(&work.shadows.rays, &work.found, i);
-                        if !emission.is_seen(surface.normal, direction) {
+                        if !emission.is_emitted(surface.normal, direction) {
                             continue;
                         }
                         emission.radiance

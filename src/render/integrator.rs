@@ -241,7 +241,7 @@ impl<'a> Integrator<'a> {
     #[inline]
     fn add_emission(&self, work: &mut Workspace, i: usize, shader: &SurfaceShader, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        if !emission.is_seen(surface.normal, at(&work.paths.rays.direction, i)) {
+        if !emission.is_emitted(surface.normal, at(&work.paths.rays.direction, i)) {
             return;
         }
         let pdf = work.paths.pdf[i];

@@ -7,7 +7,7 @@ use super::{Camera, EmitterVisibility, Environment, Light, Object, Request};
 pub struct Scene {
     /// What results and messages call it.
     pub name: String,
-    /// Where it is seen from.
+    /// Position, orientation and projection.
     pub camera: Camera,
     /// What rays can hit.
     pub objects: Vec<Object>,
@@ -18,7 +18,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Whether anything lights surfaces. Emission of [`EmitterVisibility::CameraOnly`] is only seen.
+    /// Whether anything lights surfaces. Emission of [`EmitterVisibility::CameraOnly`] does not.
     #[must_use]
     pub fn has_light(&self) -> bool {
         let emits =

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_to_the_last_bit() {
+    fn numbers_round_trip_to_the_last_bit() {
         let mut line = String::new();
         for x in [0.1, 1.0 / 3.0, f64::MIN_POSITIVE, -1e300, -0.0, f64::INFINITY] {
             line.clear();

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn visitors_see_the_domain_that_is_named() {
+    fn visitors_get_the_domain_that_is_named() {
         struct Measure;
         impl Visitor for Measure {
             type Output = (f64, bool, Option<usize>);

@@ -1,4 +1,4 @@
-//! Which channels of an OpenEXR file are its picture.
+//! Which channels of an OpenEXR file are its image.
 
 use crate::error::{Error, Result};
 use exr::math::Vec2;
@@ -13,7 +13,7 @@ pub(super) struct Channel {
     pub kind: SampleType,
 }
 
-/// The layer that is the picture, and the part that it is in.
+/// The layer that is the image, and the part that it is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
     pub part: usize,
@@ -30,7 +30,7 @@ pub(super) struct Shown {
     pub note: Option<String>,
 }
 
-/// How well a layer serves as the picture; the first layer of the best kind is taken.
+/// How well a layer serves as the image; the first layer of the best kind is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fit {
     Colour,
@@ -128,7 +128,7 @@ pub(super) fn layers(header: &Header) -> Vec<Shown> {
     groups.into_iter().filter_map(|(name, channels)| shown(name, &channels)).collect()
 }
 
-/// A layer as a picture, if its channels can be one.
+/// A layer as an image, if its channels can be one.
 fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
     const COLOURS: [[&str; 2]; 3] = [["r", "red"], ["g", "green"], ["b", "blue"]];
     let find = |names: [&str; 2]| channels.iter().find(|(role, _)| names.contains(&role.as_str())).map(|&(_, c)| c);
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn guesses_are_said() {
+    fn guesses_are_noted() {
         for plain in [
             &["A", "B", "G", "R"][..],
             &["A", "Y"],
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_guess_can_settle_is_refused_with_the_names() {
+    fn ambiguous_layers_are_refused_with_their_names() {
         for (names, expected) in [
             (&["X", "Y", "Z"][..], "\"X\", \"Y\", \"Z\""),
             (&["N.x", "N.y", "N.z"], "\"N.x\""),
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_shown_is_an_error() {
+    fn files_without_colour_are_errors() {
         let path = Path::new("a.exr");
         assert!(matches!(choose(path, &[part(&["A"])]), Err(Error::Unsupported { .. })));
         assert!(matches!(choose(path, &[part(&["BY", "RY", "Y"])]), Err(Error::Unsupported { .. })));

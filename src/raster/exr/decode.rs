@@ -13,7 +13,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::path::Path;
 
-/// Reads the picture of an OpenEXR file; which channels that is, see [`choose`].
+/// Reads the image of an OpenEXR file; which channels that is, see [`choose`].
 ///
 /// The image is the display window: data outside it are dropped, pixels of it without data are black.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
@@ -95,7 +95,7 @@ fn copy_row(image: &mut Image, x: i64, y: i64, row: &[Rgb]) {
     }
 }
 
-/// The picture, or a layer, in the bytes of a block.
+/// The image, or a layer, in the bytes of a block.
 pub(super) fn pixels(header: &Header, rgb: &[Option<Channel>; 3], block: &Block<'_>, bytes: &[u8]) -> Vec<Rgb> {
     let stride = block.width * header.channels.bytes_per_pixel;
     let mut pixels = vec![Rgb::ZERO; block.width * block.height];

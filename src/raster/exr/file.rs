@@ -34,7 +34,7 @@ impl<'a> Exr<'a> {
     /// Reads the headers of all parts.
     pub fn parse(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
         let mut cursor = Cursor::new(bytes);
-        // Not pedantic: damaged attributes that the picture does not need are passed over.
+        // Not pedantic: damaged attributes that the image does not need are passed over.
         let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|e| {
             let method = compression_method(bytes).filter(|m| *m > KNOWN_METHODS);
             method.map_or_else(|| foreign(path, &e), |m| unknown_method(path, m))

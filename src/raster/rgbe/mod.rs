@@ -1,4 +1,4 @@
-//! Radiance HDR pictures: three 8-bit mantissas that share an exponent, in run lengths.
+//! Radiance HDR images: three 8-bit mantissas that share an exponent, in run lengths.
 
 mod decode;
 mod encode;
@@ -10,6 +10,7 @@ pub(super) use self::encode::encode;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Rgb;
     use crate::raster::{Image, Metadata};
     use std::path::Path;
 

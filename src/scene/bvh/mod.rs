@@ -21,7 +21,7 @@ use tree::{Facet, Tree};
 /// The triangles of some meshes, sorted so that rays find them.
 ///
 /// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it starts in their planes
-/// to within rounding. Answers are the same bits on every processor. A triangle without area, or with a corner that is
+/// to within rounding. Results are the same bits on every processor. A triangle without area, or with a corner that is
 /// missing, not finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or
 /// infinity in it, hits nothing.
 #[derive(Debug, Clone)]
@@ -38,8 +38,8 @@ impl MeshBvh {
     /// About the memory that building a tree takes for each triangle.
     pub const BYTES_PER_TRIANGLE: usize = 256;
 
-    /// Sorts the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, so neither depth nor time runs
-    /// away whatever the triangles are.
+    /// Builds the tree over the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, which bounds depth and
+    /// time for any triangles.
     ///
     /// # Panics
     /// With 2³¹ triangles or more.
@@ -115,7 +115,7 @@ impl MeshBvh {
         locate(&self.first, triangle).1
     }
 
-    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: what [`Mesh::surface`] tells, sooner.
+    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: the same as [`Mesh::surface`], faster.
     ///
     /// # Panics
     /// For a place that no hit had.
@@ -137,8 +137,8 @@ impl MeshBvh {
     }
 }
 
-/// How many rays are on their way at a time. While one waits for memory the others go on.
-const TURNS: usize = 8;
+/// Rays traversed alternately: while one waits for memory, the others continue.
+const IN_FLIGHT: usize = 8;
 
 #[inline(always)]
 fn trace_each<L: Lanes, const ANY: bool, T>(
@@ -148,13 +148,13 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
     out: &mut [T],
     keep: impl Fn(Option<MeshHit>) -> T,
 ) {
-    let mut searches: [Search<ANY>; TURNS] = Default::default();
+    let mut searches: [Search<ANY>; IN_FLIGHT] = Default::default();
     // Which ray each search is for; none at first, and none in the end.
-    let mut ray = [usize::MAX; TURNS];
+    let mut ray = [usize::MAX; IN_FLIGHT];
     let mut next = 0;
     loop {
         let mut over = true;
-        for k in 0..TURNS {
+        for k in 0..IN_FLIGHT {
             let search = &mut searches[k];
             if ray[k] < out.len() {
                 over = false;

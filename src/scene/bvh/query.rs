@@ -1,4 +1,4 @@
-//! What is asked of the tree, and what it answers: rays and hits.
+//! Queries of the tree and their results: rays and hits.
 
 use crate::scene::camera::Ray;
 use glam::Vec3;

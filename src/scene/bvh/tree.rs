@@ -70,7 +70,7 @@ impl Tree {
         tree
     }
 
-    /// Starts to bring a node or pack into the cache.
+    /// Prefetches a node or pack.
     #[inline(always)]
     pub fn prefetch(&self, child: u32) {
         // A line of the cache holds two rows of eight.
@@ -91,7 +91,7 @@ impl Tree {
         }
     }
 
-    /// Starts to bring what [`Tree::surface`] needs of a place into the cache.
+    /// Prefetches what [`Tree::surface`] reads at a place.
     #[inline(always)]
     pub fn prefetch_surface(&self, place: u32) {
         prefetch(&self.corner_normals, place as usize);
