@@ -1,4 +1,4 @@
-//! What every decoder returns, and the limits on size and memory that it respects.
+//! The result of every decoder, and its limits on size and memory.
 
 use super::Image;
 use crate::error::{Error, Result};
@@ -6,14 +6,15 @@ use crate::math::Rgb;
 use crate::memory;
 use std::path::Path;
 
-/// Larger images are refused whatever the file says: 2^28 pixels are 3 GiB in memory.
+/// Larger images are refused: 2^28 pixels are 3 GiB in memory.
 const MAX_PIXELS: u64 = 1 << 28;
 /// No side may be longer than this.
 const MAX_SIDE: u64 = 1 << 16;
 
-/// What a decoder makes of a file.
+/// A decoded file.
 #[derive(Debug)]
 pub struct Decoded {
+    /// Linear RGB, row 0 at the top.
     pub image: Image,
     /// What was guessed or passed over, without the file's name.
     pub notes: Vec<String>,
@@ -62,7 +63,7 @@ pub fn reserve_pixels(path: &Path, width: usize, height: usize) -> Result<Vec<Rg
     memory::reserved(width * height, || format!("{}, {width}x{height} pixels", path.display()))
 }
 
-/// A file that ends before its data does.
+/// An error for a file that ends before its data does.
 pub fn cut_off(path: &Path, needed: u64, present: usize) -> Error {
     Error::input(path, format!("the file ends early: {present} of at least {needed} bytes are there"))
         .with_hint("the file is cut off; fetch it again")

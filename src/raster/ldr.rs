@@ -26,7 +26,7 @@ impl Format {
         }
     }
 
-    /// More pixels than this no byte of such a file can stand for: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
+    /// Upper bound on the pixels per byte of a file: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
     /// of two bits for a block of 64; a bitmap.
     fn pixels_per_byte(self) -> u64 {
         match self {
@@ -37,7 +37,7 @@ impl Format {
     }
 }
 
-/// Tells a clipped format by its first bytes.
+/// Detects a clipped format by its first bytes.
 pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(Format::Png),
@@ -62,9 +62,9 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image>
     let decoder = ImageReader::with_format(Cursor::new(bytes), kind).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte())?;
-    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
-    for (to, from) in image.pixels_mut().iter_mut().zip(picture.pixels()) {
+    for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {
         *to = Rgb::from_array(from.0.map(linear_from_srgb));
     }
     Ok(image)

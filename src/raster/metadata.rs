@@ -1,11 +1,11 @@
 //! What an image file says about how its image was made.
 
-/// What the files say they were made by.
+/// Value of the `software` attribute.
 pub const SOFTWARE: &str = concat!("etalon ", env!("CARGO_PKG_VERSION"));
 
 /// What a file says about how its image was made: names and values, in order.
 ///
-/// OpenEXR keeps them as text attributes, Radiance HDR as comment lines; the other formats have no room for them.
+/// OpenEXR keeps them as text attributes, Radiance HDR as comment lines; the other formats cannot hold them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     entries: Vec<(String, String)>,

@@ -1,6 +1,6 @@
 //! Float images: the buffer, the file formats, tone mapping, comparison.
 //!
-//! [`read`] takes OpenEXR, Radiance HDR and PFM files (and clipped 8- or 16-bit images if asked to), told apart by
+//! [`read`] takes OpenEXR, Radiance HDR and PFM files (and clipped 8- or 16-bit images if asked to), detected by
 //! their content; [`write`](write()) picks the format by the extension; [`ExrFile`] has all layers of an OpenEXR file.
 //! Values are linear RGB and are returned as they stand in the file: negative and non-finite ones included.
 

@@ -1,4 +1,4 @@
-//! Reading an image file: the format is told by its first bytes, never by its name.
+//! Reading an image file: the format is detected by its first bytes, not by its name.
 
 use super::decoded::Decoded;
 use super::{Image, exr, ldr, pfm, rgbe};
@@ -12,7 +12,7 @@ const MAX_FILE_BYTES: u64 = 1 << 31;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Accept PNG, JPEG and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so
-    /// that a lamp or the sun in them is as bright as a white wall, and every measurement made with them is wrong.
+    /// that the sun is as bright as a white wall, and every measurement made with them is wrong.
     pub allow_ldr: bool,
 }
 
@@ -25,8 +25,8 @@ pub struct ReadOptions {
 /// | PFM | `PF` and `Pf` (not `PF4`), both byte orders | multiplied by the absolute value of the header's scale |
 /// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
 ///
-/// Negative and non-finite values are returned as they stand in the file. Some OpenEXR maps are stored upside-down;
-/// nothing in the file says so, and they come out as they are. What had to be guessed, [`read_with_notes`] says.
+/// Negative and non-finite values are returned unchanged. Some OpenEXR maps are stored upside-down without a mark in the
+/// file; they are returned upside-down. [`read_with_notes`] also returns what had to be guessed.
 ///
 /// # Errors
 /// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented
@@ -101,7 +101,7 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
     }
 }
 
-/// Says what a file that is no image seems to be.
+/// An error that describes a file which is no image.
 fn no_image(path: &Path, bytes: &[u8]) -> Error {
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(512)]);
     let text = start.trim_start_matches('\u{feff}').trim_start();

@@ -8,7 +8,7 @@ use crate::files::write_atomic;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What is lost on the way into a file.
+/// Precision and tone mapping of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WriteOptions {
     /// For OpenEXR: the sample type.
@@ -18,6 +18,9 @@ pub struct WriteOptions {
 }
 
 /// [`write_with`] the default options: 32-bit floats for OpenEXR, plain sRGB for PNG and PPM.
+///
+/// # Errors
+/// Those of [`write_with`].
 pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<()> {
     write_with(path, image, metadata, WriteOptions::default())
 }
@@ -34,7 +37,7 @@ pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Parameter`] for another extension and for metadata that OpenEXR cannot name (see [`write_exr`]),
-/// [`Error::Io`]. After an error whatever stood at `path` before is still there.
+/// [`Error::Io`]. After an error a file that was at `path` before is unchanged.
 pub fn write_with(path: &Path, image: &Image, metadata: &Metadata, options: WriteOptions) -> Result<()> {
     let save = |fill: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         write_atomic(path, |out| fill(out).map_err(|e| Error::io(path, e)))

@@ -42,9 +42,9 @@ impl<'a> View<'a> {
         Ok(Self { node, ahead: to_world.transform_point3(DVec3::NEG_Z), tan_half: [x, y] })
     }
 
-    /// The camera for a image of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
+    /// The camera for an image of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
     ///
-    /// The fields of view are widened to fill the [`WINDOW`]; a image of another size shows more or less at the same
+    /// The fields of view are widened to fill the [`WINDOW`]; an image of another size shows more or less at the same
     /// scale in pixels. Such is the course's renderer.
     pub fn place(&self, document: &Document<'a>, bounds: [DVec3; 2], size: [usize; 2]) -> Result<Camera> {
         let [low, high] = bounds;

@@ -8,7 +8,7 @@ use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;
 
-/// Largest side of a image, and most pixels in it.
+/// Largest side of an image, and most pixels in it.
 const MAX_SIDE: u32 = 1 << 16;
 const MAX_PIXELS: usize = 1 << 28;
 /// Most samples of any kind, and the deepest path.

@@ -10,6 +10,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// The words of `line`, separated by white space.
     pub fn new(line: &'a str) -> Self {
         Self { rest: line }
     }
@@ -29,6 +30,7 @@ impl<'a> Words<'a> {
         found
     }
 
+    /// Whether no word is left.
     pub fn is_empty(&self) -> bool {
         self.rest.trim_ascii().is_empty()
     }

@@ -1,4 +1,4 @@
-//! Which channels of an OpenEXR file are its image.
+//! The choice of the channels of an OpenEXR file that are its image.
 
 use crate::error::{Error, Result};
 use exr::math::Vec2;
@@ -68,16 +68,16 @@ pub(super) fn choose(path: &Path, headers: &[Header]) -> Result<Choice> {
     Ok(choice)
 }
 
-/// What is a guess about a choice, in sentences.
+/// Notes on what is a guess about a choice.
 ///
 /// # Errors
-/// [`Error::Unsupported`] when several named layers of the part would do and none of them stands out.
+/// [`Error::Unsupported`] when several named layers of the part are equally good.
 pub(super) fn notes(path: &Path, headers: &[Header], choice: &Choice) -> Result<Vec<String>> {
     let Choice { part, layer } = choice;
     let others = layers(&headers[*part]);
-    let rivals: Vec<&Shown> = others.iter().filter(|other| other.fit == layer.fit).collect();
-    if !layer.name.is_empty() && rivals.len() > 1 {
-        let names = list(rivals.iter().map(|rival| rival.name.clone()));
+    let candidates: Vec<&Shown> = others.iter().filter(|other| other.fit == layer.fit).collect();
+    if !layer.name.is_empty() && candidates.len() > 1 {
+        let names = list(candidates.iter().map(|layer| layer.name.clone()));
         return Err(Error::unsupported(path, format!("which layer of the OpenEXR file is the image? It has {names}"))
             .with_hint("save one of them as R, G, B: oiiotool in.exr --ch R=NAME.R,G=NAME.G,B=NAME.B -o out.exr"));
     }

@@ -1,4 +1,4 @@
-//! Where the blocks of an OpenEXR part stand in the file, and whether their bytes can hold what they promise.
+//! The blocks of an OpenEXR part in the file, and whether their bytes can hold the pixels that the header announces.
 //!
 //! The codecs reserve memory for whatever size the header, or a compressed stream inside the chunk, announces; a file
 //! of a hundred bytes can announce terabytes. So every chunk is checked here before the image is allocated.

@@ -12,7 +12,7 @@ use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Blocks are decompressed in groups of about this many bytes, to bound what stands in memory beside the result.
+/// Blocks are decompressed in groups of about this many bytes, to bound the memory besides the result.
 const BYTES_AT_ONCE: usize = 1 << 26;
 /// Larger blocks are refused: 16 lines of 65536 pixels with 256 channels of four bytes.
 const MAX_BLOCK_BYTES: usize = 1 << 30;
@@ -64,8 +64,8 @@ impl<'a> Exr<'a> {
         texts
     }
 
-    /// The blocks of the full resolution of a part; an error if one is missing or too short for what the header
-    /// promises. So it is safe to allocate the result afterwards.
+    /// The blocks of the full resolution of a part; an error if one is missing or too short for the size in
+    /// the header, so that it is safe to allocate the result afterwards.
     pub fn blocks(&self, part: usize) -> Result<Blocks<'_>> {
         let header = &self.meta.headers[part];
         let unread = match header.compression {
@@ -143,7 +143,7 @@ fn attribute<'a>(rest: &mut &'a [u8]) -> Option<(&'a [u8], &'a [u8], &'a [u8])> 
     Some((name, kind, value))
 }
 
-/// An error of the `exr` crate in the words of this one.
+/// An error of the `exr` crate as one of this crate.
 fn foreign(path: &Path, error: &exr::error::Error) -> Error {
     match error {
         exr::error::Error::NotSupported(what) => {

@@ -9,8 +9,8 @@ use crate::raster::primaries;
 use std::path::Path;
 
 /// Reads a Radiance image. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
-/// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: what the scene had, not what the
-/// file was adjusted to. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
+/// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: the radiance of the scene
+/// before adjustments. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
 /// effect.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let header = Header::parse(path, bytes)?;
@@ -48,7 +48,7 @@ struct Header {
     factor: Rgb,
     outer: Axis,
     inner: Axis,
-    /// What is to be said of its primaries.
+    /// A note on its primaries.
     note: Option<String>,
     /// Where the scan lines begin.
     end: usize,

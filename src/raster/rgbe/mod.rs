@@ -1,4 +1,4 @@
-//! Radiance HDR images: three 8-bit mantissas that share an exponent, in run lengths.
+//! Radiance HDR images: three 8-bit mantissas that share an exponent, run-length encoded.
 
 mod decode;
 mod encode;

@@ -5,7 +5,7 @@ use crate::math::Rgb;
 /// Widths that the newer run lengths can have; others are stored flat.
 pub const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
-/// What a stored pixel stands for.
+/// The linear value of a stored pixel.
 pub fn linear([r, g, b, e]: [u8; 4]) -> Rgb {
     if e == 0 {
         return Rgb::ZERO;

@@ -19,6 +19,10 @@ pub struct Group {
 
 #[cfg(unix)]
 impl Group {
+    /// Starts the leader.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where there is no shell.
     pub fn start() -> Result<Self> {
         use std::os::unix::process::CommandExt;
         use std::process::Stdio;
@@ -34,7 +38,7 @@ impl Group {
         Ok(Self { leader })
     }
 
-    /// Has `command` start its process as a member.
+    /// Makes the process that `command` starts a member.
     pub fn add(&self, command: &mut Command) {
         std::os::unix::process::CommandExt::process_group(command, self.id());
     }
