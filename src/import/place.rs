@@ -12,6 +12,7 @@ pub struct At {
 }
 
 impl At {
+    /// A line and a column, both counted from 1.
     pub fn new(path: Rc<Path>, line: usize, column: usize) -> Self {
         Self { path, place: Place::Text { line, column } }
     }

@@ -18,6 +18,7 @@ pub(super) enum Format {
 }
 
 impl Format {
+    /// For messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Format::Png => "PNG",

@@ -7,6 +7,7 @@
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
 use super::solids::{Panel, Solid, Wall};
 use super::wide::{Wide, wide};
+use crate::math::Frame;
 use crate::scene::bvh::{self, MeshBvh};
 use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
@@ -15,6 +16,7 @@ use pulp::Arch;
 /// A surface where a ray has met it.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
+    /// In the world.
     pub position: Vec3,
     /// Unit normal of the outside.
     pub normal: Vec3,
@@ -38,6 +40,20 @@ impl Surface {
         let normal = if self.normal.dot(wo) < 0.0 { -self.normal } else { self.normal };
         let shading = if self.shading.dot(normal) < 0.0 { -self.shading } else { self.shading };
         Self { normal, shading, ..self }
+    }
+
+    /// The shading frame for `wo`: about the geometric normal where the shading normal faces away.
+    #[inline]
+    pub fn frame(&self, wo: Vec3) -> Frame {
+        let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
+        Frame::from_normal(if same_side { self.shading } else { self.normal })
+    }
+
+    /// The origin of a ray towards `wi`, offset against self-intersection.
+    #[inline]
+    pub fn ray_origin(&self, wi: Vec3) -> Vec3 {
+        let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
+        self.position + self.normal * (side * self.offset)
     }
 }
 

@@ -138,7 +138,9 @@ pub struct Points {
     pub normal: Lane3,
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
+    /// Of the camera sample.
     pub slot: [u32; LANES],
+    /// Scatterings so far.
     pub path_class: [PathClass; LANES],
     /// [`Paths::caustic`] of the paths that continue from here.
     pub caustic: [u32; LANES],
@@ -154,7 +156,9 @@ pub struct Shadows {
     pub limit: Lane,
     /// Radiance times throughput.
     pub value: Lane3,
+    /// Of the camera sample.
     pub slot: [u32; LANES],
+    /// Scatterings so far.
     pub path_class: [PathClass; LANES],
 }
 

@@ -21,6 +21,7 @@ use std::f32::consts::PI;
 pub struct LightSample {
     /// Unit direction towards the light.
     pub wi: Vec3,
+    /// To the light; infinite for lights at infinity.
     pub distance: f32,
     /// What arrives, divided by the density: radiance over density per solid angle, or irradiance where the light has
     /// no extent. Black where the light does not reach.
@@ -40,9 +41,13 @@ pub trait SampleLight {
 
 /// Directions towards a light from many points.
 pub struct LightSamples {
+    /// Unit directions towards the light.
     pub wi: Lane3,
+    /// To the light.
     pub distance: Lane,
+    /// As [`LightSample::weight`].
     pub weight: Lane3,
+    /// As [`LightSample::pdf`].
     pub pdf: Lane,
 }
 
@@ -101,11 +106,13 @@ impl<L: SampleLight> Wide for SampleMany<'_, L> {
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
+    /// Shape and emission.
     pub kind: Kind,
     /// The object that glows, or [`super::lanes::NOTHING`].
     pub object: u32,
 }
 
+/// A light by its shape.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Rectangle(RectangleLight),
@@ -129,9 +136,11 @@ pub enum Kind {
 /// A place on a light, sampled with equal density per area.
 #[derive(Debug, Clone, Copy)]
 pub struct Start {
+    /// In the world.
     pub position: Vec3,
     /// Unit normal on the side that glows.
     pub normal: Vec3,
+    /// Whether the back emits, too.
     pub two_sided: bool,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes,
 //! geometry, sample_lanes, lens, shading_normal, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones,
-//! rough, workspace, product_warp, integrator, light_tracing, direct, job.
+//! rough, workspace, product_warp, integrator, scatter, light_tracing, direct, job.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
@@ -24,6 +24,7 @@ mod needs;
 mod product_warp;
 mod rough;
 mod sample_lanes;
+mod scatter;
 mod settings;
 mod shaders;
 mod shading_normal;

@@ -11,8 +11,11 @@ use std::array::from_mut;
 
 /// For each hit a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
 pub struct Scattered {
+    /// In the local frame.
     pub wi: Lane3,
+    /// BSDF times cosine over pdf, or the BSDF.
     pub weight: Lane3,
+    /// Per solid angle.
     pub pdf: Lane,
 }
 

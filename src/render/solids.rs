@@ -26,7 +26,9 @@ pub fn one_minus_cos_half_angle(sin2: f32) -> f32 {
 /// A rectangle of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
+    /// Its plane and sides.
     pub panel: Panel,
+    /// Number of the object.
     pub object: u32,
 }
 
@@ -40,6 +42,7 @@ pub enum Panel {
 }
 
 impl Wall {
+    /// Prepares a rectangle of object number `object`.
     pub fn new(rectangle: &Rectangle, object: u32) -> Self {
         let x = || AxisPanel::new(rectangle).map(Panel::X);
         let y = || AxisPanel::new(rectangle).map(Panel::Y);

@@ -26,20 +26,31 @@ pub struct Workspace {
     /// The same by path class, the classes of a slot side by side; empty without path classes.
     pub layers: Vec<Rgb>,
     classes: Option<PathClasses>,
+    /// Paths of the current step.
     pub(super) paths: Box<Paths>,
+    /// Paths of the next step.
     pub(super) next: Box<Paths>,
+    /// Hits of the current rays.
     pub(super) hits: Hits,
     /// Hits of the rays of [`Workspace::shadows`] where emitters are looked for.
     pub(super) found: Hits,
+    /// Diffuse hits.
     pub(super) points: Points,
+    /// Indices of paths that hit mirrors or glass.
     pub(super) delta: Vec<u32>,
     /// Hits of light paths on diffuse surfaces.
     pub(super) arrived: Vec<u32>,
+    /// Hits on rough metal.
     pub(super) rough: Vec<RoughHit>,
+    /// Shadow rays.
     pub(super) shadows: Shadows,
+    /// Samples and values of rough BSDFs.
     pub(super) scattered: Scattered,
+    /// Nonzero for occluded shadow rays.
     pub(super) blocked: [u32; LANES],
+    /// Random numbers of the current dimension.
     pub(super) u: [Lane; 2],
+    /// Caustic cones.
     pub(super) cones: Vec<Cone>,
     /// Power with which a light path started, by slot.
     pub(super) power: Lane3,
@@ -60,6 +71,7 @@ pub struct RoughHit {
     pub throughput: Rgb,
     /// The camera sample of the path.
     pub slot: u32,
+    /// Scatterings so far.
     pub path_class: PathClass,
     /// Number of the object.
     pub object: u32,
@@ -75,6 +87,7 @@ impl RoughHit {
 }
 
 impl Workspace {
+    /// Empty buffers.
     pub(super) fn new(settings: &Settings, cones: Vec<Cone>) -> Self {
         let classes = settings.paths.map(PathClasses::up_to);
         Self {
@@ -131,10 +144,12 @@ impl Workspace {
 /// Dimensions (pairs of random numbers) of each scattering; dimension 0 is the position on the film.
 #[derive(Clone, Copy)]
 pub struct Dimensions {
+    /// Its first dimension.
     pub(super) first: u32,
 }
 
 impl Dimensions {
+    /// Dimensions of a scattering besides one per light.
     pub(super) const OTHERS: u32 = 4;
 
     /// The dimensions of light paths after so many scatterings, 0 for their start: far from those of camera paths.

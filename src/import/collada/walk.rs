@@ -17,7 +17,9 @@ const MAX_NODES: usize = 1 << 18;
 pub struct Found<'a> {
     /// The last camera.
     pub view: Option<View<'a>>,
+    /// Lights without a visible surface, area lights included.
     pub lights: Vec<Light>,
+    /// Shapes with their materials.
     pub objects: Vec<Object>,
 }
 

@@ -30,7 +30,9 @@ pub enum Scalar {
 
 /// One number of an element, or a list of them.
 pub struct Property {
+    /// For example `x`.
     pub name: String,
+    /// Type of the value, or of the items of a list.
     pub scalar: Scalar,
     /// For a list, the type of its length, which comes first.
     pub length: Option<Scalar>,
@@ -38,13 +40,19 @@ pub struct Property {
 
 /// A table in the file: rows that all have the same properties.
 pub struct Element {
+    /// For example `vertex`.
     pub name: String,
+    /// How many there are.
     pub count: usize,
+    /// In the order of the file.
     pub properties: Vec<Property>,
 }
 
+/// A header.
 pub struct Header {
+    /// ASCII or binary.
     pub encoding: Encoding,
+    /// In the order of the file.
     pub elements: Vec<Element>,
     /// Where the numbers start.
     pub body: usize,
@@ -85,6 +93,10 @@ impl Element {
 }
 
 impl Header {
+    /// Parses the header at the start of `bytes`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a malformed header, with its line.
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
         if !bytes.starts_with(b"ply\n") && !bytes.starts_with(b"ply\r") {
             return Err(Error::input(path, "the first line is not \"ply\": this is no PLY file"));

@@ -46,6 +46,7 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
+    /// A lexer for the text of the file at `path`.
     pub fn new(bytes: &'a [u8], path: Rc<Path>) -> Self {
         Self { bytes: without_bom(bytes), position: 0, line: 1, column: 1, path, ahead: None }
     }

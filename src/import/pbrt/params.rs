@@ -11,6 +11,7 @@ use std::ops::RangeInclusive;
 pub struct Params {
     /// The directive with its kind, for messages: `Shape "sphere"`.
     pub owner: String,
+    /// The first string after the directive.
     pub kind: String,
     /// Where the directive stands.
     pub at: At,

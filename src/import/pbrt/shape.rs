@@ -12,6 +12,7 @@ use std::path::Path;
 
 /// What is set where a shape stands.
 pub struct Setting<'a> {
+    /// Object to world.
     pub to_world: &'a DMat4,
     /// Whether the outside is turned in, and that shows.
     pub reversed: bool,

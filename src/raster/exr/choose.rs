@@ -9,22 +9,29 @@ use std::path::Path;
 /// One channel inside the rows of a decoded block: bytes before it per pixel, and its type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Channel {
+    /// Bytes of the channels before it, per pixel.
     pub before: usize,
+    /// Sample type.
     pub kind: SampleType,
 }
 
 /// The layer that is the image, and the part that it is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
+    /// Index of the part.
     pub part: usize,
+    /// Its layer.
     pub layer: Shown,
 }
 
 /// A layer, and the channels shown as red, green and blue (`None`: black).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shown {
+    /// Empty for channels without a layer.
     pub name: String,
+    /// How well it serves as the image.
     pub fit: Fit,
+    /// Channels for red, green and blue.
     pub rgb: [Option<Channel>; 3],
     /// What is a guess about the channels.
     pub note: Option<String>,

@@ -12,12 +12,17 @@ use std::path::Path;
 /// A rectangle of pixels, relative to the data window, and its compressed bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Block<'a> {
+    /// Column of the first pixel in the data window.
     pub x: usize,
+    /// Row of the first pixel in the data window.
     pub y: usize,
+    /// In pixels.
     pub width: usize,
+    /// In pixels.
     pub height: usize,
     /// Where the chunk stands in the file.
     pub offset: usize,
+    /// Compressed bytes.
     pub data: &'a [u8],
 }
 

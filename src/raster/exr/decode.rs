@@ -49,6 +49,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
+    /// The placement that a header describes.
     pub fn of(header: &Header) -> Self {
         let (data, window) = (header.data_window().position, header.shared_attributes.display_window.position);
         Self { left: i64::from(data.0) - i64::from(window.0), top: i64::from(data.1) - i64::from(window.1) }

@@ -46,6 +46,7 @@ impl<'a> Exr<'a> {
         Ok(Self { path, bytes, table: cursor.position() as usize, meta })
     }
 
+    /// One header per part.
     pub fn headers(&self) -> &[Header] {
         &self.meta.headers
     }

@@ -21,16 +21,22 @@ pub struct Film {
     height: usize,
     /// The number of the first row.
     top: usize,
+    /// Row by row from the top.
     pub(super) pixels: Vec<Pixel>,
+    /// Samples that were not finite or negative.
     pub(super) dropped: Dropped,
+    /// Sums by path class, if asked for.
     pub(super) paths: Option<Paths>,
+    /// Contributions of light paths, if there are any.
     pub(super) splats: Option<Splats>,
 }
 
 /// The light of each pixel by the class of its path: for each pixel a sum for each class.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Paths {
+    /// Their classes.
     pub classes: PathClasses,
+    /// All classes of a pixel side by side.
     pub sums: Vec<[Fixed; 3]>,
 }
 

@@ -32,6 +32,7 @@ use std::ops::Range;
 pub struct Part {
     /// The samples so far.
     pub film: Film,
+    /// Which samples the film holds.
     pub(super) ranges: Ranges,
     /// Equal for parts of the same image: a hash of the scene and of all settings that change a sample.
     pub fingerprint: String,

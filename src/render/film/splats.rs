@@ -23,6 +23,7 @@ pub struct Splat {
 /// The sums of the contributions to each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Splats {
+    /// Row by row from the top.
     pub pixels: Vec<Received>,
     /// The same by path class, all classes of a pixel side by side; empty without classes.
     pub classes: Vec<[Fixed; 3]>,
@@ -31,7 +32,9 @@ pub(super) struct Splats {
 /// The sums of contributions to a pixel and of their squares.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Received {
+    /// Σ x per channel.
     pub sum: [Fixed; 3],
+    /// Σ x² per channel.
     pub square: [Fixed; 3],
 }
 
@@ -39,6 +42,10 @@ pub(super) struct Received {
 const AHEAD: usize = 8;
 
 impl Splats {
+    /// Zero sums for a film of this size.
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory) when they do not fit.
     pub fn new([width, height]: [usize; 2], classes: usize) -> Result<Self> {
         let (pixels, sums) = (width * height, width * height * classes);
         let what = || format!("the light paths on a film of {width}x{height} pixels");
@@ -71,6 +78,7 @@ impl Splats {
         }
     }
 
+    /// Adds the sums of `other`.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             for c in 0..3 {

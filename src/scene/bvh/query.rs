@@ -30,6 +30,7 @@ pub struct Rays<'a> {
 }
 
 impl Rays<'_> {
+    /// Ray number `i`.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Ray {
         let at = |v: &[&[f32]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);

@@ -18,6 +18,10 @@ pub struct Lines {
 }
 
 impl Lines {
+    /// Opens the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         if !file.metadata().map_err(|e| Error::io(path, e))?.is_file() {
@@ -26,6 +30,7 @@ impl Lines {
         Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
     }
 
+    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }

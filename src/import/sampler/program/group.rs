@@ -61,10 +61,12 @@ impl Drop for Group {
 
 #[cfg(not(unix))]
 impl Group {
+    /// Does nothing: there are no process groups.
     pub fn start() -> Result<Self> {
         Ok(Self {})
     }
 
+    /// Does nothing.
     pub fn add(&self, _: &mut Command) {}
 }
 

@@ -18,10 +18,13 @@ const ATOMS: usize = 4096;
 /// A program's description of its sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Handshake {
+    /// For messages and reports.
     pub name: String,
     /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
     pub dimension: usize,
+    /// Integral of the pdf.
     pub mass: Mass,
+    /// If the program names it.
     pub domain: Option<Space>,
     /// Whether it has the inverse of its sampler.
     pub invert: bool,
