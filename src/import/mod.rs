@@ -1,5 +1,5 @@
-//! What other programs have: scene and mesh files, read as a [`Scene`] and what the file asks of a render; samplers, to be
-//! tested here.
+//! Files and programs of others: scene and mesh files, read as a [`Scene`](crate::scene::Scene) and a
+//! [`Request`](crate::scene::Request); external samplers to be tested.
 
 pub mod collada;
 mod imported;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// Extensions of the scene files that [`read_scene`] knows.
 pub const SCENE_EXTENSIONS: [&str; 2] = ["pbrt", "dae"];
 
-/// What [`read_scene`] needs beside the file.
+/// Options of [`read_scene`].
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {
     /// Width and height of the image; without it, what the file asks for.
@@ -40,7 +40,7 @@ pub struct SceneOptions<'a> {
     pub allow_ldr: bool,
 }
 
-/// Reads the scene at `path`, whose extension (`.pbrt` or `.dae`) tells its format. The camera fits the request's size.
+/// Reads the scene at `path`, whose extension (`.pbrt` or `.dae`) selects the format. The camera fits the request's size.
 ///
 /// # Errors
 /// Those of [`pbrt::read`] and [`collada::read`]; [`Error::Unsupported`] for another extension;

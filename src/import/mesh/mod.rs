@@ -26,7 +26,7 @@ use std::path::Path;
 /// Most bytes in a file.
 const MAX_BYTES: u64 = 512 << 20;
 
-/// Reads the mesh at `path`, whose extension tells its format; what is left out goes to `warnings`.
+/// Reads the mesh at `path`, whose extension selects the format; what is left out goes to `warnings`.
 ///
 /// # Errors
 /// A damaged file, with line and column or byte; another extension than `ply` or `obj`.

@@ -33,7 +33,7 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     Ok(parts.mesh(path, warnings))
 }
 
-/// A word of the file, and where it stands.
+/// A word of the file, and its position.
 struct Word<'a> {
     text: &'a str,
     line: &'a str,

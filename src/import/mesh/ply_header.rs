@@ -161,16 +161,16 @@ impl Header {
         Some(&rest[..end])
     }
 
-    /// Refuses counts that the file has no room for, before anything is made from them.
-    fn check_counts(&self, path: &Path, room: usize) -> Result<()> {
+    /// Refuses counts larger than the file can hold, before memory is reserved for them.
+    fn check_counts(&self, path: &Path, size: usize) -> Result<()> {
         let need = |element: &Element| element.count.checked_mul(element.least_bytes(self.encoding));
         let total = self.elements.iter().try_fold(0usize, |sum, element| sum.checked_add(need(element)?));
         // The last number of a text may have nothing after it.
-        if total.is_some_and(|total| total <= room + 1) {
+        if total.is_some_and(|total| total <= size + 1) {
             return Ok(());
         }
         let claims: Vec<String> = self.elements.iter().map(|e| format!("{} {}", e.count, quote(&e.name))).collect();
-        let message = format!("the header claims {}, but only {room} bytes follow", claims.join(", "));
+        let message = format!("the header claims {}, but only {size} bytes follow", claims.join(", "));
         Err(Error::input(path, message).with_hint("the file is cut off or damaged: get it whole again"))
     }
 }

@@ -1,8 +1,7 @@
-//! Reads scenes in the formats of pbrt-v2, v3 and v4, as far as this renderer can honour them.
+//! Reads scenes in the formats of pbrt-v2, v3 and v4, as far as this renderer supports them.
 //!
-//! What a file says is done, or refused with its file, line and column; it is never quietly dropped. Only what cannot
-//! change the image (an `Accelerator`, say) is left out, and only what a file does not say is filled in, both with a
-//! warning.
+//! Everything in a file has its effect or is an error with file, line and column. Only directives that cannot change the
+//! image (`Accelerator`, for example) are left out, and only missing values are filled in, both with a warning.
 //!
 //! | directive | supported |
 //! |---|---|

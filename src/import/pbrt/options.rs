@@ -1,4 +1,4 @@
-//! What the reader of pbrt files is given.
+//! Options of the reader of pbrt files.
 
 use crate::envmap::EnvMap;
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::raster::Image;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What the reader needs beside the file.
+/// Options of [`read`](super::read).
 pub struct PbrtOptions<'a> {
     /// A map, and what it is called, that stands in for the one that the file names (which is then not opened).
     pub environment: Option<(Arc<EnvMap>, String)>,

@@ -1,4 +1,4 @@
-//! What stands before `WorldBegin`: camera, film, filter, sampler and integrator, and what they ask of a render.
+//! Camera, film, filter, sampler and integrator, and the request that they amount to.
 
 use super::params::Params;
 use crate::error::Result;

@@ -21,7 +21,7 @@ impl Lines {
     /// Opens the file at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// [`Error::Io`]; [`Error::Unsupported`] for a pipe or a device.
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         if !file.metadata().map_err(|e| Error::io(path, e))?.is_file() {
@@ -35,7 +35,7 @@ impl Lines {
         &self.path
     }
 
-    /// What is wrong with the line read last.
+    /// An error in the line that was read last.
     pub fn error(&self, message: impl Into<String>) -> Error {
         Error::input(&self.path, message).at(Place::Text { line: self.number, column: 1 })
     }
