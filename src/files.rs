@@ -146,7 +146,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
 /// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Limit`] for a larger file, [`Error::Unsupported`] for a device or a named pipe.
+/// [`Error::Io`], [`Error::Limit`] for a larger file, [`Error::Input`] for a device or a named pipe.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;

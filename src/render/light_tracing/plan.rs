@@ -9,7 +9,7 @@ use crate::render::settings::{Sampling, Settings};
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::render::solids;
 use crate::sampling::hash::mix64;
-use crate::scene::{Request, Scene, Shape};
+use crate::scene::{Request, Scene, Shape, Sphere};
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -26,7 +26,8 @@ const MOST_TARGETS: usize = 8;
 /// The lights and targets of light paths.
 pub struct LightTracing {
     lights: Vec<Emitter>,
-    targets: Vec<Target>,
+    /// Bounding spheres of the objects that are not diffuse.
+    targets: Vec<Sphere>,
     /// Per object, whether light paths scatter there.
     scatters: Vec<bool>,
     /// [`Lens::area_at`](crate::render::lens::Lens::area_at) from which on light paths are used.
@@ -41,13 +42,6 @@ pub struct Emitter {
     pub power: Rgb,
     /// The probability of this light and those before it.
     cdf: f32,
-}
-
-/// A bounding sphere of an object that is not diffuse.
-#[derive(Clone, Copy)]
-struct Target {
-    centre: Vec3,
-    radius: f32,
 }
 
 impl LightTracing {
@@ -116,11 +110,11 @@ impl LightTracing {
     #[inline]
     pub fn direction(&self, point: Vec3, choice: f32, u: [f32; 2]) -> (Vec3, f32) {
         // Choose a target in proportion to its solid angle.
-        let total: f32 = self.targets.iter().map(|target| target.cone(point).1).sum();
+        let total: f32 = self.targets.iter().map(|target| cone(target, point).1).sum();
         let mut rest = choice * total;
         let (mut axis, mut one_minus_cos_half_angle) = (Vec3::Y, 2.0);
         for target in &self.targets {
-            (axis, one_minus_cos_half_angle) = target.cone(point);
+            (axis, one_minus_cos_half_angle) = cone(target, point);
             if rest < one_minus_cos_half_angle {
                 break;
             }
@@ -133,27 +127,23 @@ impl LightTracing {
         let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
         let direction = (x * cos_phi + y * sin_phi) * sin + axis * cos;
         // Divide by the number of targets in this direction: their cones may overlap.
-        let containing = self.targets.iter().filter(|target| target.contains(point, direction)).count();
+        let contains = |target: &&Sphere| {
+            let (axis, one_minus_cos_half_angle) = cone(target, point);
+            0.5 * (direction - axis).length_squared() <= one_minus_cos_half_angle
+        };
+        let containing = self.targets.iter().filter(contains).count();
         // Rounding at the rim may exclude the chosen target itself.
         (direction, TAU * total / containing.max(1) as f32)
     }
 }
 
-impl Target {
-    /// The cone around the sphere: its axis, and 1 − cos of its half angle; 2, all directions, from inside.
-    #[inline]
-    fn cone(&self, point: Vec3) -> (Vec3, f32) {
-        let to = self.centre - point;
-        let d2 = to.length_squared();
-        let sin2 = self.radius * self.radius / d2;
-        if sin2 < 1.0 { (to / d2.sqrt(), solids::one_minus_cos_half_angle(sin2)) } else { (Vec3::Y, 2.0) }
-    }
-
-    #[inline]
-    fn contains(&self, point: Vec3, direction: Vec3) -> bool {
-        let (axis, one_minus_cos_half_angle) = self.cone(point);
-        0.5 * (direction - axis).length_squared() <= one_minus_cos_half_angle
-    }
+/// The cone around a sphere: its axis, and 1 − cos of its half angle; 2, all directions, from inside.
+#[inline]
+fn cone(sphere: &Sphere, point: Vec3) -> (Vec3, f32) {
+    let to = sphere.centre - point;
+    let d2 = to.length_squared();
+    let sin2 = sphere.radius * sphere.radius / d2;
+    if sin2 < 1.0 { (to / d2.sqrt(), solids::one_minus_cos_half_angle(sin2)) } else { (Vec3::Y, 2.0) }
 }
 
 /// Whether light paths scatter at a surface: at rough metal of any shape; at mirrors and glass only without interpolated
@@ -166,26 +156,26 @@ fn scatters(shader: &SurfaceShader, shape: &Shape) -> bool {
     }
 }
 
-fn targets<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<Target> {
+fn targets<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<Sphere> {
     let bounding_sphere = |shape: &Shape| match shape {
-        Shape::Sphere(s) => Target { centre: s.centre, radius: s.radius },
-        Shape::Rectangle(r) => Target { centre: r.centre(), radius: (r.corners()[0] - r.centre()).length() },
+        Shape::Sphere(sphere) => *sphere,
+        Shape::Rectangle(r) => Sphere { centre: r.centre(), radius: (r.corners()[0] - r.centre()).length() },
         Shape::Mesh(mesh) => {
             let [low, high] = mesh.bounds().unwrap_or_default();
             let centre = 0.5 * (low + high);
             let radius2 = mesh.positions.iter().map(|p| p.distance_squared(centre)).fold(0.0, f32::max);
-            Target { centre, radius: radius2.sqrt() }
+            Sphere { centre, radius: radius2.sqrt() }
         }
     };
     // Enlarge the spheres, so that rounding leaves nothing outside.
-    let grown = |target: Target| Target { radius: target.radius * 1.000_01, ..target };
-    let all: Vec<Target> = shapes.map(|shape| grown(bounding_sphere(shape))).collect();
+    let grown = |target: Sphere| Sphere { radius: target.radius * 1.000_01, ..target };
+    let all: Vec<Sphere> = shapes.map(|shape| grown(bounding_sphere(shape))).collect();
     if all.len() <= MOST_TARGETS {
         return all;
     }
     let centre = all.iter().map(|target| target.centre).sum::<Vec3>() / all.len() as f32;
     let radius = all.iter().map(|target| target.centre.distance(centre) + target.radius).fold(0.0, f32::max);
-    vec![Target { centre, radius }]
+    vec![Sphere { centre, radius }]
 }
 
 /// The area lights with their power and the cumulative probability of choosing them.
