@@ -1,4 +1,4 @@
-//! The one error type, sorted by who is to blame; every message says what is wrong and, where it can, what to do.
+//! The error type: one variant per cause; messages describe the problem, hints the remedy.
 //!
 //! Messages and hints put the names of parameters between backquotes: [`Error::with_names`] replaces them by the words of
 //! a user interface.
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Shorthand used by every fallible function of the crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Where in an input file the trouble is.
+/// Position of an error in an input file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// The file as a whole.
@@ -25,7 +25,7 @@ pub enum Place {
     },
 }
 
-/// What went wrong, by who can mend it.
+/// An error of the library.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
@@ -49,7 +49,7 @@ pub enum Error {
         /// Which values can be used.
         hint: Option<String>,
     },
-    /// The file may be sound, but uses something that this program does not implement.
+    /// The file may be valid, but uses a feature that this program does not implement.
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -60,7 +60,7 @@ pub enum Error {
         /// What to do about it.
         hint: Option<String>,
     },
-    /// Honouring the request would need more memory or time than allowed.
+    /// The request needs more memory or time than allowed.
     Limit {
         /// The file that asks for it.
         path: PathBuf,
@@ -73,7 +73,7 @@ pub enum Error {
     Io {
         /// The file, or another name for what was written or read.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// This would need more memory than is allowed; see [`crate::memory`].
@@ -82,7 +82,7 @@ pub enum Error {
     Interrupted,
 }
 
-/// What would take how much memory, and why it cannot have it. Sizes are in bytes.
+/// A request for memory beyond the limit. Sizes are in bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shortage {
     /// What the memory is for.
@@ -123,7 +123,7 @@ impl Error {
         Error::Io { path: path.into(), source }
     }
 
-    /// Says where in the file the trouble is (kept only by the kinds that have a place).
+    /// Sets the position in the file, for the variants that have one.
     #[must_use]
     pub fn at(mut self, at: Place) -> Self {
         if let Error::Input { place, .. } | Error::Unsupported { place, .. } = &mut self {
@@ -132,7 +132,7 @@ impl Error {
         self
     }
 
-    /// Says what the user can do about it.
+    /// Sets the hint: what the user can do about it. Variants without a hint stay unchanged.
     #[must_use]
     pub fn with_hint(mut self, text: impl Into<String>) -> Self {
         match &mut self {
@@ -145,8 +145,7 @@ impl Error {
         self
     }
 
-    /// The error with other words for parameters, such as flags: `word` gives the word for a name. Names that it does not
-    /// know stay as they are.
+    /// The error with other names for parameters, such as flags: `word` returns the new name, or `None` to keep the old.
     #[must_use]
     pub fn with_names<'a>(mut self, word: impl Fn(&str) -> Option<&'a str>) -> Self {
         if let Error::Parameter { name, .. } = &mut self
@@ -168,7 +167,7 @@ impl Error {
         self
     }
 
-    /// What the user can do about it, if the program knows.
+    /// The hint: what the user can do about it.
     #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {

@@ -1,5 +1,5 @@
 //! Files are written whole or not at all: to a temporary file in the same folder, then renamed. A process that is
-//! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and anybody may remove.
+//! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and which may be removed.
 
 use crate::error::{Error, Result};
 use crate::memory;
@@ -32,7 +32,7 @@ impl Part {
     }
 }
 
-/// Takes a file off the list when it is there no more.
+/// Removes a file from the list when it is dropped.
 struct Listed(PathBuf);
 
 impl Drop for Listed {
@@ -43,19 +43,22 @@ impl Drop for Listed {
 
 /// Ends the process at once, without leaving temporary files behind.
 pub fn exit_without_parts(code: i32) -> ! {
-    // Locked for good: whoever wants to begin a file waits until the end.
+    // The lock is never released: other threads that begin a file wait until the process ends.
     let parts = parts();
     for part in parts.iter() {
-        // What cannot be removed stays; there is nobody left to tell.
+        // Files that cannot be removed stay: no error can be reported any more.
         let _ = std::fs::remove_file(part);
     }
     std::process::exit(code)
 }
 
-/// Writes `path` through `fill`; an error or a crash on the way leaves what stood there before untouched.
+/// Writes `path` through `fill`; after an error or a crash the former file is unchanged.
 ///
-/// Missing parent folders are made. The file gets the usual permissions (0666 less the umask). A symbolic link stays a
+/// Missing parent folders are made. The file gets the usual permissions (0666 & ~umask). A symbolic link stays a
 /// link: the file that it leads to is replaced, or made if it is missing.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Parameter`] for a path that is a device or a pipe, and those of `fill`.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &link_target(path)?;
     let mut part = temporary(path)?;
@@ -67,7 +70,7 @@ pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>
     Ok(())
 }
 
-/// Whether `path` could be written, as far as can be known before: what takes hours should not fail at its end.
+/// Checks before a long computation that `path` can be written.
 ///
 /// # Errors
 /// As [`write_atomic`]; makes missing parent folders, too.
@@ -88,7 +91,7 @@ fn link_target(path: &Path) -> Result<PathBuf> {
 /// As many symbolic links are followed as Linux follows.
 const MAX_LINKS: usize = 40;
 
-/// Whether both paths lead to one file that is there, by whatever names or links.
+/// Whether both paths lead to the same existing file.
 #[must_use]
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b) || is_same_inode(a, b)
@@ -131,13 +134,19 @@ fn temporary(path: &Path) -> Result<Part> {
     Part::new(&builder, folder).map_err(|e| Error::io(path, e))
 }
 
-/// [`write_atomic`] for bytes that are at hand already.
+/// [`write_atomic`] for bytes in memory.
+///
+/// # Errors
+/// Those of [`write_atomic`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomic(path, |w| w.write_all(bytes).map_err(|e| Error::io(path, e)))
 }
 
 /// Reads a whole file, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
 /// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Limit`] for a larger file, [`Error::Input`] for a device or a named pipe.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;

@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_no_machine_has_is_refused_and_a_little_is_not() {
+    fn requests_beyond_memory_are_refused_and_small_ones_granted() {
         request(1 << 20, || "a mebibyte".into()).unwrap();
         let error = request(1 << 60, || "an exbibyte".into()).unwrap_err();
         assert!(error.to_string().starts_with("an exbibyte: this takes 1099511627776 MiB beside"), "{error}");

@@ -1,7 +1,8 @@
-//! What other programs have: scene and mesh files, read as a [`Scene`] and what the file asks of a render; samplers, to be
-//! tested here.
+//! Files and programs of others: scene and mesh files, read as a [`Scene`](crate::scene::Scene) and a
+//! [`Request`](crate::scene::Request); external samplers to be tested.
 
 pub mod collada;
+mod imported;
 pub mod mesh;
 pub(crate) mod number;
 pub mod pbrt;
@@ -10,35 +11,22 @@ pub mod sampler;
 mod shape;
 mod transform;
 
+pub use imported::Imported;
+
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
 use crate::raster;
-use crate::scene::{Environment, Request, Scene};
+use crate::scene::Environment;
 use collada::ColladaOptions;
 use pbrt::PbrtOptions;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-
-/// What a scene file holds.
-#[derive(Debug, Clone)]
-pub struct Imported {
-    /// What the file describes.
-    pub scene: Scene,
-    /// Image size and sampling that it asks for, defaults filled in.
-    pub request: Request,
-    /// Where the file wants its image, as written there.
-    pub output: Option<PathBuf>,
-    /// What was left out or filled in without harm to the image, each with its place, in the file's order.
-    pub warnings: Vec<String>,
-    /// The environment map that was read because the file names it.
-    pub map: Option<PathBuf>,
-}
 
 /// Extensions of the scene files that [`read_scene`] knows.
 pub const SCENE_EXTENSIONS: [&str; 2] = ["pbrt", "dae"];
 
-/// What [`read_scene`] needs beside the file.
+/// Options of [`read_scene`].
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {
     /// Width and height of the image; without it, what the file asks for.
@@ -52,7 +40,7 @@ pub struct SceneOptions<'a> {
     pub allow_ldr: bool,
 }
 
-/// Reads the scene at `path`, whose extension (`.pbrt` or `.dae`) tells its format. The camera fits the request's size.
+/// Reads the scene at `path`, whose extension (`.pbrt` or `.dae`) selects the format. The camera fits the request's size.
 ///
 /// # Errors
 /// Those of [`pbrt::read`] and [`collada::read`]; [`Error::Unsupported`] for another extension;

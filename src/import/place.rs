@@ -1,4 +1,4 @@
-//! Where something stands in a scene file or in one that it includes, and the messages that say so.
+//! Positions in a scene file or in one that it includes, and messages with them.
 
 use crate::error::{Error, Place};
 use std::path::Path;
@@ -12,6 +12,7 @@ pub struct At {
 }
 
 impl At {
+    /// A line and a column, both counted from 1.
     pub fn new(path: Rc<Path>, line: usize, column: usize) -> Self {
         Self { path, place: Place::Text { line, column } }
     }
@@ -21,17 +22,17 @@ impl At {
         Self { path, place: Place::File }
     }
 
-    /// The file is wrong here.
+    /// An error for a damaged file.
     pub fn input(&self, message: impl Into<String>) -> Error {
         Error::input(&self.path, message).at(self.place)
     }
 
-    /// The file may be right, but asks for something that is not implemented.
+    /// An error for a feature that is not implemented.
     pub fn unsupported(&self, message: impl Into<String>) -> Error {
         Error::unsupported(&self.path, message).at(self.place)
     }
 
-    /// The same form for what is only worth knowing.
+    /// A warning in the same format.
     pub fn warning(&self, message: &str) -> String {
         format!("{}{}: {message}", self.path.display(), self.place)
     }

@@ -1,10 +1,10 @@
-//! Triangles to the shape that a renderer traces fastest: two that make up a rectangle become one.
+//! Conversion of triangles to the shape that is traced fastest: two that form a rectangle become one.
 
 use crate::scene::{Mesh, Rectangle, Shape};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// How far a vertex normal may lean, as a distance between unit vectors, before a flat shape is shaded as a curved one.
+/// Largest distance between a vertex normal and the plane's normal, both unit vectors, for a flat shape.
 const FLAT: f32 = 1e-4;
 
 /// The triangles of a polygon: a fan around its first corner.
@@ -25,8 +25,8 @@ where
         .unwrap_or_default()
 }
 
-/// The mesh as it is, or the rectangle that it is: two triangles wound the same way, with one side in common and no
-/// shading normals that bend them. The rectangle's front is where its corners run counter-clockwise.
+/// The mesh, or the rectangle that it forms: two triangles of the same orientation with a common edge, whose vertex
+/// normals are those of the plane. The rectangle's front is where its corners run counter-clockwise.
 pub fn simplest(mesh: Mesh) -> Shape {
     match rectangle(&mesh) {
         Some(rectangle) => Shape::Rectangle(rectangle),

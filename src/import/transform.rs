@@ -4,7 +4,7 @@ use super::place::At;
 use crate::error::Result;
 use glam::{DMat3, DMat4, DVec3};
 
-/// How far columns may be off a right angle, or scales off each other: files print about six digits.
+/// Tolerance of cosines between columns, and of relative differences of scales: files have about six digits.
 const TOLERANCE: f64 = 1e-4;
 
 /// A rotation about an axis through the origin, exact at quarter turns; `None` for an axis of length 0.
@@ -86,7 +86,7 @@ pub fn similarity(matrix: &DMat4) -> Option<(DMat3, f64)> {
 /// Coordinates must stay where their squares fit single precision.
 const MAX_COORDINATE: f64 = 1e15;
 
-/// Whether a point is near enough to render.
+/// Whether the coordinates of a point are small enough to render.
 pub fn in_range(point: DVec3) -> bool {
     point.abs().max_element() <= MAX_COORDINATE && !point.is_nan()
 }

@@ -38,7 +38,7 @@ pub fn compare(a: &Image, b: &Image) -> Result<Comparison> {
 /// Compares `a` with a reference that is known by two independent estimates b₁ and b₂ of the same expectation b.
 ///
 /// Each square (a - b)² becomes (a - b₁)(a - b₂), and b in the denominators (b₁ + b₂)/2. The errors of the halves are
-/// independent, so they drop out on average: `mse` estimates the distance to the true picture without bias, however
+/// independent, so they drop out on average: `mse` estimates the distance to the true image without bias, however
 /// noisy the reference is, and may come out below 0 where its noise hides what is to be measured (`rmse` is NaN then).
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 
 use crate::math::Rgb;
 
-/// A rectangle of linear RGB pixels. Row 0 is the top row, whatever a file format stores first.
+/// A rectangle of linear RGB pixels. Row 0 is the top row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     width: usize,
@@ -11,7 +11,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// A black image. Both sides must be at least 1.
+    /// A black image.
+    ///
+    /// # Panics
+    /// When a side is 0.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self::from_pixels(width, height, vec![Rgb::ZERO; width * height])
@@ -37,12 +40,14 @@ impl Image {
         Self::from_pixels(width, height, pixels)
     }
 
+    /// Pixels in a row.
     #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Number of rows.
     #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
@@ -55,7 +60,7 @@ impl Image {
         &self.pixels
     }
 
-    /// All pixels, to change.
+    /// All pixels, mutable.
     pub fn pixels_mut(&mut self) -> &mut [Rgb] {
         &mut self.pixels
     }
@@ -67,12 +72,20 @@ impl Image {
         &self.pixels[y * self.width..(y + 1) * self.width]
     }
 
+    /// The pixel in column `x` of row `y`.
+    ///
+    /// # Panics
+    /// Outside of the image.
     #[inline]
     #[must_use]
     pub fn get(&self, x: usize, y: usize) -> Rgb {
         self.row(y)[x]
     }
 
+    /// Sets the pixel in column `x` of row `y`.
+    ///
+    /// # Panics
+    /// Outside of the image.
     pub fn set(&mut self, x: usize, y: usize, value: Rgb) {
         assert!(x < self.width, "column {x} of {}", self.width);
         self.pixels[y * self.width + x] = value;

@@ -1,7 +1,7 @@
-//! Clipped pictures: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
+//! Clipped images: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
 use super::Image;
-use super::read::{blank, check_size};
+use super::decoded::{blank, check_size};
 use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
@@ -18,6 +18,7 @@ pub(super) enum Format {
 }
 
 impl Format {
+    /// For messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Format::Png => "PNG",
@@ -26,7 +27,7 @@ impl Format {
         }
     }
 
-    /// More pixels than this no byte of such a file can stand for: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
+    /// Upper bound on the pixels per byte of a file: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
     /// of two bits for a block of 64; a bitmap.
     fn pixels_per_byte(self) -> u64 {
         match self {
@@ -37,7 +38,7 @@ impl Format {
     }
 }
 
-/// Tells a clipped format by its first bytes.
+/// Detects a clipped format by its first bytes.
 pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(Format::Png),
@@ -47,7 +48,7 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Reads a clipped picture; values are taken to be sRGB-encoded and come out linear, in [0, 1].
+/// Reads a clipped image; values are taken to be sRGB-encoded and come out linear, in [0, 1].
 pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image> {
     let damaged = |e: ImageError| match e {
         ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
@@ -62,9 +63,9 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image>
     let decoder = ImageReader::with_format(Cursor::new(bytes), kind).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte())?;
-    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
-    for (to, from) in image.pixels_mut().iter_mut().zip(picture.pixels()) {
+    for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {
         *to = Rgb::from_array(from.0.map(linear_from_srgb));
     }
     Ok(image)
@@ -96,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_bit_files_go_there_and_back() {
+    fn eight_bit_files_round_trip() {
         let image = Image::from_fn(16, 16, |x, y| {
             let value = |code: usize| linear_from_srgb(code as f32 / 255.0);
             Rgb::new(value(16 * y + x), value(255 - 16 * y - x), 0.0)

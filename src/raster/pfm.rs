@@ -1,7 +1,7 @@
 //! Portable float maps: `PF` (RGB) and `Pf` (grey), 32-bit floats, rows stored from the bottom up.
 
 use super::Image;
-use super::read::{check_size, cut_off, room};
+use super::decoded::{check_size, cut_off, reserve_pixels};
 use crate::error::{Error, Place, Result};
 use crate::math::Rgb;
 use std::io::{self, Write};
@@ -48,7 +48,7 @@ pub(super) fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<Image> {
         let b = [b[0], b[1], b[2], b[3]];
         scale.abs() * if scale < 0.0 { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
     };
-    let mut pixels = room(path, width, height)?;
+    let mut pixels = reserve_pixels(path, width, height)?;
     for _ in 0..height {
         let line = bytes.len() - length;
         pixels.extend(bytes[line..].chunks_exact(4 * channels).map(|s| match channels {

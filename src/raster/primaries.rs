@@ -6,8 +6,8 @@ const REC_709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 /// Files round them to three or four digits.
 const TOLERANCE: f32 = 1e-3;
 
-/// What is to be said of an image with these primaries and this white (CIE x and y of R, G, B, W), which `name` gives:
-/// colours are not converted. Zeros are what programs write that know no primaries (HDR Shop, for one).
+/// A note on an image with these primaries and white point (CIE x and y of R, G, B, W), from the field `name`, unless they
+/// are those of Rec. 709: colours are not converted. Some programs (HDR Shop) write zeros for unknown primaries.
 pub(super) fn note(name: &str, found: [f32; 8]) -> Option<String> {
     let is_equal = found.iter().zip(REC_709).all(|(a, b)| (a - b).abs() <= TOLERANCE);
     (!is_equal && found != [0.0; 8]).then(|| {

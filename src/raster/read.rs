@@ -1,24 +1,18 @@
-//! Reading an image file: the format is told by its first bytes, never by its name.
+//! Reading an image file: the format is detected by its first bytes, not by its name.
 
+use super::decoded::Decoded;
 use super::{Image, exr, ldr, pfm, rgbe};
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::math::Rgb;
-use crate::memory;
 use std::path::Path;
 
 /// Larger files are refused unread: 2 GiB holds a 16384x8192 map of 32-bit floats.
 const MAX_FILE_BYTES: u64 = 1 << 31;
-/// Larger images are refused whatever the file says: 2^28 pixels are 3 GiB in memory.
-const MAX_PIXELS: u64 = 1 << 28;
-/// No side may be longer than this.
-const MAX_SIDE: u64 = 1 << 16;
-
 /// What [`read`] accepts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Accept PNG, JPEG and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so
-    /// that a lamp or the sun in them is as bright as a white wall, and every measurement made with them is wrong.
+    /// that the sun is as bright as a white wall, and every measurement made with them is wrong.
     pub allow_ldr: bool,
 }
 
@@ -31,8 +25,8 @@ pub struct ReadOptions {
 /// | PFM | `PF` and `Pf` (not `PF4`), both byte orders | multiplied by the absolute value of the header's scale |
 /// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
 ///
-/// Negative and non-finite values are returned as they stand in the file. Some OpenEXR maps are stored upside-down;
-/// nothing in the file says so, and they come out as they are. What had to be guessed, [`read_with_notes`] says.
+/// Negative and non-finite values are returned unchanged. Some OpenEXR maps are stored upside-down without a mark in the
+/// file; they are returned upside-down. [`read_with_notes`] also returns what had to be guessed.
 ///
 /// # Errors
 /// [`Error::Input`] for a damaged file or one that is no image, [`Error::Unsupported`] for a feature not implemented
@@ -72,28 +66,6 @@ pub(crate) fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Image> {
     exr::decode(path, bytes).map(|decoded| decoded.image)
 }
 
-/// What a decoder makes of a file.
-#[derive(Debug)]
-pub(super) struct Decoded {
-    pub image: Image,
-    /// What was guessed or passed over, without the file's name.
-    pub notes: Vec<String>,
-    /// Whether the file says that it is a cube map.
-    pub is_cube: bool,
-}
-
-impl Decoded {
-    fn into_parts(self) -> (Image, Vec<String>) {
-        (self.image, self.notes)
-    }
-}
-
-impl From<Image> for Decoded {
-    fn from(image: Image) -> Self {
-        Self { image, notes: Vec::new(), is_cube: false }
-    }
-}
-
 fn load(path: &Path, options: ReadOptions) -> Result<Decoded> {
     if path.is_dir() {
         return Err(Error::input(path, "this is a directory, not an image file"));
@@ -129,7 +101,7 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
     }
 }
 
-/// Says what a file that is no image seems to be.
+/// An error that describes a file which is no image.
 fn no_image(path: &Path, bytes: &[u8]) -> Error {
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(512)]);
     let text = start.trim_start_matches('\u{feff}').trim_start();
@@ -149,42 +121,9 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
     }
 }
 
-/// Refuses a size that exceeds the limits, or that `bytes` bytes at `pixels_per_byte` cannot describe.
-pub(super) fn check_size(path: &Path, width: u64, height: u64, bytes: usize, pixels_per_byte: u64) -> Result<()> {
-    if width == 0 || height == 0 {
-        return Err(Error::input(path, format!("an image of {width}x{height} pixels")));
-    }
-    if width > MAX_SIDE || height > MAX_SIDE || width * height > MAX_PIXELS {
-        return Err(Error::limit(path, format!("{width}x{height} pixels are more than is read"))
-            .with_hint("at most 65536 a side and 2^28 in all; shrink the image, or the file is damaged"));
-    }
-    if width * height > (bytes as u64).saturating_mul(pixels_per_byte) {
-        return Err(Error::input(path, format!("{bytes} bytes cannot hold the {width}x{height} pixels announced"))
-            .with_hint("the file is damaged or cut off; fetch it again"));
-    }
-    Ok(())
-}
-
-/// A black image whose size has passed [`check_size`], if there is memory for it.
-pub(super) fn blank(path: &Path, width: usize, height: usize) -> Result<Image> {
-    let mut pixels = room(path, width, height)?;
-    pixels.resize(width * height, Rgb::ZERO);
-    Ok(Image::from_pixels(width, height, pixels))
-}
-
-/// Room for the pixels of such an image, if there is memory for it.
-pub(super) fn room(path: &Path, width: usize, height: usize) -> Result<Vec<Rgb>> {
-    memory::reserved(width * height, || format!("{}, {width}x{height} pixels", path.display()))
-}
-
-/// A file that ends before its data does.
-pub(super) fn cut_off(path: &Path, needed: u64, present: usize) -> Error {
-    Error::input(path, format!("the file ends early: {present} of at least {needed} bytes are there"))
-        .with_hint("the file is cut off; fetch it again")
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::decoded::check_size;
     use super::*;
 
     fn refusal(bytes: &[u8]) -> Error {
@@ -192,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_is_named() {
+    fn files_that_are_no_image_are_described() {
         for (bytes, expected) in [
             (&b""[..], "empty"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n", "Git LFS pointer"),

@@ -9,9 +9,17 @@ use crate::math::Rgb;
 pub enum ToneMap {
     /// v = 2^stops · L, then the sRGB transfer function (IEC 61966-2-1): 12.92 v up to v = 0.0031308, else
     /// 1.055 v^(1/2.4) - 0.055; times 255, rounded to nearest.
-    Srgb { stops: f32 },
+    Srgb {
+        /// Exposure: log₂ of a factor.
+        stops: f32,
+    },
     /// (2^stops · L)^(1/gamma), times 255, rounded to nearest.
-    Gamma { gamma: f32, stops: f32 },
+    Gamma {
+        /// Above 0; 2.2 is common.
+        gamma: f32,
+        /// Exposure: log₂ of a factor.
+        stops: f32,
+    },
     /// By conventions: [`errata::tone::encode`] where they ask for it, else sRGB without exposure.
     By(Conventions),
     /// L / max · 255, truncated as a C cast does, where max is the largest finite channel value of the image: the
@@ -51,7 +59,7 @@ pub fn to_rgb8(image: &Image, tone: &ToneMap) -> Vec<u8> {
     image.pixels().iter().flat_map(|p| p.to_array().map(|v| tone.encode(v, max))).collect()
 }
 
-/// An exposure, in stops, that shows a high-dynamic-range image well.
+/// An exposure for displaying a high-dynamic-range image, in stops.
 ///
 /// Of the finite, positive pixels, sorted by luminance 0.2126 R + 0.7152 G + 0.0722 B, the geometric mean of the middle
 /// four fifths is brought to 0.18, so that neither a sun nor a black border counts; but not so far that more than the
@@ -62,6 +70,7 @@ pub fn auto_exposure(image: &Image) -> f32 {
     let mut luminances: Vec<f32> =
         image.pixels().iter().map(|p| p.dot(weights)).filter(|l| l.is_finite() && *l > 0.0).collect();
     luminances.sort_unstable_by(f32::total_cmp);
+    // Drop the darkest and the brightest tenth.
     let tail = luminances.len() / 10;
     let middle = &luminances[tail..luminances.len() - tail];
     let Some(&brightest) = middle.last() else {
@@ -111,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_values_are_black_or_white() {
+    fn nan_and_infinities_are_black_or_white() {
         for tone in
             [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::By(Conventions::SECOND_REPORT)]
         {
@@ -123,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn srgb_goes_there_and_back() {
+    fn srgb_round_trip() {
         for code in 0..=255_u8 {
             assert_eq!(one(linear_from_srgb(f32::from(code) / 255.0), ToneMap::default()), code);
         }

@@ -2,45 +2,13 @@
 
 use super::exr::{Layer, Precision, write_exr};
 use super::tone::ToneMap;
-use super::{Image, ldr, pfm, rgbe};
+use super::{Image, Metadata, ldr, pfm, rgbe};
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What the files say they were made by.
-pub(super) const SOFTWARE: &str = concat!("etalon ", env!("CARGO_PKG_VERSION"));
-
-/// What a file says about how its image was made: names and values, in order.
-///
-/// OpenEXR keeps them as text attributes, Radiance HDR as comment lines; the other formats have no room for them.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Metadata {
-    entries: Vec<(String, String)>,
-}
-
-impl Metadata {
-    /// Adds an entry after those that are there, for example `.with("spp", 64)`.
-    #[must_use]
-    pub fn with(mut self, name: impl Into<String>, value: impl ToString) -> Self {
-        self.entries.push((name.into(), value.to_string()));
-        self
-    }
-
-    /// All entries, in the order in which they were added.
-    #[must_use]
-    pub fn entries(&self) -> &[(String, String)] {
-        &self.entries
-    }
-
-    /// The value of an entry.
-    #[must_use]
-    pub fn get(&self, name: &str) -> Option<&str> {
-        self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
-    }
-}
-
-/// What is lost on the way into a file.
+/// Precision and tone mapping of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WriteOptions {
     /// For OpenEXR: the sample type.
@@ -50,6 +18,9 @@ pub struct WriteOptions {
 }
 
 /// [`write_with`] the default options: 32-bit floats for OpenEXR, plain sRGB for PNG and PPM.
+///
+/// # Errors
+/// Those of [`write_with`].
 pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<()> {
     write_with(path, image, metadata, WriteOptions::default())
 }
@@ -66,7 +37,7 @@ pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Parameter`] for another extension and for metadata that OpenEXR cannot name (see [`write_exr`]),
-/// [`Error::Io`]. After an error whatever stood at `path` before is still there.
+/// [`Error::Io`]. After an error a file that was at `path` before is unchanged.
 pub fn write_with(path: &Path, image: &Image, metadata: &Metadata, options: WriteOptions) -> Result<()> {
     let save = |fill: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         write_atomic(path, |out| fill(out).map_err(|e| Error::io(path, e)))

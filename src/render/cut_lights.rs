@@ -13,7 +13,7 @@ use crate::scene::{Light, Scene};
 pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
     let Some(environment) = &scene.environment else { return Ok(Vec::new()) };
     if settings.density.has_fixed_lights() && settings.sampling != Sampling::Light {
-        return Err(Error::parameter("density", "lights that stand for the map bring all of its light")
+        return Err(Error::parameter("density", "lights that stand for the map hold all of its light")
             .with_hint("light sampling only: the material's directions would find the map a second time"));
     }
     let light = |FixedLight { towards, irradiance }| Light::Directional {

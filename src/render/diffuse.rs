@@ -1,7 +1,6 @@
 //! The two vectorized stages of a diffuse hit: rays towards a light, and the directions in which the paths go on.
 
-use super::geometry::{at, set};
-use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3};
+use super::lanes::{LANES, Lane, Lane3, Paths, Points, Shadows, ZERO3, at, set};
 use super::lights::{self, LightSamples, Sampled};
 use super::wide::{Wide, wide};
 use crate::math::Frame;
@@ -14,16 +13,16 @@ use std::f32::consts::FRAC_1_PI;
 pub fn towards_light(arch: Arch, points: &Points, light: &Sampled, u: &[Lane; 2], scale: f32, shadows: &mut Shadows) {
     shadows.count = points.count;
     shadows.slot = points.slot;
-    shadows.word = points.word;
-    let mut drawn = LightSamples::default();
-    lights::sample_many(arch, light, &points.position, points.count, u, &mut drawn);
-    wide(arch, Value { points, drawn: &drawn, scale, value: &mut shadows.value });
-    (shadows.rays.origin, shadows.rays.direction, shadows.limit) = (points.position, drawn.wi, drawn.distance);
+    shadows.path_class = points.path_class;
+    let mut sampled = LightSamples::default();
+    lights::sample_many(arch, light, &points.position, points.count, u, &mut sampled);
+    wide(arch, Value { points, sampled: &sampled, scale, value: &mut shadows.value });
+    (shadows.rays.origin, shadows.rays.direction, shadows.limit) = (points.position, sampled.wi, sampled.distance);
 }
 
 struct Value<'a> {
     points: &'a Points,
-    drawn: &'a LightSamples,
+    sampled: &'a LightSamples,
     scale: f32,
     value: &'a mut Lane3,
 }
@@ -31,37 +30,37 @@ struct Value<'a> {
 impl Wide for Value<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { points, drawn, scale, value } = self;
+        let Self { points, sampled, scale, value } = self;
         // A local array: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
         let mut values = ZERO3;
         for i in 0..points.count.min(LANES) {
-            let cos = at(&points.normal, i).dot(at(&drawn.wi, i)).max(0.0);
-            set(&mut values, i, at(&points.weight, i) * at(&drawn.weight, i) * (cos * scale * FRAC_1_PI));
+            let cos = at(&points.normal, i).dot(at(&sampled.wi, i)).max(0.0);
+            set(&mut values, i, at(&points.weight, i) * at(&sampled.weight, i) * (cos * scale * FRAC_1_PI));
         }
         *value = values;
     }
 }
 
-/// Appends to `next` each point's path, carried on in a direction of density cos θ / π.
-pub fn carry_on(arch: Arch, points: &Points, u: &[Lane; 2], next: &mut Paths) {
+/// Appends to `next` each point's path, extended in a direction of pdf cos θ / π.
+pub fn extend_paths(arch: Arch, points: &Points, u: &[Lane; 2], next: &mut Paths) {
     assert!(next.count + points.count <= LANES);
-    wide(arch, CarryOn { points, u, next });
+    wide(arch, ExtendPaths { points, u, next });
     let part = next.count..next.count + points.count;
     next.pdf[part.clone()].fill(0.0);
-    next.sky[part.clone()].fill(0.0);
+    next.environment_share[part.clone()].fill(0.0);
     next.slot[part.clone()].copy_from_slice(&points.slot[..points.count]);
-    next.word[part.clone()].copy_from_slice(&points.word[..points.count]);
+    next.path_class[part.clone()].copy_from_slice(&points.path_class[..points.count]);
     next.caustic[part].copy_from_slice(&points.caustic[..points.count]);
     next.count += points.count;
 }
 
-struct CarryOn<'a> {
+struct ExtendPaths<'a> {
     points: &'a Points,
     u: &'a [Lane; 2],
     next: &'a mut Paths,
 }
 
-impl Wide for CarryOn<'_> {
+impl Wide for ExtendPaths<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { points, u, next } = self;
@@ -81,12 +80,12 @@ impl Wide for CarryOn<'_> {
     }
 }
 
-/// Appends to `next` the path of point `i`, carried on in a direction of its own. It finds no lamps: their light was
-/// sampled.
+/// Appends to `next` the path of point `i`, extended in a given direction. Emission that it hits does not count: light samples
+/// have found it.
 #[inline(always)]
 pub fn follow(next: &mut Paths, points: &Points, i: usize, direction: Vec3, throughput: Vec3) {
     let j = next.count;
-    next.push(at(&points.position, i), direction, throughput, points.slot[i], points.word[i]);
-    (next.pdf[j], next.sky[j]) = (0.0, 0.0);
+    next.push(at(&points.position, i), direction, throughput, points.slot[i], points.path_class[i]);
+    (next.pdf[j], next.environment_share[j]) = (0.0, 0.0);
     next.caustic[j] = points.caustic[i];
 }

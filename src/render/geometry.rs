@@ -4,9 +4,10 @@
 //! few that a scene has is faster than any tree. Triangles stand in a bounding volume hierarchy of their own, built
 //! only where there is a mesh.
 
-use super::lanes::{Hits, LANES, Lane, NOTHING, Rays};
+use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
 use super::solids::{Panel, Solid, Wall};
 use super::wide::{Wide, wide};
+use crate::math::Frame;
 use crate::scene::bvh::{self, MeshBvh};
 use crate::scene::{Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
@@ -15,6 +16,7 @@ use pulp::Arch;
 /// A surface where a ray has met it.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
+    /// In the world.
     pub position: Vec3,
     /// Unit normal of the outside.
     pub normal: Vec3,
@@ -39,6 +41,20 @@ impl Surface {
         let shading = if self.shading.dot(normal) < 0.0 { -self.shading } else { self.shading };
         Self { normal, shading, ..self }
     }
+
+    /// The shading frame for `wo`: about the geometric normal where the shading normal faces away.
+    #[inline]
+    pub fn frame(&self, wo: Vec3) -> Frame {
+        let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
+        Frame::from_normal(if same_side { self.shading } else { self.normal })
+    }
+
+    /// The origin of a ray towards `wi`, offset against self-intersection.
+    #[inline]
+    pub fn ray_origin(&self, wi: Vec3) -> Vec3 {
+        let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
+        self.position + self.normal * (side * self.offset)
+    }
 }
 
 /// The prepared shapes.
@@ -58,7 +74,7 @@ pub struct Geometry<'a> {
 /// The triangles of all meshes.
 struct Meshes {
     tree: MeshBvh,
-    /// A box around all of them, with room for rounding.
+    /// A box around all of them, with a margin for rounding.
     bounds: [Vec3; 2],
     /// The object that each mesh is.
     object: Vec<u32>,
@@ -91,9 +107,9 @@ impl<'a> Geometry<'a> {
             }
         }
         let offsets = hulls.iter().map(|hull| 16.0 * f32::EPSILON * extent(hull)).collect();
-        let balls = || hulls.iter().flatten();
-        let low = balls().fold(Vec3::INFINITY, |low, (p, radius)| low.min(p - radius));
-        let high = balls().fold(Vec3::NEG_INFINITY, |high, (p, radius)| high.max(p + radius));
+        let bounds = || hulls.iter().flatten();
+        let low = bounds().fold(Vec3::INFINITY, |low, (p, radius)| low.min(p - radius));
+        let high = bounds().fold(Vec3::NEG_INFINITY, |high, (p, radius)| high.max(p + radius));
         let meshes = with_meshes.then(|| Meshes {
             bounds: around(mesh_objects.iter().flat_map(|&i| &hulls[i as usize])),
             tree: MeshBvh::build(&meshes),
@@ -210,20 +226,6 @@ fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
     bvh::Rays { origin: part(&rays.origin), direction: part(&rays.direction), t_max: &t_max[..count] }
 }
 
-/// Component `i` of three lanes.
-#[inline(always)]
-pub fn at<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
-    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
-}
-
-/// Sets component `i` of three lanes.
-#[inline(always)]
-pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
-    lanes[0][i] = value.x;
-    lanes[1][i] = value.y;
-    lanes[2][i] = value.z;
-}
-
 /// The loop over all rays that looks for the nearest hit.
 struct Nearest<'a, S> {
     solid: &'a S,
@@ -292,7 +294,7 @@ impl Wide for Reach<'_> {
     }
 }
 
-/// Balls that together reach as far as a shape in all directions: itself, or the corners of it or of the box around it.
+/// Spheres that together reach as far as a shape in all directions: itself, or the corners of it or of the box around it.
 type Hull = Vec<(Vec3, f32)>;
 
 fn hull(shape: &Shape) -> Hull {
@@ -310,8 +312,8 @@ fn hull(shape: &Shape) -> Hull {
 fn around<'a>(points: impl Iterator<Item = &'a (Vec3, f32)>) -> [Vec3; 2] {
     let ends = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     let [low, high] = points.fold(ends, |[low, high], (p, _)| [low.min(*p), high.max(*p)]);
-    let room = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
-    [low - room, high + room]
+    let margin = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
+    [low - margin, high + margin]
 }
 
 /// Largest coordinate of a shape, which its points are rounded to.

@@ -1,63 +1,69 @@
 //! The path integrator: what light arrives along camera rays.
 //!
-//! [`LANES`] paths are followed side by side, one scattering after the other. At each step all rays are traced, the
-//! light that they find is added, and the hits are sorted by what the surface does: diffuse ones go on together, in
-//! loops that vectorize, the rest one by one. That keeps the arithmetic of a Cornell box four to eight lanes wide
-//! without a line of vector code, and the order of the paths does not matter: every random number is a function of its
-//! pixel, sample and dimension, so a path's light has the same bits in any company.
+//! [`LANES`](super::lanes::LANES) paths are followed together, one scattering at a time. At each step all rays are traced, emission is added, and
+//! the hits are sorted by material: diffuse ones continue together in loops that the compiler vectorizes, the others one by
+//! one. Every random number is a function of its pixel, sample and dimension, so the radiance of a path has the same bits
+//! whichever paths share its batch.
 //!
-//! Lamps that shine by way of mirrors, glass or metal on what the camera sees are left to [`super::light_tracing`].
+//! Caustics on surfaces that the camera sees come from [`super::light_tracing`].
 //!
-//! `NEEDS` are the bits of [`Needs`]: what they leave out is not in the compiled loop.
+//! `NEEDS` are the bits of [`Needs`]: parts of the renderer whose bit is 0 are not in the compiled loop.
 
-use super::casters::{Casters, IMAGES_UP_TO};
+use super::caustic_cones::{CausticCones, REFLECTIONS_UP_TO};
 use super::diffuse;
-use super::faces::{Face, Kind};
-use super::geometry::{Geometry, Surface, at, set};
-use super::lanes::{LANES, NOTHING, Paths, ZERO3, caustic};
+use super::geometry::{Geometry, Surface};
+use super::lanes::{NOTHING, Paths, at, caustic, set};
 use super::lens::Lens;
-use super::light_tracing::{LightTracing, faithful_to_camera, faithful_to_lamp};
+use super::light_tracing::LightTracing;
 use super::lights::{SampleLight, Sampled};
+use super::mis::power_heuristic;
 use super::needs::Needs;
-use super::rough;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Sampling, Settings};
-use super::shine;
+use super::shaders::{Kind, SurfaceShader};
+use super::shading_normal;
 use super::strategies::Strategies;
 use super::workspace::{Dimensions, RoughHit, Workspace};
-use crate::bsdf::{Bsdf, Scatter};
 use crate::error::Result;
-use crate::math::{Frame, Rgb};
+use crate::math::Rgb;
 use crate::render::film::{PathClass, PathClasses};
 use crate::scene::{Emission, EmitterVisibility, Request, Scene};
-use glam::Vec3;
 use pulp::Arch;
-use std::ops::Range;
 
-/// Russian roulette ends paths whose throughput is below this, and lifts the others to it. To lift them to 1 would make
-/// each a speck of light.
+/// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
+/// would cause fireflies.
 const ROULETTE_BELOW: f32 = 0.1;
 
 /// Scatterings before Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 5;
 
-/// Shadow rays end this fraction of the way short of the light, which rounding could otherwise put behind itself.
+/// Factor on the length of shadow rays, so that rounding does not let a light occlude itself.
 pub(super) const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
 
 /// A scene made ready for rendering.
 pub struct Integrator<'a> {
+    /// What is rendered.
     pub(super) scene: &'a Scene,
+    /// Size, samples and depth.
     pub(super) request: Request,
+    /// Shapes prepared for intersection.
     pub(super) geometry: Geometry<'a>,
-    pub(super) faces: Vec<Face>,
+    /// BSDF and emission by object.
+    pub(super) shaders: Vec<SurfaceShader>,
+    /// Lights that are sampled at every hit.
     pub(super) lights: Vec<Sampled>,
-    casters: Casters,
+    caustic_cones: CausticCones,
+    /// Caustics by light paths, where they are used.
     pub(super) light_tracing: Option<LightTracing>,
+    /// Sampling of the environment.
     pub(super) strategies: Strategies,
+    /// How directions towards light are chosen.
     pub(super) sampling: Sampling,
+    /// Instruction set for vectorized loops.
     pub(super) arch: Arch,
+    /// Path classes that are summed separately.
     pub(super) classes: Option<PathClasses>,
-    /// Whether there are lamps that neither light samples nor rays in search of light find.
+    /// Whether there are area lights that only directions sampled by a BSDF find.
     only_bsdf_sampled_emitters: bool,
 }
 
@@ -72,20 +78,24 @@ impl<'a> Integrator<'a> {
         geometry: Geometry<'a>,
     ) -> Result<Self> {
         let lights = Sampled::all(scene, settings)?;
-        let faces = Face::all(scene, settings, &lights);
-        let unsampled = |face: &Face| {
-            face.light.is_none() && face.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
+        let shaders = SurfaceShader::all(scene, settings, &lights);
+        let unsampled = |shader: &SurfaceShader| {
+            shader.light.is_none() && shader.emission.is_some_and(|e| e.visibility == EmitterVisibility::Sampled)
         };
-        let light_tracing = LightTracing::new(scene, request, settings, &faces, &lights, &geometry);
-        let only_bsdf_sampled_emitters = settings.sampling.by_light() && faces.iter().any(unsampled);
+        let light_tracing = LightTracing::new(scene, request, settings, &shaders, &lights, &geometry);
+        let only_bsdf_sampled_emitters = settings.sampling.by_light() && shaders.iter().any(unsampled);
         Ok(Self {
             scene,
             request: *request,
             geometry,
-            faces,
+            shaders,
             lights,
             // Other strategies are as their name says.
-            casters: if settings.sampling == Sampling::Mis { Casters::new(scene) } else { Casters::default() },
+            caustic_cones: if settings.sampling == Sampling::Mis {
+                CausticCones::new(scene)
+            } else {
+                CausticCones::default()
+            },
             light_tracing,
             strategies,
             sampling: settings.sampling,
@@ -97,7 +107,7 @@ impl<'a> Integrator<'a> {
 
     /// What a thread needs to run [`Integrator::trace`].
     pub fn workspace(&self, settings: &Settings) -> Workspace {
-        Workspace::new(settings, self.casters.cones())
+        Workspace::new(settings, self.caustic_cones.cones())
     }
 
     fn dimensions(&self, scatterings: u32) -> Dimensions {
@@ -105,7 +115,7 @@ impl<'a> Integrator<'a> {
         Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
     }
 
-    /// Makes the camera rays of the first `count` slots, which belong to row `y`.
+    /// Generates the camera rays of the first `count` slots, which belong to row `y`.
     pub fn start(&self, work: &mut Workspace, count: usize, lens: &Lens, y: u32) {
         let paths = &mut work.paths;
         paths.count = count;
@@ -118,9 +128,9 @@ impl<'a> Integrator<'a> {
             channel[..count].fill(1.0);
         }
         paths.pdf[..count].fill(f32::INFINITY);
-        paths.sky[..count].fill(1.0);
-        paths.word[..count].fill(PathClass::DIRECT);
-        let start = if self.light_tracing.is_some() { caustic::NEW } else { caustic::NONE };
+        paths.environment_share[..count].fill(1.0);
+        paths.path_class[..count].fill(PathClass::DIRECT);
+        let start = if self.light_tracing.is_some() { caustic::CAMERA } else { caustic::NONE };
         paths.caustic[..count].fill(start);
         for channel in &mut work.radiance {
             channel[..count].fill(0.0);
@@ -128,7 +138,7 @@ impl<'a> Integrator<'a> {
         work.layers[..count * self.classes.map_or(0, PathClasses::count)].fill(Rgb::ZERO);
     }
 
-    /// Follows the camera rays to their ends and adds the light that they find to `work.radiance`.
+    /// Traces the camera paths to their ends and adds their radiance to `work.radiance`.
     pub fn trace<const NEEDS: u32>(&self, work: &mut Workspace, lens: &Lens) {
         let mut scatterings = 0;
         while work.paths.count > 0 {
@@ -136,7 +146,7 @@ impl<'a> Integrator<'a> {
             self.geometry.nearest(&work.paths.rays, count, &mut work.hits);
             self.sort_hits::<NEEDS>(work, scatterings == self.request.max_depth);
             if scatterings == 0 {
-                self.unmark_near(work, lens);
+                self.exclude_near(work, lens);
             }
             let dimensions = self.dimensions(scatterings);
             scatterings += 1;
@@ -144,19 +154,19 @@ impl<'a> Integrator<'a> {
             let last = scatterings == self.request.max_depth;
             if work.points.count > 0 {
                 self.light_diffuse::<NEEDS>(work, dimensions);
-                // After the last hit there is nothing to find but lamps that only chance can find.
+                // After the last hit only area lights without light samples remain to be found.
                 if Needs::OCCLUSION.is_in(NEEDS) && (!last || self.only_bsdf_sampled_emitters) {
                     let slots = &work.points.slot[..work.points.count];
                     work.numbers.fill(self.arch, slots, dimensions.bsdf(), (0, 1), &mut work.u);
                     let caustics = &work.points.caustic[..work.points.count];
-                    if self.casters.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
-                        diffuse::carry_on(self.arch, &work.points, &work.u, &mut work.next);
+                    if self.caustic_cones.is_empty() || caustics.iter().all(|&c| c != caustic::NONE) {
+                        diffuse::extend_paths(self.arch, &work.points, &work.u, &mut work.next);
                     } else {
-                        let images = scatterings <= IMAGES_UP_TO;
-                        self.casters.carry_on(
+                        let reflections = scatterings <= REFLECTIONS_UP_TO;
+                        self.caustic_cones.extend_paths(
                             self.arch,
                             &mut work.cones,
-                            images,
+                            reflections,
                             &work.points,
                             &work.u,
                             &mut work.next,
@@ -175,7 +185,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Adds the light that the rays have hit, and sorts the hits by what is to be done with them, if anything.
+    /// Adds the emission at the hits, and sorts the hits by the kind of their material.
     fn sort_hits<const NEEDS: u32>(&self, work: &mut Workspace, last: bool) {
         work.points.count = 0;
         work.delta.clear();
@@ -184,20 +194,20 @@ impl<'a> Integrator<'a> {
             let id = work.hits.object[i];
             if id == NOTHING {
                 if Needs::ENVIRONMENT.is_in(NEEDS) {
-                    self.leave(work, i);
+                    self.add_environment(work, i);
                 }
                 continue;
             }
-            let face = &self.faces[id as usize];
-            if Needs::LAMPS.is_in(NEEDS)
-                && let Some(emission) = &face.emission
+            let shader = &self.shaders[id as usize];
+            if Needs::LIGHTS.is_in(NEEDS)
+                && let Some(emission) = &shader.emission
             {
-                self.glow(work, i, face, emission);
+                self.add_emission(work, i, shader, emission);
             }
             if last {
                 continue;
             }
-            match face.kind {
+            match shader.kind {
                 Kind::Black => {}
                 Kind::Diffuse { albedo } => self.collect(work, i, albedo),
                 Kind::Delta(_) if Needs::DELTA.is_in(NEEDS) => work.delta.push(i as u32),
@@ -207,8 +217,8 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Unmarks those of the diffuse hits that the camera sees from too near for paths from the lamps.
-    fn unmark_near(&self, work: &mut Workspace, lens: &Lens) {
+    /// Marks the diffuse hits that are too near to the camera for light tracing.
+    fn exclude_near(&self, work: &mut Workspace, lens: &Lens) {
         let points = &mut work.points;
         if let Some(tracing) = &self.light_tracing {
             for i in 0..points.count {
@@ -219,32 +229,33 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// A ray leaves the scene.
+    /// Adds the environment's radiance to a path whose ray leaves the scene, weighted against light samples.
     #[inline]
-    fn leave(&self, work: &mut Workspace, i: usize) {
-        let share = work.paths.sky[i];
+    fn add_environment(&self, work: &mut Workspace, i: usize) {
+        let share = work.paths.environment_share[i];
         if let Some(environment) = &self.scene.environment
             && share > 0.0
         {
             let radiance = environment.radiance(at(&work.paths.rays.direction, i).as_dvec3());
             let value = at(&work.paths.throughput, i) * radiance * share;
-            work.add(work.paths.slot[i], work.paths.word[i], value);
+            work.add(work.paths.slot[i], work.paths.path_class[i], value);
         }
     }
 
-    /// A ray has hit a lamp.
+    /// Adds the emission of the surface that a path has hit, weighted against light samples.
     #[inline]
-    fn glow(&self, work: &mut Workspace, i: usize, face: &Face, emission: &Emission) {
+    fn add_emission(&self, work: &mut Workspace, i: usize, shader: &SurfaceShader, emission: &Emission) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        if !emission.is_seen(surface.normal, at(&work.paths.rays.direction, i)) {
+        if !emission.is_emitted(surface.normal, at(&work.paths.rays.direction, i)) {
             return;
         }
         let pdf = work.paths.pdf[i];
         let traced = |light| self.light_tracing.as_ref().is_some_and(|tracing| tracing.starts_at(light));
-        if caustic::is_brought(work.paths.caustic[i]) && face.light.is_some_and(traced) {
+        if caustic::is_light_traced(work.paths.caustic[i]) && shader.light.is_some_and(traced) {
             return;
         }
-        let share = match (emission.visibility, face.light) {
+        // Compute the MIS weight of the sampled direction.
+        let share = match (emission.visibility, shader.light) {
             _ if pdf == f32::INFINITY => 1.0,
             (EmitterVisibility::CameraOnly, _) => 0.0,
             (EmitterVisibility::Sampled, Some(_)) if pdf == 0.0 => 0.0,
@@ -255,10 +266,10 @@ impl<'a> Integrator<'a> {
             }
         };
         let value = at(&work.paths.throughput, i) * emission.radiance * share;
-        work.add(work.paths.slot[i], work.paths.word[i], value);
+        work.add(work.paths.slot[i], work.paths.path_class[i], value);
     }
 
-    /// Puts a diffuse hit with the others.
+    /// Adds a diffuse hit to the batch.
     #[inline]
     pub(super) fn collect(&self, work: &mut Workspace, i: usize, albedo: Rgb) {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
@@ -269,21 +280,21 @@ impl<'a> Integrator<'a> {
         set(&mut points.normal, j, surface.shading * side);
         set(&mut points.weight, j, at(&work.paths.throughput, i) * albedo);
         points.slot[j] = work.paths.slot[i];
-        points.word[j] = work.paths.word[i].then(false);
+        points.path_class[j] = work.paths.path_class[i].then(false);
         let caustic = caustic::after_diffuse(work.paths.caustic[i]);
         points.caustic[j] = if surface.is_flat() { caustic } else { caustic::NONE };
         points.count += 1;
     }
 
-    /// The surface that the ray of path `i` has hit, as the material there sees it: one that reflects on both sides faces the
-    /// ray's origin.
+    /// The surface that the ray of path `i` has hit; that of a two-sided material faces the ray's origin.
     #[inline]
     pub(super) fn scattering_surface(&self, work: &Workspace, i: usize) -> Surface {
         let surface = self.geometry.surface(&work.paths.rays, &work.hits, i);
-        let two_sided = self.faces[work.hits.object[i] as usize].two_sided;
+        let two_sided = self.shaders[work.hits.object[i] as usize].two_sided;
         if two_sided { surface.facing(-at(&work.paths.rays.direction, i)) } else { surface }
     }
 
+    /// Adds a hit on the front of a rough surface to the batch.
     pub(super) fn collect_rough(&self, work: &mut Workspace, i: usize) {
         let surface = self.scattering_surface(work, i);
         let direction = at(&work.paths.rays.direction, i);
@@ -298,109 +309,15 @@ impl<'a> Integrator<'a> {
             wo,
             throughput: at(&work.paths.throughput, i),
             slot: work.paths.slot[i],
-            word: work.paths.word[i].then(false),
+            path_class: work.paths.path_class[i].then(false),
             object: work.hits.object[i],
-            caustic: caustic::is_brought(work.paths.caustic[i]) && faithful_to_camera(&surface, -direction),
+            caustic: caustic::is_light_traced(work.paths.caustic[i])
+                && shading_normal::is_sound_to_camera(&surface, -direction),
         });
     }
-
-    /// Scatters the paths that have hit mirrors and glass.
-    fn scatter_delta(&self, work: &mut Workspace, dimensions: Dimensions) {
-        let mut slots = [0; LANES];
-        for (slot, &i) in slots.iter_mut().zip(&work.delta) {
-            *slot = work.paths.slot[i as usize];
-        }
-        work.numbers.fill(self.arch, &slots[..work.delta.len()], dimensions.choice(), (0, 1), &mut work.u);
-        for (k, &i) in work.delta.iter().enumerate() {
-            let i = i as usize;
-            let Kind::Delta(bsdf) = &self.faces[work.hits.object[i] as usize].kind else { continue };
-            let surface = self.scattering_surface(work, i);
-            let direction = at(&work.paths.rays.direction, i);
-            let frame = surface.frame(-direction);
-            let Some(sample) = bsdf.sample(frame.to_local(-direction), work.u[0][k], [0.0; 2]) else { continue };
-            let wi = frame.to_world(sample.wi);
-            let throughput = at(&work.paths.throughput, i) * sample.weight;
-            let j = work.next.count;
-            work.next.push(surface.leave(wi), wi, throughput, work.paths.slot[i], work.paths.word[i].then(true));
-            let tracing = self.light_tracing.as_ref();
-            let casts = tracing.is_some_and(|tracing| tracing.scatters_at(work.hits.object[i]));
-            work.next.caustic[j] = if casts { caustic::after_other(work.paths.caustic[i]) } else { caustic::NONE };
-        }
-    }
-
-    /// Adds the light at the rough hits and scatters their paths, one object after the other.
-    fn scatter_rough<const NEEDS: u32>(&self, work: &mut Workspace, dimensions: Dimensions) {
-        for group in work.rough_groups() {
-            if let Kind::Rough(bsdf) = &self.faces[work.rough[group.start].object as usize].kind {
-                self.light_rough::<NEEDS>(work, group.clone(), bsdf, dimensions);
-                self.carry_on_rough(work, group, bsdf, dimensions);
-            }
-        }
-    }
-
-    /// Draws directions for the hits on one rough object.
-    pub(super) fn draw_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
-        let (mut slots, mut wo) = ([0; LANES], ZERO3);
-        let count = group.len();
-        for (i, hit) in work.rough[group].iter().enumerate() {
-            slots[i] = hit.slot;
-            set(&mut wo, i, hit.wo);
-        }
-        work.numbers.fill(self.arch, &slots[..count], dimensions.bsdf(), (0, 1), &mut work.u);
-        rough::sample_many(self.arch, bsdf, &wo, &work.u, count, &mut work.scattered);
-    }
-
-    /// Scatters the paths that have hit one rough object.
-    fn carry_on_rough(&self, work: &mut Workspace, group: Range<usize>, bsdf: &Bsdf, dimensions: Dimensions) {
-        self.draw_rough(work, group.clone(), bsdf, dimensions);
-        let trust = shine::trust(bsdf);
-        for (i, hit) in work.rough[group].iter().enumerate() {
-            let weight = at(&work.scattered.weight, i);
-            let wi = hit.frame.to_world(at(&work.scattered.wi, i));
-            if weight == Rgb::ZERO || hit.surface.normal.dot(wi) <= 0.0 {
-                continue;
-            }
-            let j = work.next.count;
-            work.next.push(hit.surface.leave(wi), wi, hit.throughput * weight, hit.slot, hit.word);
-            let brought = hit.caustic && faithful_to_lamp(&hit.surface, wi);
-            work.next.caustic[j] = if brought { caustic::CHAIN } else { caustic::NONE };
-            let pdf = work.scattered.pdf[i];
-            (work.next.pdf[j], work.next.sky[j]) = match self.sampling {
-                // All light that it finds, but for pictures, which are left to mirrors and glass.
-                Sampling::Bsdf => (f32::MAX, 1.0),
-                Sampling::Light | Sampling::Hemisphere => (0.0, 0.0),
-                Sampling::Mis => (pdf / trust, self.sky_share(hit, wi, pdf)),
-            };
-        }
-    }
-
-    /// The share of the environment's light that a direction drawn by a rough material brings.
-    #[inline]
-    fn sky_share(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
-        let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 1.0 };
-        let map = |w: Vec3| environment.to_map(w.as_dvec3());
-        let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
-        power_heuristic(pdf, self.request.light_samples as f32 * other)
-    }
 }
 
-impl Surface {
-    /// The frame for shading, seen from `wo`: where the interpolated normal faces away, that of the surface itself.
-    #[inline]
-    pub(super) fn frame(&self, wo: Vec3) -> Frame {
-        let same_side = self.shading.dot(wo) * self.normal.dot(wo) > 0.0;
-        Frame::from_normal(if same_side { self.shading } else { self.normal })
-    }
-
-    /// Where a ray to `wi` starts.
-    #[inline]
-    pub fn leave(&self, wi: Vec3) -> Vec3 {
-        let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
-        self.position + self.normal * (side * self.offset)
-    }
-}
-
-/// Ends paths at random that carry little light after so many scatterings, and lets the others stand for them.
+/// Russian roulette: ends paths of low throughput at random and raises the throughput of the survivors.
 pub(super) fn roulette(paths: &mut Paths, numbers: &SampleLanes, dimension: u32, scatterings: u32) {
     if scatterings <= ROULETTE_AFTER {
         return;
@@ -412,12 +329,4 @@ pub(super) fn roulette(paths: &mut Paths, numbers: &SampleLanes, dimension: u32,
         set(&mut paths.throughput, i, throughput / survival);
         u < survival
     });
-}
-
-/// The share of a sample of density `p` when other samples find the same light with density `q`: p² / (p² + q²).
-/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 4.
-#[inline(always)]
-pub(super) fn power_heuristic(p: f32, q: f32) -> f32 {
-    let ratio = q / p;
-    1.0 / (1.0 + ratio * ratio)
 }

@@ -2,9 +2,9 @@
 
 use super::film::{Dropped, Film, Part, PathClasses, Row};
 use super::fingerprint;
-use super::geometry::{Geometry, at};
+use super::geometry::Geometry;
 use super::integrator::Integrator;
-use super::lanes::LANES;
+use super::lanes::{LANES, at};
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::needs::Needs;
@@ -32,7 +32,7 @@ pub trait Control: Sync {
     }
 }
 
-/// Lets a render run without a word to its end, or until the process is asked to stop.
+/// Reports nothing, and stops the render only when the process is asked to stop.
 pub struct Silent;
 
 impl Control for Silent {
@@ -52,8 +52,7 @@ pub struct Job<'a> {
     start: Instant,
 }
 
-/// Samples per pixel that are rendered before the next round over the picture begins, so that a render that is stopped
-/// leaves a whole picture.
+/// Samples per pixel in each pass over the image, so that a stopped render leaves a whole image.
 const ROUND: u32 = 64;
 
 impl<'a> Job<'a> {
@@ -84,8 +83,8 @@ impl<'a> Job<'a> {
         let classes = self.settings.paths.map(PathClasses::up_to);
         let film = Film::new(width, height, classes)?;
         let film = if self.integrator.light_tracing.is_some() { film.with_splats()? } else { film };
-        // The file at the end takes memory, too, and nothing must be lost then: images of the mean, of its error and of
-        // every path class, and the compressed sums, about half as large as the film.
+        // Writing the file takes memory, too: images of the mean, of its error and of every path class, and the compressed
+        // sums, about half as large as the film. Make sure of it now, so that the result is not lost at the end.
         let (classes, splats) =
             (classes.map_or(0, PathClasses::count), usize::from(self.integrator.light_tracing.is_some()));
         let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
@@ -112,13 +111,13 @@ impl<'a> Job<'a> {
     pub fn left_out(&self) -> Vec<&'static str> {
         let mut list = self.needs.left_out(self.integrator.scene);
         if self.integrator.light_tracing.is_none() && !self.settings.general {
-            list.push("paths from the lamps");
+            list.push("light tracing");
         }
         list
     }
 
-    /// Renders those samples of the range that `part` does not have yet, or as many as `control` lets it. The part must be
-    /// one of [`Job::part`], or the settings [`camera_paths_only`](Settings::camera_paths_only).
+    /// Renders the samples of the range that `part` does not have yet, until `control` stops it. The part must be one of
+    /// [`Job::part`], or the settings [`camera_paths_only`](Settings::camera_paths_only).
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
         let kernels: [Kernel<'a>; Needs::LEAN.len()] = [
             Self::accumulate::<{ Needs::LEAN[0] }>,
@@ -185,7 +184,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Follows the paths from the lamps that came with the samples so far, as long as at least so many are waiting.
+    /// Traces the light paths of the samples so far, in batches, while at least so many are waiting.
     fn light_paths(&self, work: &mut Workspace, row: &mut Row, at_least: usize) {
         while work.waiting.len() >= at_least {
             let count = work.waiting.len().min(LANES);
@@ -194,7 +193,7 @@ impl<'a> Job<'a> {
                 work.numbers.assign(slot, pixel, number);
             }
             work.waiting.drain(..count);
-            self.integrator.trace_from_lamps(work, count, &self.lens);
+            self.integrator.trace_light_paths(work, count, &self.lens);
             work.splats.drain(..).for_each(|splat| row.splat(splat));
         }
     }
@@ -208,7 +207,7 @@ impl<'a> Job<'a> {
 /// [`Job::accumulate`] for some set of needs.
 type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
 
-/// A finished picture and how it came about.
+/// A finished image and how it was rendered.
 #[derive(Debug, Clone)]
 pub struct Rendered {
     /// The mean of all samples of each pixel.
@@ -227,8 +226,8 @@ pub struct Rendered {
 
 /// Renders a scene on rayon's current thread pool.
 ///
-/// The picture depends on the scene, the request and the settings alone, to the last bit: not on the number of
-/// threads, and not on what was left out.
+/// The image depends on the scene, the request and the settings alone, to the last bit: not on the number of threads, and
+/// not on the parts that were left out.
 ///
 /// # Errors
 /// [`Error::Parameter`] for an impossible request and for settings that exclude each other, [`Error::Interrupted`] if

@@ -1,7 +1,6 @@
 //! The camera for many rays at once.
 
-use super::geometry::set;
-use super::lanes::{LANES, Lane, Rays};
+use super::lanes::{LANES, Lane, Rays, set};
 use super::wide::{Wide, wide};
 use crate::scene::{Camera, Projection};
 use glam::Vec3;
@@ -20,7 +19,7 @@ pub struct Lens {
     step: [f32; 2],
 }
 
-/// A point as the camera sees it.
+/// The projection of a point to the film.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     /// Unit direction towards the camera.
@@ -32,6 +31,7 @@ pub struct View {
 }
 
 impl Lens {
+    /// The camera in single precision.
     pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let (half_width, half_height, parallel) = match camera.projection {
             Projection::Orthographic { half_width, half_height } => (half_width, half_height, true),
@@ -47,7 +47,7 @@ impl Lens {
         }
     }
 
-    /// The area that the whole picture shows at the distance of a point, of surfaces that face the camera.
+    /// The area that the whole image covers at the distance of a point, of surfaces that face the camera.
     #[inline]
     pub fn area_at(&self, point: Vec3) -> f32 {
         // The film's area, one unit of length away, over cos³ θ / d², θ the angle to the axis and d the distance.
@@ -60,9 +60,9 @@ impl Lens {
         film * depth * depth * depth / to.length()
     }
 
-    /// How the camera sees a point, if it is on the film; whether something stands in between is not asked.
+    /// Projects a point to the film, if it is inside; occlusion is not tested.
     #[inline]
-    pub fn see(&self, point: Vec3) -> Option<View> {
+    pub fn project(&self, point: Vec3) -> Option<View> {
         let to = point - self.position;
         let depth = to.dot(self.forward);
         if depth <= 0.0 {
@@ -84,11 +84,11 @@ impl Lens {
 
     /// The rays through row `y` of the film at the given columns, `u` inside each pixel.
     pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
-        wide(arch, Expose { lens: self, columns, y, u, count, rays });
+        wide(arch, CameraRays { lens: self, columns, y, u, count, rays });
     }
 }
 
-struct Expose<'a> {
+struct CameraRays<'a> {
     lens: &'a Lens,
     columns: &'a [u32; LANES],
     y: u32,
@@ -97,7 +97,7 @@ struct Expose<'a> {
     rays: &'a mut Rays,
 }
 
-impl Wide for Expose<'_> {
+impl Wide for CameraRays<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { columns, y, u, count, rays, .. } = self;
@@ -130,21 +130,21 @@ mod tests {
             for (x, y) in (0..30).flat_map(|x| (0..20).map(move |y| (x, y))) {
                 let ray = camera.ray((f64::from(x) + 0.3) / 30.0, (f64::from(y) + 0.8) / 20.0);
                 let point = ray.origin + 2.5 * ray.direction;
-                let view = lens.see(point).unwrap();
+                let view = lens.project(point).unwrap();
                 assert_eq!(view.pixel, [x as u32, y as u32]);
                 assert!((view.distance - 2.5).abs() < 1e-5 && (view.direction + ray.direction).length() < 1e-5);
-                assert!(lens.see(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
+                assert!(lens.project(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
             }
             for (x, y) in [(-0.1, 0.5), (1.1, 0.5), (0.5, -0.1), (0.5, 1.1)] {
                 let ray = camera.ray(x, y);
-                assert!(lens.see(ray.origin + ray.direction).is_none(), "beside the film");
+                assert!(lens.project(ray.origin + ray.direction).is_none(), "beside the film");
             }
         }
     }
 
     #[test]
     fn the_picture_shows_as_much_as_its_pixels_together() {
-        // The area of the plane z = -2 that the picture shows, summed over directions: dA cos / area_at is the share of
+        // The area of the plane z = -2 that the image shows, summed over directions: dA cos / area_at is the share of
         // the film that dA is seen in.
         for (projection, half) in [
             (Projection::Perspective { tan_half_width: 0.8, tan_half_height: 0.3 }, [1.6, 0.6]),
@@ -157,7 +157,7 @@ mod tests {
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let at = |i: i32, half: f32| half * (2.0 * (i as f32 + 0.5) / n as f32 - 1.0);
                 let point = Vec3::new(at(i, half[0]), at(j, half[1]), -2.0);
-                let cos = lens.see(point).unwrap().direction.z;
+                let cos = lens.project(point).unwrap().direction.z;
                 film += cos / lens.area_at(point) * 4.0 * half[0] * half[1] / (n * n) as f32;
             }
             assert!((film - 1.0).abs() < 1e-3, "{film}");

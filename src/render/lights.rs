@@ -1,8 +1,7 @@
 //! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
 
 use super::cut_lights;
-use super::geometry::{at, set};
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use super::settings::Settings;
 use super::solids;
 use super::wide::{Wide, wide};
@@ -22,6 +21,7 @@ use std::f32::consts::PI;
 pub struct LightSample {
     /// Unit direction towards the light.
     pub wi: Vec3,
+    /// To the light; infinite for lights at infinity.
     pub distance: f32,
     /// What arrives, divided by the density: radiance over density per solid angle, or irradiance where the light has
     /// no extent. Black where the light does not reach.
@@ -41,9 +41,13 @@ pub trait SampleLight {
 
 /// Directions towards a light from many points.
 pub struct LightSamples {
+    /// Unit directions towards the light.
     pub wi: Lane3,
+    /// To the light.
     pub distance: Lane,
+    /// As [`LightSample::weight`].
     pub weight: Lane3,
+    /// As [`LightSample::pdf`].
     pub pdf: Lane,
 }
 
@@ -64,7 +68,7 @@ pub fn sample_many(
 ) {
     match &light.kind {
         // A loop without a case distinction inside, which vectorizes.
-        Kind::Panel(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
+        Kind::Rectangle(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
         _ => SampleMany { light, positions, count, u, out }.run(),
     }
 }
@@ -102,17 +106,19 @@ impl<L: SampleLight> Wide for SampleMany<'_, L> {
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
+    /// Shape and emission.
     pub kind: Kind,
     /// The object that glows, or [`super::lanes::NOTHING`].
     pub object: u32,
 }
 
+/// A light by its shape.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
-    Panel(PanelLight),
+    Rectangle(RectangleLight),
     /// By [`Conventions::inverse_distance`](crate::errata::Conventions::inverse_distance).
-    InverseDistancePanel(PanelLight),
-    Ball(BallLight),
+    InverseDistanceRectangle(RectangleLight),
+    Sphere(SphereLight),
     Point {
         position: Vec3,
         intensity: Rgb,
@@ -127,18 +133,20 @@ pub enum Kind {
     },
 }
 
-/// A place on a light, drawn with equal density per area.
+/// A place on a light, sampled with equal density per area.
 #[derive(Debug, Clone, Copy)]
 pub struct Start {
+    /// In the world.
     pub position: Vec3,
     /// Unit normal on the side that glows.
     pub normal: Vec3,
+    /// Whether the back emits, too.
     pub two_sided: bool,
 }
 
 /// A glowing rectangle in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub struct PanelLight {
+pub struct RectangleLight {
     centre: Vec3,
     axes: [Vec3; 3],
     half: [f32; 2],
@@ -148,12 +156,12 @@ pub struct PanelLight {
 
 /// A glowing sphere.
 #[derive(Debug, Clone, Copy)]
-pub struct BallLight {
+pub struct SphereLight {
     sphere: Sphere,
     radiance: Rgb,
 }
 
-impl PanelLight {
+impl RectangleLight {
     fn new(rectangle: &Rectangle, radiance: Rgb, two_sided: bool) -> Self {
         let [x, y] = rectangle.half_sides();
         let half = [x.length(), y.length()];
@@ -190,7 +198,7 @@ impl PanelLight {
     }
 }
 
-impl SampleLight for PanelLight {
+impl SampleLight for RectangleLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         let ([xs, ys], depth, side) = self.seen_from(point);
@@ -211,39 +219,39 @@ impl SampleLight for PanelLight {
     }
 }
 
-impl BallLight {
+impl SphereLight {
     /// 1 − cos of half the angle that the sphere fills, seen from outside; 2 (all directions) from inside.
     #[inline(always)]
-    fn opening(&self, point: Vec3) -> f32 {
+    fn one_minus_cos_half_angle(&self, point: Vec3) -> f32 {
         let d2 = (self.sphere.centre - point).length_squared();
         let sin2 = self.sphere.radius * self.sphere.radius / d2;
-        if sin2 < 1.0 { solids::opening(sin2) } else { 2.0 }
+        if sin2 < 1.0 { solids::one_minus_cos_half_angle(sin2) } else { 2.0 }
     }
 }
 
-impl SampleLight for BallLight {
+impl SampleLight for SphereLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
-        let opening = self.opening(point);
+        let one_minus_cos_half_angle = self.one_minus_cos_half_angle(point);
         let axis = (self.sphere.centre - point).normalize_or(Vec3::Z);
         let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
-        let below = u[0] * opening;
+        let below = u[0] * one_minus_cos_half_angle;
         let (sin, cos) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
         let (x, y) = axis.any_orthonormal_pair();
         let wi = (sin * cos_phi * x + sin * sin_phi * y + cos * axis).normalize();
-        let solid_angle = std::f32::consts::TAU * opening;
+        let solid_angle = std::f32::consts::TAU * one_minus_cos_half_angle;
         // Where rounding at the rim makes it miss, the nearest point of the sphere is meant.
         let found = self.sphere.distance(point, wi);
         let nearest = axis.dot(self.sphere.centre - point).max(0.0);
         let distance = if found.is_finite() { found } else { nearest };
         // Only the outside glows. A point of the sphere itself may by rounding be inside.
-        let scale = if opening < 2.0 { solid_angle } else { 0.0 };
+        let scale = if one_minus_cos_half_angle < 2.0 { solid_angle } else { 0.0 };
         LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
     }
 
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
-        1.0 / (std::f32::consts::TAU * self.opening(point))
+        1.0 / (std::f32::consts::TAU * self.one_minus_cos_half_angle(point))
     }
 }
 
@@ -254,21 +262,21 @@ impl Sampled {
     /// As [`cut_lights::of`].
     pub fn all(scene: &Scene, settings: &Settings) -> Result<Vec<Self>> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
-            let panel = PanelLight::new(rectangle, radiance, two_sided);
+            let panel = RectangleLight::new(rectangle, radiance, two_sided);
             if settings.model.conventions.inverse_distance {
-                Kind::InverseDistancePanel(panel)
+                Kind::InverseDistanceRectangle(panel)
             } else {
-                Kind::Panel(panel)
+                Kind::Rectangle(panel)
             }
         };
-        let lamps = scene.objects.iter().enumerate().filter_map(|(i, object)| {
+        let emitters = scene.objects.iter().enumerate().filter_map(|(i, object)| {
             let emission =
                 object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
             let kind = match &object.shape {
                 Shape::Rectangle(r) => panel(r, emission.radiance, emission.two_sided),
                 // From inside a sphere only its back is seen.
                 Shape::Sphere(s) if !emission.two_sided => {
-                    Kind::Ball(BallLight { sphere: *s, radiance: emission.radiance })
+                    Kind::Sphere(SphereLight { sphere: *s, radiance: emission.radiance })
                 }
                 _ => return None,
             };
@@ -284,15 +292,15 @@ impl Sampled {
             };
             Self { kind, object: super::lanes::NOTHING }
         });
-        Ok(lamps.chain(others).collect())
+        Ok(emitters.chain(others).collect())
     }
 
     /// The radiance and the area of a glowing object, if paths can start there.
-    pub fn glowing(&self) -> Option<(Rgb, f32)> {
+    pub fn emitted(&self) -> Option<(Rgb, f32)> {
         match &self.kind {
             _ if self.object == super::lanes::NOTHING => None,
-            Kind::Panel(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
-            Kind::Ball(ball) => Some((ball.radiance, 4.0 * PI * ball.sphere.radius * ball.sphere.radius)),
+            Kind::Rectangle(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
+            Kind::Sphere(light) => Some((light.radiance, 4.0 * PI * light.sphere.radius * light.sphere.radius)),
             _ => None,
         }
     }
@@ -300,16 +308,16 @@ impl Sampled {
     /// A place on a glowing object.
     pub fn start(&self, u: [f32; 2]) -> Option<Start> {
         match &self.kind {
-            Kind::Panel(panel) => Some(Start {
+            Kind::Rectangle(panel) => Some(Start {
                 position: panel.place(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0),
                 normal: panel.axes[2],
                 two_sided: panel.two_sided,
             }),
-            Kind::Ball(ball) => {
+            Kind::Sphere(light) => {
                 let (z, (sin_phi, cos_phi)) = (1.0 - 2.0 * u[0], f32::sin_cos_turns(u[1]));
                 let sin = (1.0 - z * z).max(0.0).sqrt();
                 let normal = Vec3::new(sin * cos_phi, sin * sin_phi, z);
-                let position = ball.sphere.centre + ball.sphere.radius * normal;
+                let position = light.sphere.centre + light.sphere.radius * normal;
                 Some(Start { position, normal, two_sided: false })
             }
             _ => None,
@@ -326,12 +334,12 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
-            Kind::Panel(panel) => panel.sample(point, u),
-            Kind::InverseDistancePanel(panel) => {
+            Kind::Rectangle(panel) => panel.sample(point, u),
+            Kind::InverseDistanceRectangle(panel) => {
                 let sample = panel.sample(point, u);
                 LightSample { weight: sample.weight * falloff_error(sample.distance), ..sample }
             }
-            Kind::Ball(ball) => ball.sample(point, u),
+            Kind::Sphere(light) => light.sample(point, u),
             Kind::Point { position, intensity, falloff } => {
                 let to = *position - point;
                 let distance = to.length();
@@ -357,8 +365,8 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Panel(panel) | Kind::InverseDistancePanel(panel) => panel.pdf(point),
-            Kind::Ball(ball) => ball.pdf(point),
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.pdf(point),
+            Kind::Sphere(light) => light.pdf(point),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
     }

@@ -1,17 +1,15 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
-//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, film, solids, lanes,
-//! geometry, sample_lanes, lens, cut_lights, lights, faces, needs, strategies, diffuse, casters, rough, workspace, shine,
-//! integrator, light_tracing, direct, job. Three imports run the other way: of geometry in lanes, of integrator in shine,
-//! of light_tracing in integrator.
+//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes,
+//! geometry, sample_lanes, lens, shading_normal, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones,
+//! rough, workspace, product_warp, integrator, scatter, light_tracing, direct, job.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
-mod casters;
+mod caustic_cones;
 mod cut_lights;
 mod diffuse;
 mod direct;
-mod faces;
 pub mod film;
 mod fingerprint;
 mod geometry;
@@ -21,11 +19,15 @@ mod lanes;
 mod lens;
 mod light_tracing;
 pub(crate) mod lights;
+mod mis;
 mod needs;
+mod product_warp;
 mod rough;
 mod sample_lanes;
+mod scatter;
 mod settings;
-mod shine;
+mod shaders;
+mod shading_normal;
 mod solids;
 mod strategies;
 mod wide;

@@ -1,4 +1,4 @@
-//! What a scene needs of the renderer; what it does not need is neither built nor compiled into the loop that runs.
+//! The parts of the renderer that a scene needs; the others are neither built nor in the kernel that runs.
 
 use super::settings::Settings;
 use crate::bsdf::Scatter;
@@ -20,19 +20,19 @@ impl Need {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Needs {
     bits: u32,
-    /// A table to draw directions towards the environment from.
+    /// A table to sample the environment.
     pub environment_table: bool,
     /// A tree of triangles.
     pub meshes: bool,
 }
 
 impl Needs {
-    /// Asking whether a ray that leaves a surface meets another one: shadow rays and further bounces.
+    /// Shadow rays and further bounces.
     pub const OCCLUSION: Need = Need(1);
-    /// Light from infinity.
+    /// An environment map.
     pub const ENVIRONMENT: Need = Need(2);
-    /// Glowing surfaces, and lights that are not objects.
-    pub const LAMPS: Need = Need(4);
+    /// Area lights, and lights that are not objects.
+    pub const LIGHTS: Need = Need(4);
     /// Mirrors and glass.
     pub const DELTA: Need = Need(8);
     /// Rough metal.
@@ -42,9 +42,9 @@ impl Needs {
     /// The sets that kernels are compiled for.
     pub const LEAN: [u32; 5] = [
         Self::ENVIRONMENT.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::DELTA.0,
-        Self::OCCLUSION.0 | Self::LAMPS.0 | Self::ROUGH.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0 | Self::DELTA.0,
+        Self::OCCLUSION.0 | Self::LIGHTS.0 | Self::ROUGH.0,
         Self::ALL,
     ];
 
@@ -54,7 +54,7 @@ impl Needs {
         Self { bits: Self::ALL, environment_table: scene.environment.is_some(), meshes: true }
     }
 
-    /// Looks at a scene once.
+    /// What a scene needs under these settings.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
         let by_light = settings.sampling.by_light();
@@ -66,12 +66,12 @@ impl Needs {
                 })
         };
         let cut_lights = settings.density.has_fixed_lights() && scene.environment.is_some();
-        let lamps =
+        let lights =
             cut_lights || !scene.lights.is_empty() || scene.objects.iter().any(|object| object.emission.is_some());
         let bits = [
             (Self::OCCLUSION, !lone_convex_from_outside(scene)),
             (Self::ENVIRONMENT, scene.environment.is_some()),
-            (Self::LAMPS, lamps),
+            (Self::LIGHTS, lights),
             (Self::DELTA, any(true)),
             (Self::ROUGH, any(false)),
         ];
@@ -88,14 +88,14 @@ impl Needs {
         Self::LEAN.iter().position(|set| self.bits & !set == 0).unwrap_or(Self::LEAN.len() - 1)
     }
 
-    /// What is missing, in words.
+    /// Names of the parts that are left out.
     #[must_use]
     pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
         let compiled = Need(Self::LEAN[self.kernel()]).0;
         let mut list = Vec::new();
         let parts = [
             (Self::ENVIRONMENT, "environment light"),
-            (Self::LAMPS, "lamps"),
+            (Self::LIGHTS, "area lights"),
             (Self::DELTA, "mirrors and glass"),
             (Self::ROUGH, "rough metal"),
         ];
@@ -104,7 +104,7 @@ impl Needs {
             list.push("environment sampling table");
         }
         if !self.meshes {
-            list.push("triangle tree");
+            list.push("BVH");
         }
         if !Self::OCCLUSION.is_in(compiled) {
             list.extend(["shadow rays", "further bounces"]);

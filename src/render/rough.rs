@@ -1,7 +1,6 @@
-//! Rough metal, many hits at once: the directions that the material draws, and what it scatters from given ones.
+//! Rough metal, many hits at once: directions sampled by the BSDF, and its values for given ones.
 
-use super::geometry::{at, set};
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, block, blocks, put};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use super::wide::{Wide, wide};
 use crate::bsdf::{Bsdf, NormalSampling, RoughConductor, Scatter};
 use crate::math::Rgb;
@@ -10,10 +9,13 @@ use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
 
-/// For each hit a direction in its own frame, the BSDF times the cosine over the density (or alone), and the density.
+/// For each hit a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
 pub struct Scattered {
+    /// In the local frame.
     pub wi: Lane3,
+    /// BSDF times cosine over pdf, or the BSDF.
     pub weight: Lane3,
+    /// Per solid angle.
     pub pdf: Lane,
 }
 
@@ -23,12 +25,14 @@ impl Default for Scattered {
     }
 }
 
-/// Draws a direction for each of the first `count` views; where there is no sample the weight is 0.
+/// Samples a direction for each of the first `count` views; where there is no sample the weight is 0.
 pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: usize, out: &mut Scattered) {
     match bsdf {
         // Loops without a case distinction inside, which vectorize.
-        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => wide(arch, Draw { conductor: c, wo, u, count, out }),
-        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, Draw { conductor: c, wo, u, count, out }),
+        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => {
+            wide(arch, SampleVndf { conductor: c, wo, u, count, out })
+        }
+        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, SampleVndf { conductor: c, wo, u, count, out }),
         other => {
             for i in 0..count {
                 let sample = other.sample(at(wo, i), 0.0, [u[0][i], u[1][i]]);
@@ -41,7 +45,7 @@ pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: us
     }
 }
 
-/// Sets `out.weight` to the BSDF and `out.pdf` to the density for each of the first `count` pairs of directions `wo` and
+/// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
 pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
     match bsdf {
@@ -57,7 +61,7 @@ pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Sc
     }
 }
 
-struct Draw<'a, D> {
+struct SampleVndf<'a, D> {
     conductor: &'a RoughConductor<D>,
     wo: &'a Lane3,
     u: &'a [Lane; 2],
@@ -65,7 +69,7 @@ struct Draw<'a, D> {
     out: &'a mut Scattered,
 }
 
-impl<D: SampleNormals<f32>> Wide for Draw<'_, D> {
+impl<D: SampleNormals<f32>> Wide for SampleVndf<'_, D> {
     #[inline(always)]
     fn run(self) {
         let conductor = *self.conductor;
@@ -100,9 +104,9 @@ impl<D: SampleNormals<f32>> Wide for Eval<'_, D> {
             let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
             let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
             for i in 0..BLOCK {
-                let (f, density) = conductor.eval_vndf(at(&wo, i), at(&wi, i));
+                let (f, value) = conductor.eval_vndf(at(&wo, i), at(&wi, i));
                 set(&mut weight, i, f);
-                pdf[i] = density;
+                pdf[i] = value;
             }
             put(&mut self.out.weight, number, &weight);
             put(from_mut(&mut self.out.pdf), number, &[pdf]);

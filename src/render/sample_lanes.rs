@@ -15,6 +15,7 @@ pub struct SampleLanes {
 }
 
 impl SampleLanes {
+    /// Streams of this kind; no slot is assigned yet.
     pub fn new(kind: StreamKind, seed: u64) -> Self {
         Self { kind, seed, key: [0; LANES], sample: [0; LANES] }
     }
@@ -28,15 +29,23 @@ impl SampleLanes {
         };
     }
 
-    /// The pairs of a dimension for the given slots, as [`Stream::short_pair_of`] has them.
-    pub fn fill(&self, arch: Arch, slots: &[u32], dimension: u32, draw: (u32, u32), out: &mut [Lane; 2]) {
+    /// The pairs of a dimension for the given slots, as [`Stream::short_pair_of`] has them; `sub_sample` is an index and
+    /// their number.
+    pub fn fill(&self, arch: Arch, slots: &[u32], dimension: u32, sub_sample: (u32, u32), out: &mut [Lane; 2]) {
         match self.kind {
-            StreamKind::Sobol => self.fill_with::<Sobol>(arch, slots, dimension, draw, out),
-            StreamKind::Independent => self.fill_with::<Independent>(arch, slots, dimension, draw, out),
+            StreamKind::Sobol => self.fill_with::<Sobol>(arch, slots, dimension, sub_sample, out),
+            StreamKind::Independent => self.fill_with::<Independent>(arch, slots, dimension, sub_sample, out),
         }
     }
 
-    fn fill_with<S: Stream>(&self, arch: Arch, slots: &[u32], dimension: u32, draw: (u32, u32), out: &mut [Lane; 2]) {
+    fn fill_with<S: Stream>(
+        &self,
+        arch: Arch,
+        slots: &[u32],
+        dimension: u32,
+        sub_sample: (u32, u32),
+        out: &mut [Lane; 2],
+    ) {
         let mut key = [0; LANES];
         let mut sample = [0; LANES];
         // Neighbours mostly belong to one pixel.
@@ -52,7 +61,15 @@ impl SampleLanes {
         }
         wide(
             arch,
-            Fill { key: &key, sample: &sample, count: slots.len(), dimension, draw, out, stream: PhantomData::<S> },
+            Fill {
+                key: &key,
+                sample: &sample,
+                count: slots.len(),
+                dimension,
+                sub_sample,
+                out,
+                stream: PhantomData::<S>,
+            },
         );
     }
 
@@ -82,7 +99,7 @@ struct Fill<'a, S> {
     sample: &'a [u32; LANES],
     count: usize,
     dimension: u32,
-    draw: (u32, u32),
+    sub_sample: (u32, u32),
     out: &'a mut [Lane; 2],
     stream: PhantomData<S>,
 }
@@ -90,7 +107,7 @@ struct Fill<'a, S> {
 impl<S: Stream> Wide for Fill<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let Self { key, sample, count, dimension, draw: (index, of), out, .. } = self;
+        let Self { key, sample, count, dimension, sub_sample: (index, of), out, .. } = self;
         for i in 0..count.min(LANES) {
             [out[0][i], out[1][i]] = S::short_pair(key[i], sample[i], dimension, index, of);
         }

@@ -9,12 +9,12 @@ use crate::scene::scattering::ScatterModel;
 /// How directions towards the light are chosen at a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sampling {
-    /// By the light's own density.
+    /// Light samples: the solid angle of area lights, the density of the environment's sampler.
     Light,
-    /// By the material's density.
+    /// BSDF samples.
     Bsdf,
     /// By both, combined by multiple importance sampling, as far as both are of use: at a diffuse surface the solid angle of
-    /// an area light, or the environment's radiance × cosine, leaves nothing to the material's directions but noise.
+    /// an area light, or the environment's radiance × cosine, makes BSDF samples useless.
     /// Caustics on what the camera sees come from light tracing (`light_tracing/`).
     #[default]
     Mis,
@@ -48,7 +48,7 @@ impl Sampling {
         }
     }
 
-    /// Whether light is looked for where the lights are; otherwise rays in search of it find it by chance.
+    /// Whether lights are sampled; otherwise only sampled directions that hit emitters find light.
     #[must_use]
     pub fn by_light(self) -> bool {
         matches!(self, Self::Light | Self::Mis)
@@ -62,16 +62,16 @@ pub struct Settings {
     pub sampling: Sampling,
     /// Where random numbers come from.
     pub stream: StreamKind,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// How the environment map is sampled.
     pub density: MapSampling,
-    /// What light does at surfaces and on its way.
+    /// Models of scattering, and conventions.
     pub model: ScatterModel,
-    /// Keep the light apart by the class of its path, up to this many scatterings.
+    /// Separate the light by path class, up to this many scatterings.
     pub paths: Option<u32>,
-    /// Leave caustics to camera paths, too: every sample then belongs to its pixel alone, and some rows of a picture can be
-    /// rendered without the others.
+    /// No light tracing: every sample then contributes to its own pixel only, and rows of an image can be rendered
+    /// separately.
     pub camera_paths_only: bool,
     /// Run the kernel with nothing left out, for comparison.
     pub general: bool,

@@ -18,7 +18,7 @@ impl Solid for Sphere {
 
 /// 1 − cos of half the angle that a sphere fills, from the squared sine of it (radius over distance, if that is below 1).
 #[inline(always)]
-pub fn opening(sin2: f32) -> f32 {
+pub fn one_minus_cos_half_angle(sin2: f32) -> f32 {
     // 1 − √(1 − s²) without the cancellation.
     sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
 }
@@ -26,7 +26,9 @@ pub fn opening(sin2: f32) -> f32 {
 /// A rectangle of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
+    /// Its plane and sides.
     pub panel: Panel,
+    /// Number of the object.
     pub object: u32,
 }
 
@@ -40,6 +42,7 @@ pub enum Panel {
 }
 
 impl Wall {
+    /// Prepares a rectangle of object number `object`.
     pub fn new(rectangle: &Rectangle, object: u32) -> Self {
         let x = || AxisPanel::new(rectangle).map(Panel::X);
         let y = || AxisPanel::new(rectangle).map(Panel::Y);
@@ -79,7 +82,7 @@ impl Solid for TiltedPanel {
     }
 }
 
-/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and lamps often are: a third
+/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and area lights often are: a third
 /// of the arithmetic.
 #[derive(Debug, Clone, Copy)]
 pub struct AxisPanel<const AXIS: usize> {

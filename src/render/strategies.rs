@@ -9,40 +9,43 @@ use crate::sampling::warp;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// The strategies of a render.
+/// The sampling strategies for direct light of the environment.
 pub enum Strategies {
-    /// Neither: there is no light to look for.
+    /// None: there is no light to sample.
     None,
     /// By the light alone: the sampler is complete.
     Light(Box<dyn SurfaceSampler>),
-    Surface(Scatter),
+    /// By the BSDF or the hemisphere alone.
+    Surface(BsdfOnly),
     /// Combined by multiple importance sampling.
-    Both(Box<dyn SurfaceSampler>, Scatter),
+    Both(Box<dyn SurfaceSampler>, BsdfOnly),
 }
 
 /// A strategy that chooses directions by the surface alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scatter {
-    /// By the material's density.
+pub enum BsdfOnly {
+    /// By the diffuse BSDF: cosine-weighted.
     Bsdf,
     /// Uniformly over the hemisphere.
     Hemisphere,
 }
 
-impl Scatter {
+impl BsdfOnly {
+    /// Samples a direction in the local frame.
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
-            Scatter::Bsdf => diffuse::sample(u),
-            Scatter::Hemisphere => warp::uniform_hemisphere(u),
+            BsdfOnly::Bsdf => diffuse::sample(u),
+            BsdfOnly::Hemisphere => warp::uniform_hemisphere(u),
         }
     }
 
+    /// Pdf per solid angle for the cosine to the normal.
     #[inline]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            Scatter::Bsdf => diffuse::pdf(cos),
-            Scatter::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
+            BsdfOnly::Bsdf => diffuse::pdf(cos),
+            BsdfOnly::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
         }
     }
 }
@@ -50,13 +53,15 @@ impl Scatter {
 impl Strategies {
     /// Builds what the settings ask for, as far as the scene needs it.
     ///
-    /// A density that looks at the normal, radiance × cosine, already holds all of a diffuse surface's integrand. BSDF samples beside it would
-    /// only add noise (almost three times the error on the first report's scene), so combining then means leaving
-    /// them out.
+    /// A sampler of radiance × cosine is already proportional to the integrand of a diffuse surface. BSDF samples beside it
+    /// would only add variance (almost three times the error on the first report's scene), so MIS leaves them out there.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a sampler that misses part of the light and is used alone; those of the sampler.
     pub fn new(scene: &Scene, settings: &Settings, needs: &Needs) -> Result<Self> {
-        let scatter = if settings.sampling == Sampling::Hemisphere { Scatter::Hemisphere } else { Scatter::Bsdf };
+        let bsdf_only = if settings.sampling == Sampling::Hemisphere { BsdfOnly::Hemisphere } else { BsdfOnly::Bsdf };
         if !settings.sampling.by_light() {
-            return Ok(Strategies::Surface(scatter));
+            return Ok(Strategies::Surface(bsdf_only));
         }
         let Some(environment) = &scene.environment else { return Ok(Strategies::None) };
         if !needs.environment_table {
@@ -73,10 +78,10 @@ impl Strategies {
                 .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
         }
         let sampler = by_light.sampler(environment.map.clone())?;
-        Ok(if combined { Strategies::Both(sampler, scatter) } else { Strategies::Light(sampler) })
+        Ok(if combined { Strategies::Both(sampler, bsdf_only) } else { Strategies::Light(sampler) })
     }
 
-    /// The strategy that draws by the light, if it is in use.
+    /// The environment sampler, if one is in use.
     #[inline]
     pub fn light(&self) -> Option<&dyn SurfaceSampler> {
         match self {
@@ -86,11 +91,11 @@ impl Strategies {
         }
     }
 
-    /// The strategy that draws without regard to the light, if one is in use.
+    /// The strategy without regard to the light, if one is in use.
     #[inline]
-    pub fn scatter(&self) -> Option<Scatter> {
+    pub fn bsdf_only(&self) -> Option<BsdfOnly> {
         match self {
-            Strategies::Surface(scatter) | Strategies::Both(_, scatter) => Some(*scatter),
+            Strategies::Surface(bsdf_only) | Strategies::Both(_, bsdf_only) => Some(*bsdf_only),
             Strategies::None | Strategies::Light(_) => None,
         }
     }

@@ -25,7 +25,7 @@ fn busy() -> Image {
 const ALL: [Sampling; 4] = [Sampling::Light, Sampling::Bsdf, Sampling::Mis, Sampling::Hemisphere];
 
 #[test]
-fn threads_and_leaving_out_change_no_bit() {
+fn threads_and_specialised_kernels_change_no_bit() {
     let (scene, request) = sphere(busy());
     for sampling in ALL {
         for stream in [StreamKind::Sobol, StreamKind::Independent] {
@@ -58,7 +58,7 @@ fn a_white_sphere_in_a_white_furnace_is_invisible() {
 }
 
 #[test]
-fn nothing_lights_nothing() {
+fn a_scene_without_light_is_black() {
     let (mut scene, request) = sphere(Image::new(4, 2));
     for sampling in ALL {
         let settings = Settings { sampling, ..Settings::default() };
@@ -100,7 +100,7 @@ fn above(x: f64, z: f64) -> Camera {
     }
 }
 
-/// A floor of albedo ½ under some light, seen from above.
+/// A floor of albedo ½ under some light, with the camera above it.
 fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
     let ground = Rectangle::new(Vec3::ZERO, 10.0 * Vec3::Z, 10.0 * Vec3::X).unwrap();
     let material = Material::Diffuse { albedo: Rgb::splat(0.5) };
@@ -109,14 +109,14 @@ fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
     Scene { name: "floor".into(), camera: above(0.3, 0.2), objects: all, lights, environment: None }
 }
 
-fn lamp(shape: Shape) -> Object {
+fn emitter(shape: Shape) -> Object {
     let emission =
         Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, visibility: EmitterVisibility::Sampled });
     Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
 }
 
 /// Radiance that the floor sends up, by direct light alone, and its standard error.
-fn seen(scene: &Scene, settings: &Settings) -> (f64, f64) {
+fn rendered_mean(scene: &Scene, settings: &Settings) -> (f64, f64) {
     let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
     let rendered = render(scene, &request, settings, &Silent).unwrap();
     let error = rendered.part.film.standard_error().get(0, 0).x;
@@ -135,7 +135,7 @@ fn irradiance(corners: [DVec3; 4]) -> f64 {
 }
 
 #[test]
-fn lamps_give_the_light_that_lambert_says() {
+fn rectangular_lights_give_lamberts_irradiance() {
     let ceiling = Rectangle::new(Vec3::new(0.0, 1.0, 0.0), 0.4 * Vec3::X, 0.3 * Vec3::Z).unwrap();
     let tilted = Rectangle::new(Vec3::new(-0.5, 0.8, 0.0), Vec3::new(0.3, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.2));
     for panel in [ceiling, tilted.unwrap()] {
@@ -144,12 +144,12 @@ fn lamps_give_the_light_that_lambert_says() {
         let panel = if panel.normal().y > 0.0 { Rectangle::new(panel.centre(), y, x).unwrap() } else { panel };
         let corners = panel.corners().map(|c| c.as_dvec3() - DVec3::new(0.3, 0.0, 0.2));
         let expected = 2.0 * irradiance(corners) * 0.5 / std::f64::consts::PI;
-        let lit = floor(vec![lamp(Shape::Rectangle(panel))], Vec::new());
-        let unseen = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
-        for scene in [lit, floor(Vec::new(), vec![unseen])] {
+        let visible = floor(vec![emitter(Shape::Rectangle(panel))], Vec::new());
+        let invisible = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
+        for scene in [visible, floor(Vec::new(), vec![invisible])] {
             for sampling in ALL {
                 for stream in [StreamKind::Independent, StreamKind::Sobol] {
-                    let (found, error) = seen(&scene, &Settings { sampling, stream, ..Settings::default() });
+                    let (found, error) = rendered_mean(&scene, &Settings { sampling, stream, ..Settings::default() });
                     let bound = 4.0 * error + 2e-5 * expected;
                     assert!((found - expected).abs() < bound, "{sampling:?} {stream:?}: {found} ± {error}, {expected}");
                 }
@@ -159,14 +159,14 @@ fn lamps_give_the_light_that_lambert_says() {
 }
 
 #[test]
-fn a_glowing_ball_gives_the_light_of_its_disc() {
+fn a_spherical_light_gives_the_irradiance_of_its_disc() {
     let centre = Vec3::new(0.0, 1.0, 0.0);
-    let scene = floor(vec![lamp(Shape::Sphere(Sphere { centre, radius: 0.3 }))], Vec::new());
+    let scene = floor(vec![emitter(Shape::Sphere(Sphere { centre, radius: 0.3 }))], Vec::new());
     let to = centre.as_dvec3() - DVec3::new(0.3, 0.0, 0.2);
-    // E = π L (r/d)² cos θ while the ball is above the horizon; the floor sends up ρ E/π.
+    // E = π L (r/d)² cos θ while the sphere is above the horizon; the floor sends up ρ E/π.
     let expected = 0.5 * 2.0 * 0.09 / to.length_squared() * to.y / to.length();
     for sampling in ALL {
-        let (found, error) = seen(&scene, &Settings { sampling, ..Settings::default() });
+        let (found, error) = rendered_mean(&scene, &Settings { sampling, ..Settings::default() });
         assert!(
             (found - expected).abs() < 4.0 * error + 2e-5 * expected,
             "{sampling:?}: {found} ± {error}, {expected}"
@@ -175,7 +175,7 @@ fn a_glowing_ball_gives_the_light_of_its_disc() {
 }
 
 #[test]
-fn lights_without_extent_are_exact_and_the_sky_fills_half_the_sphere() {
+fn delta_lights_and_the_hemisphere_have_their_closed_forms() {
     let position = Vec3::new(0.0, 1.0, 0.0);
     let to = DVec3::new(0.0, 1.0, 0.0) - DVec3::new(0.3, 0.0, 0.2);
     let cos = to.y / to.length();
@@ -186,17 +186,17 @@ fn lights_without_extent_are_exact_and_the_sky_fills_half_the_sphere() {
         (point(Falloff::None), cos),
         (Light::Directional { direction: slanted, irradiance: Rgb::ONE }, f64::from(-slanted.y)),
     ] {
-        let (found, _) = seen(&floor(Vec::new(), vec![light]), &Settings::default());
+        let (found, _) = rendered_mean(&floor(Vec::new(), vec![light]), &Settings::default());
         let expected = expected * 0.5 / std::f64::consts::PI;
         assert!((found / expected - 1.0).abs() < 2e-3, "{light:?}: {found} {expected}");
     }
     let sky = Light::Hemisphere { radiance: Rgb::splat(3.0) };
-    let (found, error) = seen(&floor(Vec::new(), vec![sky]), &Settings::default());
+    let (found, error) = rendered_mean(&floor(Vec::new(), vec![sky]), &Settings::default());
     assert!((found - 1.5).abs() < 4.0 * error, "{found} ± {error}");
 }
 
 #[test]
-fn inside_a_glowing_ball_light_adds_up_to_its_geometric_series() {
+fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
     // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
     let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     for albedo in [0.5f32, 0.9] {
@@ -260,12 +260,12 @@ fn all_strategies_have_the_same_mean() {
 }
 
 #[test]
-fn broad_metal_mirrors_a_lamp_alike_by_all_strategies() {
-    // The lamp hangs beside the place that is seen, so that the metal shines at one of its ends.
+fn broad_metal_reflects_a_light_alike_by_all_strategies() {
+    // The light hangs beside the visible place, so that the metal reflects one end of it.
     let shape = Rectangle::new(Vec3::new(1.0, 1.0, 0.3), 0.8 * Vec3::X, 0.5 * Vec3::Z).unwrap();
     for distribution in [crate::scene::Distribution::Beckmann, crate::scene::Distribution::Ggx] {
         for alpha in [0.2, 0.5] {
-            let mut scene = floor(vec![lamp(Shape::Rectangle(shape))], Vec::new());
+            let mut scene = floor(vec![emitter(Shape::Rectangle(shape))], Vec::new());
             let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
             scene.objects[0].material =
                 Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided: false });
@@ -287,7 +287,7 @@ fn broad_metal_mirrors_a_lamp_alike_by_all_strategies() {
     }
 }
 
-/// A conductor of 2 by 2 in the plane z = 0, seen from above in parallel under a map: a rectangle or a mesh, whose normal
+/// A conductor of 2 by 2 in the plane z = 0, in orthographic projection from above under a map: a rectangle or a mesh, whose normal
 /// is +z or, turned over, −z.
 fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, Request) {
     let (mut scene, request) = sphere(busy());
@@ -302,7 +302,7 @@ fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, R
 }
 
 #[test]
-fn a_two_sided_conductor_is_the_same_from_behind_and_a_one_sided_one_is_black() {
+fn only_a_two_sided_conductor_reflects_at_its_back() {
     for (alpha, mesh) in [(0.0, false), (0.0, true), (0.1, false), (0.1, true), (0.5, false), (0.5, true)] {
         for sampling in ALL {
             let settings = Settings { sampling, ..Settings::default() };

@@ -13,7 +13,7 @@ use crate::raster::Image;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, seen in parallel along −z
+/// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, in orthographic projection along −z
 /// from the plane z = 1 that touches it.
 #[must_use]
 pub fn sphere_env(environment: Environment) -> (Scene, Request) {
@@ -34,7 +34,7 @@ pub fn sphere_env(environment: Environment) -> (Scene, Request) {
 /// How much the first report's scene brightens its map.
 pub const SPHERE_ENV_SCALE: f32 = 8.0;
 
-/// The second report's room, seen through its open front: 2 wide, 1.5 high, 2 deep, with a lamp under the ceiling.
+/// The second report's Cornell box, open to the camera: 2 wide, 1.5 high, 2 deep, with an area light under the ceiling.
 fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
     const WHITE: Rgb = Rgb::splat(0.6);
     const RED: Rgb = Rgb::new(0.6, 0.2, 0.2);
@@ -60,7 +60,7 @@ fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
         },
     ];
     objects.extend(contents);
-    // The reference renderer keeps the distance of the film, so that the picture's size sets the field of view.
+    // The reference renderer keeps the distance of the film, so that the image's size sets the field of view.
     let (width, height, film_distance) = (480, 360, 875.0);
     let camera = Camera {
         position: DVec3::new(0.0, 0.75, 4.802_343_57),
@@ -76,30 +76,30 @@ fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
     (scene, Request { width, height, spp: 64, light_samples: 4, max_depth: 5 })
 }
 
-/// The two balls of the second report in its room: the left one behind, the right one in front.
-fn balls(left: Material, right: Material) -> Vec<Object> {
-    let ball = |x: f32, z: f32, material| {
+/// The two spheres of the second report in its box: the left one behind, the right one in front.
+fn spheres(left: Material, right: Material) -> Vec<Object> {
+    let sphere = |x: f32, z: f32, material| {
         Object::new(Shape::Sphere(Sphere { centre: Vec3::new(x, 0.3, z), radius: 0.3 }), material)
     };
-    vec![ball(-0.4, -0.3, left), ball(0.4, 0.3, right)]
+    vec![sphere(-0.4, -0.3, left), sphere(0.4, 0.3, right)]
 }
 
-/// The second report's first scene: a mirror ball and a glass ball.
+/// The second report's first scene: a mirror sphere and a glass sphere.
 #[must_use]
 pub fn cornell_spheres() -> (Scene, Request) {
     let mirror = Material::Mirror { reflectance: Rgb::ONE };
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
-    cornell("cornell-spheres", balls(mirror, glass))
+    cornell("cornell-spheres", spheres(mirror, glass))
 }
 
-/// The same with diffuse balls.
+/// The same with diffuse spheres.
 #[must_use]
 pub fn cornell_lambert() -> (Scene, Request) {
     let white = Material::Diffuse { albedo: Rgb::splat(0.6) };
-    cornell("cornell-lambert", balls(white, white))
+    cornell("cornell-lambert", spheres(white, white))
 }
 
-/// A statue of metal in the same room: the built-in one, or another mesh set down in its place.
+/// A statue of metal in the same box: the built-in one, or another mesh in its place.
 ///
 /// # Errors
 /// That of [`Mesh::fitted`].
@@ -123,7 +123,7 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
 /// Where a statue stands, on the middle of the floor: width, height and depth.
 const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
 
-/// A white furnace: light of radiance 1 from everywhere on a white diffuse ball, a mirror, glass, and a rough metal
+/// A white furnace: light of radiance 1 from everywhere on a white diffuse sphere, a mirror, glass, and a rough metal
 /// that reflects everything. Diffuse and glass sphere must vanish before the background. The metal is darker (0.891): a
 /// model of single scattering loses the light that meets a second facet. The mirror (0.996) would vanish if it did not
 /// show the metal.
@@ -139,7 +139,7 @@ pub fn furnace() -> (Scene, Request) {
         Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 },
         Material::Conductor(perfect),
     ];
-    let ball = |(i, material): (usize, Material)| {
+    let sphere = |(i, material): (usize, Material)| {
         let sphere = Sphere { centre: Vec3::new(2.25 * i as f32 - 3.375, 0.0, 0.0), radius: 1.0 };
         Object::new(Shape::Sphere(sphere), material)
     };
@@ -150,7 +150,7 @@ pub fn furnace() -> (Scene, Request) {
         forward: DVec3::NEG_Z,
         projection: Projection::Orthographic { half_width: 4.8, half_height: 1.2 },
     };
-    let objects = materials.into_iter().enumerate().map(ball).collect();
+    let objects = materials.into_iter().enumerate().map(sphere).collect();
     let scene = Scene { name: "furnace".into(), camera, objects, lights: Vec::new(), environment: Some(environment) };
     (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })
 }
@@ -210,7 +210,7 @@ fn statue_name(metal: &Metal) -> String {
     format!("cornell-statue-{}", metal.symbol.to_lowercase())
 }
 
-/// The roughness of a metal's statue: copper and iron as in the second report's pictures, all others as its gold.
+/// The roughness of a metal's statue: copper and iron as in the second report's images, all others as its gold.
 fn statue_alpha(metal: &Metal) -> f32 {
     match metal.symbol {
         "Cu" => 0.05,

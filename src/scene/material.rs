@@ -48,41 +48,42 @@ pub struct Conductor {
     pub alpha: f32,
     /// The distribution of normals.
     pub distribution: Distribution,
-    /// Whether the surface reflects on both sides, as in pbrt; else its back is black, as in the course's renderer.
+    /// Whether the surface reflects on both sides, as in pbrt; otherwise its back is black, as in the course's renderer.
     pub two_sided: bool,
 }
 
 impl Conductor {
-    /// Below this the lobe is narrower than f32 directions can tell apart.
+    /// Below this the lobe is narrower than the resolution of f32 directions.
     pub const SMOOTH_ALPHA: f32 = 1e-4;
 }
 
-/// Light that a surface gives off, the same in every direction.
+/// Emission of a surface, the same in every direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emission {
     /// W/(m² sr).
     pub radiance: Rgb,
     /// Whether the back emits as well as the front (the side of the normal).
     pub two_sided: bool,
+    /// Whether light samples find it.
     pub visibility: EmitterVisibility,
 }
 
 impl Emission {
-    /// Whether a ray of that direction, where it meets a surface of that normal, sees its emission.
+    /// Whether a surface with this normal emits against the direction of a ray.
     #[inline]
     #[must_use]
-    pub fn is_seen(&self, normal: Vec3, direction: Vec3) -> bool {
+    pub fn is_emitted(&self, normal: Vec3, direction: Vec3) -> bool {
         self.two_sided || normal.dot(direction) <= 0.0
     }
 }
 
-/// Who sees an emitter.
+/// Which rays find an emitter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EmitterVisibility {
-    /// It is an area light: light samples find it, and so do rays.
+    /// An area light: sampled directly, and found by rays that hit it.
     #[default]
     Sampled,
-    /// It lights no surface and is only seen, directly and by way of mirrors and glass; a [`super::Light`] in the same
-    /// place lights for it.
+    /// Visible directly and by way of mirrors and glass, without lighting other surfaces; a [`super::Light`] in the same
+    /// place does that.
     CameraOnly,
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use glam::{DVec3, Vec2, Vec3};
 
-/// A triangle mesh in the world. Triangles are counter-clockwise seen from outside.
+/// A triangle mesh in the world. The corners of a triangle are counter-clockwise from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// The vertices.
@@ -55,7 +55,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Checks what the fields promise.
+    /// Checks the invariants of the fields.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a position that is not finite or beyond ±[`FARTHEST`](Self::FARTHEST), a triangle with
@@ -134,7 +134,7 @@ impl Mesh {
         if determinant == 0.0 { None } else { Some(tangent.try_normalize()?.as_vec3()) }
     }
 
-    /// How far, per axis, the point of any [`Surface`] may be off its triangle, with room for the rounding of the ray
+    /// How far, per axis, the point of any [`Surface`] may be off its triangle, with a margin for the rounding of the ray
     /// that leaves it: 4 ε times the largest coordinate. Looks at all vertices: ask once.
     #[must_use]
     pub fn error(&self) -> f32 {
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_are_fitted_and_set_down() {
+    fn meshes_are_scaled_and_placed_on_the_floor() {
         let corners = [Vec3::new(10.0, 20.0, 30.0), Vec3::new(14.0, 20.0, 30.0), Vec3::new(10.0, 22.0, 31.0)];
         let mesh = triangle(corners).fitted(Vec3::new(1.0, 0.5, 0.0), Vec3::new(2.0, 8.0, 4.0)).unwrap();
         assert_eq!(mesh.bounds(), Some([Vec3::new(0.0, 0.5, -0.25), Vec3::new(2.0, 1.5, 0.25)]));

@@ -3,11 +3,13 @@
 pub mod builtin;
 pub mod bvh;
 pub mod camera;
+mod description;
 pub mod environment;
 pub mod first_hit;
 pub mod light;
 pub mod material;
 pub mod mesh;
+mod object;
 pub mod rectangle;
 pub mod request;
 pub mod scattering;
@@ -16,76 +18,14 @@ pub mod statue;
 
 pub use bvh::{MeshBvh, MeshHit, Rays};
 pub use camera::{Camera, Projection, Ray};
+pub use description::Scene;
 pub use environment::Environment;
 pub use first_hit::FirstHit;
 pub use light::{Falloff, Light};
 pub use material::{Conductor, Distribution, Emission, EmitterVisibility, Material};
 pub use mesh::{Mesh, Surface};
+pub use object::{Object, Shape};
 pub use rectangle::Rectangle;
 pub use request::Request;
 pub use scattering::ScatterModel;
 pub use sphere::Sphere;
-
-use std::sync::Arc;
-
-/// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
-#[derive(Debug, Clone)]
-pub struct Scene {
-    /// What results and messages call it.
-    pub name: String,
-    /// Where it is seen from.
-    pub camera: Camera,
-    /// What rays can hit.
-    pub objects: Vec<Object>,
-    /// Lights that are not objects.
-    pub lights: Vec<Light>,
-    /// The light from infinity, if there is any.
-    pub environment: Option<Environment>,
-}
-
-impl Scene {
-    /// Whether anything lights surfaces. Emission of [`EmitterVisibility::CameraOnly`] is only seen.
-    #[must_use]
-    pub fn has_light(&self) -> bool {
-        let emits =
-            |object: &Object| object.emission.is_some_and(|emission| emission.visibility == EmitterVisibility::Sampled);
-        self.environment.is_some() || !self.lights.is_empty() || self.objects.iter().any(emits)
-    }
-
-    /// The scene for an image of another size than `request` has; see [`Camera::fitted`].
-    #[must_use]
-    pub fn resized(self, request: Request, [width, height]: [usize; 2]) -> (Self, Request) {
-        let camera = self.camera.fitted([request.width, request.height], [width, height]);
-        (Self { camera, ..self }, Request { width, height, ..request })
-    }
-}
-
-/// A shape, its material, and whether it emits light.
-#[derive(Debug, Clone)]
-pub struct Object {
-    /// Its surface, in the world.
-    pub shape: Shape,
-    /// How the surface scatters light.
-    pub material: Material,
-    /// The light that the surface gives off; `None` for most.
-    pub emission: Option<Emission>,
-}
-
-impl Object {
-    /// An object that emits no light.
-    #[must_use]
-    pub fn new(shape: Shape, material: Material) -> Self {
-        Self { shape, material, emission: None }
-    }
-}
-
-/// A shape.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    /// A whole sphere.
-    Sphere(Sphere),
-    /// A flat rectangle.
-    Rectangle(Rectangle),
-    /// Triangles; a mesh may be shared by objects.
-    Mesh(Arc<Mesh>),
-}

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// A rectangle in the world, lit or seen from both sides unless its use says otherwise.
+/// A rectangle in the world; both sides count unless its use says otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     centre: Vec3,

@@ -42,7 +42,7 @@ const FOOT_AROUND: usize = 160;
 const FOOT_ALONG: usize = 56;
 
 /// The statue: some 100 000 triangles, closed and smooth, standing on y = 0 around the y axis, 1 high and less than
-/// 1.1 wide and deep; it is best seen from +z. Nothing in it is random.
+/// 1.1 wide and deep; its front faces +z. Nothing in it is random.
 #[must_use]
 pub fn statue() -> Mesh {
     let mut mesh = Mesh::default();
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn it_stands_in_the_middle_of_the_floor() {
+    fn the_statue_stands_in_the_middle_of_the_floor() {
         let [min, max] = statue().bounds().unwrap();
         assert!(min.y == 0.0 && (max.y - 1.0).abs() < 1e-6);
         assert!(min.x.min(min.z) > -0.55 && max.x.max(max.z) < 0.55, "{min} {max}");

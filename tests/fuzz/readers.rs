@@ -1,4 +1,4 @@
-//! What a user would do with each kind of file.
+//! One target per kind of file: reads it and uses the result as the program does.
 
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
@@ -18,13 +18,14 @@ use std::sync::Arc;
 
 const SIZE: [usize; 2] = [4, 3];
 
+/// Any image file, as an environment map.
 pub fn image(path: &Path) -> Result<()> {
     let map = EnvMap::new(etalon::raster::read(path, ReadOptions { allow_ldr: true })?);
     let _ = Info::of(&map);
     Ok(())
 }
 
-/// Mends the checksums of all chunks (length, type, data, checksum) first: else nothing behind them would be reached.
+/// A PNG file whose checksums are corrected first (chunks are length, type, data, checksum), so that the decoder goes on.
 pub fn png(path: &Path) -> Result<()> {
     let mut bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let mut rest = bytes.get_mut(8..).unwrap_or_default();
@@ -40,11 +41,13 @@ pub fn png(path: &Path) -> Result<()> {
     image(path)
 }
 
+/// An OpenEXR file: all layers, then the image.
 pub fn exr(path: &Path) -> Result<()> {
     ExrFile::open(path)?.layers()?;
     image(path)
 }
 
+/// A part of a render.
 pub fn part(path: &Path) -> Result<()> {
     let mut part = Part::read(path)?;
     let (_, _) = (part.film.standard_error(), part.film.path_layers());
@@ -52,6 +55,7 @@ pub fn part(path: &Path) -> Result<()> {
     part.set_spp(u32::MAX)
 }
 
+/// A PLY or OBJ mesh, rendered as the statue.
 pub fn mesh(path: &Path) -> Result<()> {
     let mut mesh = import::mesh::read(path, &mut Vec::new())?;
     let _ = (0..mesh.triangles.len() as u32).filter_map(|i| mesh.tangent(i)).count();
@@ -60,30 +64,34 @@ pub fn mesh(path: &Path) -> Result<()> {
     }
     let (scene, request) = builtin::cornell_statue(GOLD, 0.25, Some(mesh))?;
     let (scene, request) = scene.resized(request, SIZE);
-    picture(&scene, &request)
+    render_small(&scene, &request)
 }
 
+/// A scene file, rendered.
 pub fn scene(path: &Path) -> Result<()> {
     let read = read_scene(path, SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
-    picture(&read.scene, &read.request)
+    render_small(&read.scene, &read.request)
 }
 
+/// Camera settings beside a COLLADA scene.
 pub fn settings(path: &Path) -> Result<()> {
     let options = SceneOptions { resolution: Some(SIZE), camera: Some(path), ..SceneOptions::default() };
     let read = read_scene(&path.with_file_name("scene.dae"), options)?;
-    picture(&read.scene, &read.request)
+    render_small(&read.scene, &read.request)
 }
 
-/// What was read must be fit to be rendered.
-fn picture(scene: &Scene, request: &Request) -> Result<()> {
+/// Renders a scene with one sample per pixel: a scene that was read must be fit to be rendered.
+fn render_small(scene: &Scene, request: &Request) -> Result<()> {
     let request = Request { spp: 1, light_samples: 1, max_depth: request.max_depth.min(4), ..*request };
     render(scene, &request, &Settings::default(), &Silent).map(drop)
 }
 
+/// A CSV file of samples, against a fixed grid.
 pub fn samples(path: &Path) -> Result<()> {
     files(path, &path.with_file_name("grid.csv"))
 }
 
+/// A grid of pdf values, against fixed samples.
 pub fn grid(path: &Path) -> Result<()> {
     files(&path.with_file_name("samples.csv"), path)
 }
@@ -104,7 +112,7 @@ impl Visitor for Files<'_> {
     type Output = Result<()>;
 
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
-        // Tells nothing about a sampler, but uses all that is read.
+        // Too brief for a verdict, but it uses everything that was read.
         let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
         let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
         let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
@@ -113,7 +121,7 @@ impl Visitor for Files<'_> {
     }
 }
 
-/// What a program said when it was asked for samples, their pdf and their inverse, in blocks as a pipe hands them out.
+/// Recorded responses of a program to requests for samples, their pdf and their inverse, in blocks as from a pipe.
 pub fn protocol(path: &Path) -> Result<()> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let blocks: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\x0c').map(<[u8]>::to_vec).collect();
@@ -129,14 +137,14 @@ impl Connection for Record {
     }
 
     fn ask(&mut self, _: String, most: usize) -> Result<String> {
-        let fault = |what| Error::input(Path::new("record"), what);
+        let violation = |what| Error::input(Path::new("record"), what);
         let mut answer = Answer::new(most);
         for block in self.0.by_ref() {
-            if let Some(text) = answer.add(&block).map_err(fault)? {
+            if let Some(text) = answer.add(&block).map_err(violation)? {
                 return Ok(text);
             }
         }
-        Err(fault(format!("it ended after {} lines of an answer", answer.lines())))
+        Err(violation(format!("it ended after {} lines of an answer", answer.lines())))
     }
 }
 

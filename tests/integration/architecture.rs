@@ -162,6 +162,7 @@ fn tokens(code: &str) -> Vec<String> {
             tokens.push(c.to_string());
         }
     }
+    tokens.extend(Some(name).filter(|name| !name.is_empty()));
     tokens
 }
 

@@ -100,7 +100,7 @@ fn layers_of_other_programs_are_read() {
 }
 
 #[test]
-fn what_cannot_be_read_is_said() {
+fn unreadable_files_are_errors_with_a_reason() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.exr");
     let open = || ExrFile::open(&path);

@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3};
 pub const WINDOW: [usize; 2] = [800, 600];
 const DEFAULT_XFOV: f64 = 50.0;
 
-/// What a file's camera says.
+/// The camera of a file.
 pub struct View<'a> {
     node: Element<'a>,
     /// From the world's origin to the point one unit ahead of the camera.
@@ -42,10 +42,10 @@ impl<'a> View<'a> {
         Ok(Self { node, ahead: to_world.transform_point3(DVec3::NEG_Z), tan_half: [x, y] })
     }
 
-    /// The camera for a image of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
+    /// The camera for an image of this size that looks at the middle of `bounds`, from a distance of 1.5 diagonals.
     ///
-    /// The fields of view are widened to fill the [`WINDOW`]; a image of another size shows more or less at the same
-    /// scale in pixels. Such is the course's renderer.
+    /// The fields of view are widened to fill the [`WINDOW`]; an image of another size shows more or less at the same
+    /// scale in pixels. The course's renderer does the same.
     pub fn place(&self, document: &Document<'a>, bounds: [DVec3; 2], size: [usize; 2]) -> Result<Camera> {
         let [low, high] = bounds;
         let (target, distance) = ((low + high) * 0.5, 1.5 * low.distance(high));

@@ -11,13 +11,13 @@ use std::sync::Arc;
 /// Most vertices and triangles in a scene, each counted as often as it is instanced.
 pub const MAX_TRIANGLES: usize = 1 << 25;
 
-/// The shape of a `<geometry>` element in a node. `room` is how many vertices and triangles the scene has left.
-pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, room: &mut usize) -> Result<Shape> {
+/// The shape of a `<geometry>` element in a node. `budget` is the number of vertices and triangles that the scene may still have.
+pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, budget: &mut usize) -> Result<Shape> {
     if let Some(sphere) = course_profile(node).and_then(|profile| find(profile, "sphere")) {
         return self::sphere(document, sphere, to_world);
     }
     let mesh = mesh(document, document.require(node, "mesh")?, to_world)?;
-    *room = room.checked_sub(mesh.positions.len() + mesh.triangles.len()).ok_or_else(|| {
+    *budget = budget.checked_sub(mesh.positions.len() + mesh.triangles.len()).ok_or_else(|| {
         crate::Error::limit(document.path(), format!("more than {MAX_TRIANGLES} vertices and triangles"))
     })?;
     // Only what bends is shaded as bent: a rectangle's normals are those of its plane.

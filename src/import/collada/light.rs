@@ -1,4 +1,4 @@
-//! Lights, and which of them need a surface to be seen by.
+//! Lights, and which of them become visible objects.
 
 use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
@@ -7,7 +7,7 @@ use crate::math::Rgb;
 use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Material, Object, Rectangle, Shape};
 use glam::{DMat4, DVec3, Vec3};
 
-/// How near an emitting mesh must come to an area light to be what is seen of it, as a part of the light's diagonal.
+/// Largest distance between an area light and the emitting mesh that shows it, as a part of the light's diagonal.
 const OVERLAP: f32 = 0.05;
 /// Largest cosine between an area light's sides, or between its normal and its direction, that is no shear.
 const SHEAR: f64 = 1e-4;
@@ -50,26 +50,26 @@ pub fn light<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -
     })
 }
 
-/// The square of side 1 around the origin that shines along −z, in the world.
+/// The square of side 1 around the origin that emits along −z, in the world.
 fn unit_square(to_world: &DMat4) -> Option<Rectangle> {
     let [x, y, along] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z].map(|v| to_world.transform_vector3(v));
     let normal = x.cross(y).try_normalize()?;
     let cosine = normal.dot(along.try_normalize()?);
-    // A mirror image shines to the other side of its sides' product.
+    // A mirror image emits to the opposite side of the cross product of its sides.
     let (x, y) = if cosine < 0.0 { (y, x) } else { (x, y) };
     let [centre, half_x, half_y] = [to_world.w_axis.truncate(), x * 0.5, y * 0.5].map(|v| v.as_vec3());
     Rectangle::new(centre, half_x, half_y).filter(|_| cosine.abs() > 1.0 - SHEAR)
 }
 
-/// Makes the area lights visible: one that no glowing mesh overlaps becomes an object, which lights and is seen.
+/// Makes the area lights visible: one that no emitting mesh overlaps becomes an emitting object.
 pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Light> {
-    let pictures: Vec<[Vec3; 2]> =
+    let emitting: Vec<[Vec3; 2]> =
         objects.iter().filter(|object| object.emission.is_some()).filter_map(|object| bounds(&object.shape)).collect();
     let hidden = |light: &Light| {
         let Light::Rectangle { rectangle, radiance } = *light else { return true };
         let Some([low, high]) = around(corners(&rectangle)) else { return true };
         let near = OVERLAP * low.distance(high);
-        if pictures.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
+        if emitting.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
             return true;
         }
         let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });

@@ -1,4 +1,4 @@
-//! Materials: from a geometry's binding by way of its effect to what the renderer knows.
+//! Materials: a geometry's binding is followed to its effect.
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
@@ -48,7 +48,7 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
             "emission" => {
                 let node = document.require(node, "radiance")?;
                 let radiance = document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")?;
-                // Seen only: in this dialect the lights do the lighting.
+                // Visible only: in this dialect only lights illuminate.
                 let emission = Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly };
                 found = Some((Material::Diffuse { albedo: Rgb::ZERO }, Some(emission)));
                 continue;
@@ -90,7 +90,7 @@ fn fraction(x: f64) -> bool {
     (0.0..=1.0).contains(&x)
 }
 
-/// Of refraction of a dielectric; beyond this there is no matter, and squares might leave single precision.
+/// Index of refraction of a dielectric; squares of larger ones could leave single precision.
 const DIELECTRIC_INDEX: &str = "from 0.001 to 1000";
 
 fn dielectric_index(x: f64) -> bool {

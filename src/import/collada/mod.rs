@@ -4,13 +4,13 @@
 //! |---|---|
 //! | `asset/up_axis` | turned so that y is up |
 //! | `node` with `matrix`, or `translate`, `rotate`, `scale`; `instance_node` | the product of the transforms |
-//! | `camera` | the last one gives direction and field of view; where it stands follows from the scene's size, as in the course's renderer, unless a settings file says it |
-//! | `light`: `area`, `point`, `directional`, `ambient` | a rectangle; a point without falloff; a direction; the upper hemisphere, itself not seen |
+//! | `camera` | the last one gives direction and field of view; its position follows from the scene's size, as in the course's renderer, unless a settings file gives it |
+//! | `light`: `area`, `point`, `directional`, `ambient` | a rectangle; a point without falloff; a direction; the upper hemisphere, itself invisible |
 //! | `light`: `spot` | left out with a warning: it is black in the course's renderer |
 //! | `effect`: `phong/diffuse`; of the profile `CGL`: `emission`, `mirror`, `refraction`, `glass`, `microfacet` | the same, `microfacet` with Beckmann's distribution |
 //! | `geometry`: `sphere` of the profile `CGL`, or the first `polylist` or `triangles` of a mesh | shaded smoothly across all edges; two triangles that make up a rectangle become one |
 //!
-//! Area lights light; glowing meshes are only seen. An area light that no glowing mesh overlaps is seen, too.
+//! Only lights illuminate; emitting meshes are merely visible. An area light that no emitting mesh overlaps is visible, too.
 //!
 //! Source: the format's specification (Khronos, COLLADA 1.4.1, 2008), and how the course's renderer reads it.
 
@@ -33,7 +33,7 @@ use std::path::Path;
 /// Most bytes in a file.
 const MAX_BYTES: u64 = 128 << 20;
 
-/// What the reader needs beside the file.
+/// Options of [`read`].
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ColladaOptions<'a> {
     /// Width and height of the image, on which the field of view depends. Without it: the settings file's window,

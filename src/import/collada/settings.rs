@@ -9,7 +9,7 @@
 //! focal distance, lens radius
 //! ```
 //!
-//! Fields of view, position and matrix are taken as they stand; the others follow from them or have no effect.
+//! Fields of view, position and matrix are used; the others follow from them or have no effect.
 
 use crate::error::Result;
 use crate::files::{read_bounded, without_bom};

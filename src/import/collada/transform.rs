@@ -1,4 +1,4 @@
-//! Where nodes stand: the file's up axis, and the transforms of COLLADA's nodes.
+//! The file's up axis, and the transforms of COLLADA's nodes.
 
 use super::document::{Document, Element, elements, find};
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! Walks through the nodes of the visual scene and gathers what they hold.
+//! Traverses the nodes of the visual scene and collects camera, lights and objects.
 
 use super::camera::View;
 use super::document::{Document, Element, elements, is};
@@ -12,12 +12,14 @@ use glam::{DMat4, DVec3};
 const MAX_DEPTH: usize = 256;
 const MAX_NODES: usize = 1 << 18;
 
-/// What the nodes hold.
+/// The content of the scene.
 #[derive(Default)]
 pub struct Found<'a> {
     /// The last camera.
     pub view: Option<View<'a>>,
+    /// Lights without a visible surface, area lights included.
     pub lights: Vec<Light>,
+    /// Shapes with their materials.
     pub objects: Vec<Object>,
 }
 
@@ -29,13 +31,18 @@ impl Found<'_> {
     }
 }
 
-/// Gathers what the file's scene holds.
+/// Collects the content of the file's scene.
 pub fn walk<'a>(document: &Document<'a>) -> Result<Found<'a>> {
     let up = transform::up_axis(document)?;
     let instance = document.require(document.root(), "scene/instance_visual_scene")?;
     let scene = document.follow(instance, "url", "visual_scene")?;
-    let mut walker =
-        Walker { document, found: Found::default(), open: Vec::new(), nodes: MAX_NODES, room: geometry::MAX_TRIANGLES };
+    let mut walker = Walker {
+        document,
+        found: Found::default(),
+        open: Vec::new(),
+        nodes: MAX_NODES,
+        budget: geometry::MAX_TRIANGLES,
+    };
     walker.children(scene, &up)?;
     Ok(walker.found)
 }
@@ -43,11 +50,11 @@ pub fn walk<'a>(document: &Document<'a>) -> Result<Found<'a>> {
 struct Walker<'a, 'd> {
     document: &'d Document<'a>,
     found: Found<'a>,
-    /// The nodes that the walker is in, from the outermost on.
+    /// The nodes on the path to the current one, the outermost first.
     open: Vec<Element<'a>>,
     /// How many more nodes are allowed, and how many more vertices and triangles.
     nodes: usize,
-    room: usize,
+    budget: usize,
 }
 
 impl<'a> Walker<'a, '_> {
@@ -100,7 +107,7 @@ impl<'a> Walker<'a, '_> {
             self.found.lights.extend(light::light(document, light, to_world)?);
         } else {
             let geometry = document.follow(instance, "url", "geometry")?;
-            let shape = geometry::shape(document, geometry, to_world, &mut self.room)?;
+            let shape = geometry::shape(document, geometry, to_world, &mut self.budget)?;
             let (material, emission) = material::surface(document, instance)?;
             self.found.objects.push(Object { shape, material, emission });
         }

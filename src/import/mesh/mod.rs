@@ -16,18 +16,17 @@
 mod obj;
 mod ply;
 mod ply_header;
+mod vertex;
 
-use super::transform::in_range;
 use crate::error::{Error, Result};
 use crate::files::{read_bounded, without_bom};
 use crate::scene::Mesh;
-use glam::{DVec3, Vec3};
 use std::path::Path;
 
 /// Most bytes in a file.
 const MAX_BYTES: u64 = 512 << 20;
 
-/// Reads the mesh at `path`, whose extension tells its format; what is left out goes to `warnings`.
+/// Reads the mesh at `path`, whose extension selects the format; what is left out goes to `warnings`.
 ///
 /// # Errors
 /// A damaged file, with line and column or byte; another extension than `ply` or `obj`.
@@ -39,20 +38,4 @@ pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh> {
         _ => return Err(Error::unsupported(path, "not a mesh file that is known").with_hint("supported: .ply, .obj")),
     };
     reader(path, without_bom(&read_bounded(path, MAX_BYTES)?), warnings)
-}
-
-/// A point in single precision; `None` when it is not finite or too far away to render.
-fn point(coordinates: [f64; 3]) -> Option<Vec3> {
-    let point = DVec3::from_array(coordinates);
-    in_range(point).then(|| point.as_vec3())
-}
-
-/// Normals of unit length; none, with a warning, when one of them has no direction.
-fn unit_normals(path: &Path, normals: &[[f64; 3]], warnings: &mut Vec<String>) -> Vec<Vec3> {
-    let unit: Option<Vec<Vec3>> =
-        normals.iter().map(|&n| Some(DVec3::from_array(n).try_normalize()?.as_vec3())).collect();
-    unit.unwrap_or_else(|| {
-        warnings.push(format!("{}: a normal has no direction: all normals are left out", path.display()));
-        Vec::new()
-    })
 }

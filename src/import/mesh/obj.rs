@@ -1,6 +1,6 @@
 //! OBJ: the text format of Wavefront's Advanced Visualizer, as far as polygons go.
 
-use super::{point, unit_normals};
+use super::vertex::{point, unit_normals};
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::shape::{corner_uv, fan};
@@ -33,7 +33,7 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     Ok(parts.mesh(path, warnings))
 }
 
-/// A word of the file, and where it stands.
+/// A word of the file, and its position.
 struct Word<'a> {
     text: &'a str,
     line: &'a str,

@@ -1,7 +1,7 @@
 //! PLY: the polygon format of Greg Turk (Stanford, 1994), as text or binary.
 
 use super::ply_header::{Element, Encoding, Header, Scalar};
-use super::{point, unit_normals};
+use super::vertex::{point, unit_normals};
 use crate::error::{Error, Place, Result};
 use crate::import::place::{At, quote};
 use crate::import::shape::{corner_uv, fan};

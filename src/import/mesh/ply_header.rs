@@ -30,7 +30,9 @@ pub enum Scalar {
 
 /// One number of an element, or a list of them.
 pub struct Property {
+    /// For example `x`.
     pub name: String,
+    /// Type of the value, or of the items of a list.
     pub scalar: Scalar,
     /// For a list, the type of its length, which comes first.
     pub length: Option<Scalar>,
@@ -38,13 +40,19 @@ pub struct Property {
 
 /// A table in the file: rows that all have the same properties.
 pub struct Element {
+    /// For example `vertex`.
     pub name: String,
+    /// How many there are.
     pub count: usize,
+    /// In the order of the file.
     pub properties: Vec<Property>,
 }
 
+/// A header.
 pub struct Header {
+    /// ASCII or binary.
     pub encoding: Encoding,
+    /// In the order of the file.
     pub elements: Vec<Element>,
     /// Where the numbers start.
     pub body: usize,
@@ -85,6 +93,10 @@ impl Element {
 }
 
 impl Header {
+    /// Parses the header at the start of `bytes`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a malformed header, with its line.
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
         if !bytes.starts_with(b"ply\n") && !bytes.starts_with(b"ply\r") {
             return Err(Error::input(path, "the first line is not \"ply\": this is no PLY file"));
@@ -149,16 +161,16 @@ impl Header {
         Some(&rest[..end])
     }
 
-    /// Refuses counts that the file has no room for, before anything is made from them.
-    fn check_counts(&self, path: &Path, room: usize) -> Result<()> {
+    /// Refuses counts larger than the file can hold, before memory is reserved for them.
+    fn check_counts(&self, path: &Path, size: usize) -> Result<()> {
         let need = |element: &Element| element.count.checked_mul(element.least_bytes(self.encoding));
         let total = self.elements.iter().try_fold(0usize, |sum, element| sum.checked_add(need(element)?));
         // The last number of a text may have nothing after it.
-        if total.is_some_and(|total| total <= room + 1) {
+        if total.is_some_and(|total| total <= size + 1) {
             return Ok(());
         }
         let claims: Vec<String> = self.elements.iter().map(|e| format!("{} {}", e.count, quote(&e.name))).collect();
-        let message = format!("the header claims {}, but only {room} bytes follow", claims.join(", "));
+        let message = format!("the header claims {}, but only {size} bytes follow", claims.join(", "));
         Err(Error::input(path, message).with_hint("the file is cut off or damaged: get it whole again"))
     }
 }

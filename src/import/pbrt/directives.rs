@@ -1,4 +1,4 @@
-//! The directives: which there are, where in a file they may stand, and what each one does.
+//! The directives: where in a file each is allowed, and its effect.
 
 use super::lexer::Lexer;
 use super::params::Params;
@@ -12,7 +12,7 @@ use crate::scene::{Material, Object};
 use glam::{DMat4, DVec3};
 
 impl Reader<'_> {
-    /// Carries out the directive `name` at `at`, taking what belongs to it from `lexer`.
+    /// Executes the directive `name` at `at`; its arguments come from `lexer`.
     pub(super) fn directive(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
         if self.stage == Stage::Done {
             return Err(at
@@ -43,7 +43,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What stands before `WorldBegin`.
+    /// Directives before `WorldBegin`.
     fn option(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
         match name {
             "WorldBegin" => {
@@ -82,7 +82,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What stands after `WorldBegin`.
+    /// Directives after `WorldBegin`.
     fn content(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
         match name {
             "WorldEnd" => {
@@ -116,11 +116,11 @@ impl Reader<'_> {
             }
             "Shape" => {
                 let (material, emission) = (self.state.material, self.state.emission);
-                // All else looks the same from both sides, or, in pbrt, shines on both.
-                let shows = emission.is_some() || matches!(material, Material::Glass { .. });
+                // Only emission and glass depend on the orientation.
+                let depends = emission.is_some() || matches!(material, Material::Glass { .. });
                 let setting = Setting {
                     to_world: &self.state.transform,
-                    reversed: self.state.reversed && shows,
+                    reversed: self.state.reversed && depends,
                     folder: &self.folder,
                     mesh_bytes: &mut self.mesh_bytes,
                 };
@@ -150,7 +150,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// What may stand anywhere: the current transform is multiplied from the right, as in pbrt.
+    /// Directives that are allowed anywhere: the current transform is multiplied from the right, as in pbrt.
     fn transform(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
         let matrix = match name {
             "TransformBegin" => return self.begin("TransformBegin", at),

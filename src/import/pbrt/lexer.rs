@@ -1,4 +1,4 @@
-//! Cuts a pbrt file into words, quoted strings, numbers and brackets, and knows the place of each.
+//! Splits a pbrt file into words, quoted strings, numbers and brackets, each with its position.
 //!
 //! White space separates; `#` starts a comment that runs to the end of its line. Lines end in LF, CR LF or CR. Columns
 //! count characters of UTF-8. Strings end on the line where they start and know the escapes `\n \t \r \b \f \\ \" \'`.
@@ -46,6 +46,7 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
+    /// A lexer for the text of the file at `path`.
     pub fn new(bytes: &'a [u8], path: Rc<Path>) -> Self {
         Self { bytes: without_bom(bytes), position: 0, line: 1, column: 1, path, ahead: None }
     }

@@ -1,4 +1,4 @@
-//! Lights: from infinity with a map, from one direction, from a point, and from the surfaces of shapes.
+//! Lights: environment maps, directional, point and area lights.
 
 use super::PbrtOptions;
 use super::params::Params;
@@ -18,11 +18,11 @@ use std::sync::Arc;
 /// +y: (sin θ cos φ, cos θ, sin θ sin φ) → (sin θ cos φ, sin θ sin φ, cos θ).
 const MAP_TO_LIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
-/// What a `LightSource` is.
+/// The light of a `LightSource`.
 pub enum Source {
-    /// Light from infinity, and how many samples it asks for at each hit.
+    /// An environment, and the number of light samples at each hit.
     Infinite(Environment, u32),
-    /// A light that one sample finds.
+    /// A delta light.
     Simple(Light),
 }
 
@@ -44,9 +44,9 @@ pub fn source(
     Ok(Source::Simple(light))
 }
 
-/// `AreaLightSource`: what shapes give off, and how many samples it asks for at each hit.
+/// `AreaLightSource`: the emission of shapes, and the number of light samples at each hit.
 pub fn area(mut p: Params, warnings: &mut Vec<String>) -> Result<(Emission, u32)> {
-    // pbrt-v2 knows it as "area", too.
+    // pbrt-v2 also calls it "area".
     if p.kind != "diffuse" && p.kind != "area" {
         return Err(p.unsupported_kind("diffuse"));
     }
@@ -143,7 +143,7 @@ fn infinite(
     Ok(Source::Infinite(Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
 }
 
-/// The map that a light names.
+/// The image file of an environment light.
 struct MapFile {
     name: String,
     /// Where it is named.

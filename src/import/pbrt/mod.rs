@@ -1,8 +1,7 @@
-//! Reads scenes in the formats of pbrt-v2, v3 and v4, as far as this renderer can honour them.
+//! Reads scenes in the formats of pbrt-v2, v3 and v4, as far as this renderer supports them.
 //!
-//! What a file says is done, or refused with its file, line and column; it is never quietly dropped. Only what cannot
-//! change the image (an `Accelerator`, say) is left out, and only what a file does not say is filled in, both with a
-//! warning.
+//! Everything in a file has its effect or is an error with file, line and column. Only directives that cannot change the
+//! image (`Accelerator`, for example) are left out, and only missing values are filled in, both with a warning.
 //!
 //! | directive | supported |
 //! |---|---|
@@ -23,25 +22,17 @@ mod directives;
 mod lexer;
 mod light;
 mod material;
+mod options;
 mod params;
 mod reader;
 mod setup;
 mod shape;
 
-use super::Imported;
-use crate::envmap::EnvMap;
-use crate::error::Result;
-use crate::raster::Image;
-use std::path::Path;
-use std::sync::Arc;
+pub use options::PbrtOptions;
 
-/// What the reader needs beside the file.
-pub struct PbrtOptions<'a> {
-    /// A map, and what it is called, that stands in for the one that the file names (which is then not opened).
-    pub environment: Option<(Arc<EnvMap>, String)>,
-    /// Reads an image file, row 0 at the top as stored.
-    pub load_map: &'a dyn Fn(&Path) -> Result<Image>,
-}
+use super::Imported;
+use crate::error::Result;
+use std::path::Path;
 
 /// Reads the scene at `path`.
 ///

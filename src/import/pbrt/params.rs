@@ -7,12 +7,13 @@ use crate::math::Rgb;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// What a directive says: its kind (`"sphere"`) and its parameters.
+/// The arguments of a directive: its kind (`"sphere"`) and its parameters.
 pub struct Params {
     /// The directive with its kind, for messages: `Shape "sphere"`.
     pub owner: String,
+    /// The first string after the directive.
     pub kind: String,
-    /// Where the directive stands.
+    /// Position of the directive.
     pub at: At,
     left: BTreeMap<String, Param>,
     /// The names that were asked for: what the directive understands.
@@ -161,7 +162,7 @@ impl Params {
         }
     }
 
-    /// Where the parameter stands, as long as it has not been taken; else the directive.
+    /// Position of a parameter that has not been taken; otherwise of the directive.
     pub fn place(&self, name: &str) -> At {
         self.left.get(name).map_or(&self.at, |param| &param.at).clone()
     }

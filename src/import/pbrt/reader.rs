@@ -20,32 +20,46 @@ const MAX_BYTES: u64 = 64 << 20;
 const MAX_FILES_DEEP: usize = 32;
 const MAX_BLOCKS_DEEP: usize = 1024;
 
+/// The state while a scene is read.
 pub struct Reader<'a> {
+    /// Of the caller.
     pub(super) options: &'a PbrtOptions<'a>,
     /// Where the first file lies: names in all files are relative to it, as in pbrt.
     pub(super) folder: PathBuf,
     /// The files being read now, each included by the one before it.
     open: Vec<PathBuf>,
     bytes: u64,
+    /// Before, in or after the world block.
     pub(super) stage: Stage,
+    /// Current transform, material and emission.
     pub(super) state: State,
     blocks: Vec<Block>,
+    /// Named coordinate systems.
     pub(super) systems: HashMap<String, DMat4>,
+    /// Named materials.
     pub(super) materials: HashMap<String, Material>,
+    /// Camera, film, sampler and integrator.
     pub(super) setup: Setup,
+    /// Shapes so far.
     pub(super) objects: Vec<Object>,
+    /// Lights so far, without those at infinity.
     pub(super) lights: Vec<Light>,
+    /// The light at infinity.
     pub(super) environment: Option<Environment>,
     /// The most samples that a light asks for at each hit.
     light_samples: Option<u32>,
     /// How many more bytes of mesh files may be read.
     pub(super) mesh_bytes: u64,
+    /// So far.
     pub(super) warnings: Vec<String>,
 }
 
+/// Part of the file that is being read.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Stage {
+    /// Before `WorldBegin`.
     Options,
+    /// After it.
     World,
     /// After `WorldEnd`.
     Done,
@@ -54,9 +68,11 @@ pub(super) enum Stage {
 /// What `AttributeBegin` saves.
 #[derive(Clone)]
 pub(super) struct State {
+    /// Object to world.
     pub(super) transform: DMat4,
+    /// Of the shapes that follow.
     pub(super) material: Material,
-    /// What shapes give off.
+    /// Emission of the shapes that follow.
     pub(super) emission: Option<Emission>,
     /// Whether `ReverseOrientation` holds.
     pub(super) reversed: bool,
@@ -133,6 +149,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Reads the file `name` for the directive `Include` or `Import`.
     pub(super) fn include(&mut self, directive: &str, name: &str, at: &At) -> Result<()> {
         let path = self.folder.join(name);
         if self.open.len() >= MAX_FILES_DEEP {

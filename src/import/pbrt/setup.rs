@@ -1,4 +1,4 @@
-//! What stands before `WorldBegin`: camera, film, filter, sampler and integrator, and what they ask of a render.
+//! Camera, film, filter, sampler and integrator, and the request that they amount to.
 
 use super::params::Params;
 use crate::error::Result;
@@ -8,7 +8,7 @@ use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;
 
-/// Largest side of a image, and most pixels in it.
+/// Largest side of an image, and most pixels in it.
 const MAX_SIDE: u32 = 1 << 16;
 const MAX_PIXELS: usize = 1 << 28;
 /// Most samples of any kind, and the deepest path.

@@ -10,12 +10,13 @@ use crate::scene::{Mesh, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use std::path::Path;
 
-/// What is set where a shape stands.
+/// The graphics state for a shape.
 pub struct Setting<'a> {
+    /// Object to world.
     pub to_world: &'a DMat4,
-    /// Whether the outside is turned in, and that shows.
+    /// Whether the orientation is reversed, with an effect on the image.
     pub reversed: bool,
-    /// Where the names of files start.
+    /// The folder that names of files are relative to.
     pub folder: &'a Path,
     /// How many more bytes of mesh files may be read.
     pub mesh_bytes: &'a mut u64,
@@ -59,7 +60,7 @@ fn sphere(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -> Resul
     Ok(Sphere { centre: centre.as_vec3(), radius: radius as f32 })
 }
 
-/// A mesh that stands in the scene file.
+/// A mesh in the scene file itself.
 fn triangle_mesh(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -> Result<Mesh> {
     let (at, owner) = (p.at.clone(), p.owner.clone());
     let missing = |what: &str| at.input(format!("{owner} needs {what}"));
@@ -92,7 +93,7 @@ fn triangle_mesh(mut p: Params, setting: &Setting, warnings: &mut Vec<String>) -
     place(&positions, &normals, triangles, uv, setting, &at)
 }
 
-/// A mesh in a file of its own.
+/// A mesh in another file.
 fn ply_mesh(mut p: Params, setting: &mut Setting, warnings: &mut Vec<String>) -> Result<Mesh> {
     let at = p.place("filename");
     let name = p.text("filename")?.ok_or_else(|| at.input(format!("{} needs a \"string filename\"", p.owner)))?;
@@ -110,8 +111,8 @@ fn ply_mesh(mut p: Params, setting: &mut Setting, warnings: &mut Vec<String>) ->
     place(&numbers(&mesh.positions), &numbers(&mesh.normals), mesh.triangles, mesh.uv, setting, &at)
 }
 
-/// Takes a mesh to the world. Its outside is where its normals point; without normals, where its corners run
-/// counter-clockwise before the transform. `ReverseOrientation` turns that round.
+/// Transforms a mesh to the world. Its outside is where its normals point; without normals, where its corners run
+/// counter-clockwise before the transform. `ReverseOrientation` exchanges outside and inside.
 fn place(
     positions: &[[f64; 3]],
     normals: &[[f64; 3]],
@@ -124,6 +125,7 @@ fn place(
         let p = setting.to_world.transform_point3(DVec3::from_array(p));
         in_range(p).then(|| p.as_vec3()).ok_or_else(|| at.input(format!("a vertex at {p} is out of range")))
     };
+    // Normals transform by the inverse transpose.
     let linear = DMat3::from_mat4(*setting.to_world);
     let (across, side) = (linear.inverse().transpose(), if setting.reversed { -1.0 } else { 1.0 });
     let normal = |&n: &[f64; 3]| {
@@ -132,6 +134,7 @@ fn place(
     };
     let positions: Vec<Vec3> = positions.iter().map(point).collect::<Result<_>>()?;
     let normals: Vec<Vec3> = normals.iter().map(normal).collect::<Result<_>>()?;
+    // Orient each triangle by its normals, or by the handedness of the transform.
     let mirrored = linear.determinant() < 0.0;
     for (i, triangle) in triangles.iter_mut().enumerate() {
         let inside_out = if normals.is_empty() {

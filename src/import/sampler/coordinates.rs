@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_come_back() {
+    fn points_round_trip() {
         fn returns<P: Coordinates + PartialEq>(point: P) {
             let mut line = String::new();
             point.write(&mut line);

@@ -10,6 +10,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// The words of `line`, separated by white space.
     pub fn new(line: &'a str) -> Self {
         Self { rest: line }
     }
@@ -29,6 +30,7 @@ impl<'a> Words<'a> {
         found
     }
 
+    /// Whether no word is left.
     pub fn is_empty(&self) -> bool {
         self.rest.trim_ascii().is_empty()
     }
@@ -57,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_to_the_last_bit() {
+    fn numbers_round_trip_to_the_last_bit() {
         let mut line = String::new();
         for x in [0.1, 1.0 / 3.0, f64::MIN_POSITIVE, -1e300, -0.0, f64::INFINITY] {
             line.clear();

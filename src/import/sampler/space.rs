@@ -18,19 +18,21 @@ pub enum Space {
     Square,
     /// Numbers from 0 to 1.
     Line,
-    /// The whole numbers from 0 to one less than this.
+    /// The integers from 0 up to, but not including, this one.
     Discrete(usize),
 }
 
-/// What is done over a domain that is only known when the program runs.
+/// A computation over a domain that is known at run time only.
 pub trait Visitor {
+    /// What the computation returns.
     type Output;
 
+    /// Runs the computation over `domain`.
     fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Self::Output;
 }
 
 impl Space {
-    /// Has `visitor` do its work over the domain; the pole of directions is +z.
+    /// Runs `visitor` over the domain; the pole of directions is +z.
     pub fn with<V: Visitor>(self, visitor: V) -> V::Output {
         match self {
             Self::Sphere => visitor.visit(Directions::sphere(Pole::Z)),
@@ -49,7 +51,7 @@ impl FromStr for Space {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let fault = |message: String| {
+        let error = |message: String| {
             Error::parameter("domain", message).with_hint("domains: sphere, hemisphere, square, line, discrete:N")
         };
         Ok(match text {
@@ -58,9 +60,9 @@ impl FromStr for Space {
             "square" => Self::Square,
             "line" => Self::Line,
             _ => {
-                let count = text.strip_prefix("discrete:").ok_or_else(|| fault(format!("unknown domain {text:?}")))?;
+                let count = text.strip_prefix("discrete:").ok_or_else(|| error(format!("unknown domain {text:?}")))?;
                 let count = count.parse().ok().filter(|n| (1..=OUTCOMES).contains(n));
-                Self::Discrete(count.ok_or_else(|| fault(format!("{text:?} needs a number from 1 to {OUTCOMES}")))?)
+                Self::Discrete(count.ok_or_else(|| error(format!("{text:?} needs a number from 1 to {OUTCOMES}")))?)
             }
         })
     }
@@ -83,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn visitors_see_the_domain_that_is_named() {
+    fn visitors_get_the_domain_that_is_named() {
         struct Measure;
         impl Visitor for Measure {
             type Output = (f64, bool, Option<usize>);

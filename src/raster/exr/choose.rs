@@ -1,4 +1,4 @@
-//! Which channels of an OpenEXR file are its picture.
+//! The choice of the channels of an OpenEXR file that are its image.
 
 use crate::error::{Error, Result};
 use exr::math::Vec2;
@@ -9,28 +9,35 @@ use std::path::Path;
 /// One channel inside the rows of a decoded block: bytes before it per pixel, and its type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Channel {
+    /// Bytes of the channels before it, per pixel.
     pub before: usize,
+    /// Sample type.
     pub kind: SampleType,
 }
 
-/// The layer that is the picture, and the part that it is in.
+/// The layer that is the image, and the part that it is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
+    /// Index of the part.
     pub part: usize,
+    /// Its layer.
     pub layer: Shown,
 }
 
 /// A layer, and the channels shown as red, green and blue (`None`: black).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shown {
+    /// Empty for channels without a layer.
     pub name: String,
+    /// How well it serves as the image.
     pub fit: Fit,
+    /// Channels for red, green and blue.
     pub rgb: [Option<Channel>; 3],
     /// What is a guess about the channels.
     pub note: Option<String>,
 }
 
-/// How well a layer serves as the picture; the first layer of the best kind is taken.
+/// How well a layer serves as the image; the first layer of the best kind is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fit {
     Colour,
@@ -68,16 +75,16 @@ pub(super) fn choose(path: &Path, headers: &[Header]) -> Result<Choice> {
     Ok(choice)
 }
 
-/// What is a guess about a choice, in sentences.
+/// Notes on what is a guess about a choice.
 ///
 /// # Errors
-/// [`Error::Unsupported`] when several named layers of the part would do and none of them stands out.
+/// [`Error::Unsupported`] when several named layers of the part are equally good.
 pub(super) fn notes(path: &Path, headers: &[Header], choice: &Choice) -> Result<Vec<String>> {
     let Choice { part, layer } = choice;
     let others = layers(&headers[*part]);
-    let rivals: Vec<&Shown> = others.iter().filter(|other| other.fit == layer.fit).collect();
-    if !layer.name.is_empty() && rivals.len() > 1 {
-        let names = list(rivals.iter().map(|rival| rival.name.clone()));
+    let candidates: Vec<&Shown> = others.iter().filter(|other| other.fit == layer.fit).collect();
+    if !layer.name.is_empty() && candidates.len() > 1 {
+        let names = list(candidates.iter().map(|layer| layer.name.clone()));
         return Err(Error::unsupported(path, format!("which layer of the OpenEXR file is the image? It has {names}"))
             .with_hint("save one of them as R, G, B: oiiotool in.exr --ch R=NAME.R,G=NAME.G,B=NAME.B -o out.exr"));
     }
@@ -128,7 +135,7 @@ pub(super) fn layers(header: &Header) -> Vec<Shown> {
     groups.into_iter().filter_map(|(name, channels)| shown(name, &channels)).collect()
 }
 
-/// A layer as a picture, if its channels can be one.
+/// A layer as an image, if its channels can be one.
 fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
     const COLOURS: [[&str; 2]; 3] = [["r", "red"], ["g", "green"], ["b", "blue"]];
     let find = |names: [&str; 2]| channels.iter().find(|(role, _)| names.contains(&role.as_str())).map(|&(_, c)| c);
@@ -180,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn guesses_are_said() {
+    fn guesses_are_noted() {
         for plain in [
             &["A", "B", "G", "R"][..],
             &["A", "Y"],
@@ -203,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_guess_can_settle_is_refused_with_the_names() {
+    fn ambiguous_layers_are_refused_with_their_names() {
         for (names, expected) in [
             (&["X", "Y", "Z"][..], "\"X\", \"Y\", \"Z\""),
             (&["N.x", "N.y", "N.z"], "\"N.x\""),
@@ -236,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_shown_is_an_error() {
+    fn files_without_colour_are_errors() {
         let path = Path::new("a.exr");
         assert!(matches!(choose(path, &[part(&["A"])]), Err(Error::Unsupported { .. })));
         assert!(matches!(choose(path, &[part(&["BY", "RY", "Y"])]), Err(Error::Unsupported { .. })));

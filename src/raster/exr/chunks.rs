@@ -1,4 +1,4 @@
-//! Where the blocks of an OpenEXR part stand in the file, and whether their bytes can hold what they promise.
+//! The blocks of an OpenEXR part in the file, and whether their bytes can hold the pixels that the header announces.
 //!
 //! The codecs reserve memory for whatever size the header, or a compressed stream inside the chunk, announces; a file
 //! of a hundred bytes can announce terabytes. So every chunk is checked here before the image is allocated.
@@ -12,12 +12,17 @@ use std::path::Path;
 /// A rectangle of pixels, relative to the data window, and its compressed bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Block<'a> {
+    /// Column of the first pixel in the data window.
     pub x: usize,
+    /// Row of the first pixel in the data window.
     pub y: usize,
+    /// In pixels.
     pub width: usize,
+    /// In pixels.
     pub height: usize,
     /// Where the chunk stands in the file.
     pub offset: usize,
+    /// Compressed bytes.
     pub data: &'a [u8],
 }
 

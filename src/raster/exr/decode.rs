@@ -5,7 +5,7 @@ use super::chunks::Block;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
-use crate::raster::read::{Decoded, blank, check_size};
+use crate::raster::decoded::{Decoded, blank, check_size};
 use crate::raster::{Image, primaries};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
@@ -13,10 +13,10 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::path::Path;
 
-/// Reads the picture of an OpenEXR file; which channels that is, see [`choose`].
+/// Reads the image of an OpenEXR file; which channels that is, see [`choose`].
 ///
 /// The image is the display window: data outside it are dropped, pixels of it without data are black.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let file = Exr::parse(path, bytes)?;
     let choice = choose(path, file.headers())?;
     let mut notes = notes(path, file.headers(), &choice)?;
@@ -49,6 +49,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
+    /// The placement that a header describes.
     pub fn of(header: &Header) -> Self {
         let (data, window) = (header.data_window().position, header.shared_attributes.display_window.position);
         Self { left: i64::from(data.0) - i64::from(window.0), top: i64::from(data.1) - i64::from(window.1) }
@@ -95,7 +96,7 @@ fn copy_row(image: &mut Image, x: i64, y: i64, row: &[Rgb]) {
     }
 }
 
-/// The picture, or a layer, in the bytes of a block.
+/// The image, or a layer, in the bytes of a block.
 pub(super) fn pixels(header: &Header, rgb: &[Option<Channel>; 3], block: &Block<'_>, bytes: &[u8]) -> Vec<Rgb> {
     let stride = block.width * header.channels.bytes_per_pixel;
     let mut pixels = vec![Rgb::ZERO; block.width * block.height];

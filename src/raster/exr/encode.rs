@@ -1,8 +1,11 @@
 //! Writing OpenEXR: scan lines, ZIP compression, one part, channels of any type, layers as prefixes of their names.
+//!
+//! The `exr` crate compresses the blocks; header and table of blocks are written here. The crate's own writer keeps custom
+//! attributes in a hash map, so their order, and the bytes of the file, would differ from run to run.
 
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
-use crate::raster::write::SOFTWARE;
+use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use exr::compression::Compression;
 use exr::meta::BlockDescription;
@@ -26,7 +29,9 @@ pub enum Precision {
 /// An image in a file of several. The unnamed layer (`""`) is what viewers show.
 #[derive(Debug, Clone, Copy)]
 pub struct Layer<'a> {
+    /// Prefix of the channels' names; empty for the unnamed layer.
     pub name: &'a str,
+    /// Its pixels.
     pub image: &'a Image,
 }
 
@@ -97,6 +102,7 @@ pub fn write_exr_channels(
         BlockDescription::ScanLines,
         LineOrder::Increasing,
     );
+    // Compress the blocks in parallel.
     let starts: Vec<usize> = (0..height).step_by(LINES).collect();
     let blocks: Vec<Vec<u8>> = starts
         .par_iter()
@@ -112,6 +118,7 @@ pub fn write_exr_channels(
         .collect::<std::result::Result<_, _>>()
         .map_err(|e| Error::io(path, std::io::Error::other(e.to_string())))?;
 
+    // Write header, table of offsets and blocks.
     let head = head((width, height), &channels, metadata);
     write_atomic(path, |out| {
         let mut offset = head.len() + 8 * blocks.len();
@@ -132,16 +139,21 @@ pub fn write_exr_channels(
     })
 }
 
-/// A channel: its name, with the layer's as prefix (`error.R`), and its samples.
+/// A channel of an OpenEXR file.
 pub struct Channel<'a> {
+    /// 1 to 31 ASCII characters, with the layer's name as prefix (`error.R`).
     pub name: String,
+    /// Its values.
     pub samples: Samples<'a>,
 }
 
 /// The value of each pixel, by its number (row by row from the top), and how it is stored.
 pub enum Samples<'a> {
+    /// 16 bits, see [`Precision::Half`].
     Half(Box<dyn Fn(usize) -> f32 + Sync + 'a>),
+    /// 32 bits, exact.
     Float(Box<dyn Fn(usize) -> f32 + Sync + 'a>),
+    /// Unsigned integers of 32 bits.
     Unsigned(Box<dyn Fn(usize) -> u32 + Sync + 'a>),
 }
 
@@ -229,7 +241,7 @@ fn text(name: &str) -> Text {
     Text::from_slice_unchecked(name.as_bytes())
 }
 
-/// Everything before the table of blocks. Written here, not by the `exr` crate, which shuffles attributes.
+/// The magic number, the version and the header.
 fn head((width, height): (usize, usize), channels: &[Channel<'_>], metadata: &Metadata) -> Vec<u8> {
     let mut list = Vec::new();
     for channel in channels {

@@ -12,7 +12,7 @@ use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Blocks are decompressed in groups of about this many bytes, to bound what stands in memory beside the result.
+/// Blocks are decompressed in groups of about this many bytes, to bound the memory besides the result.
 const BYTES_AT_ONCE: usize = 1 << 26;
 /// Larger blocks are refused: 16 lines of 65536 pixels with 256 channels of four bytes.
 const MAX_BLOCK_BYTES: usize = 1 << 30;
@@ -34,7 +34,7 @@ impl<'a> Exr<'a> {
     /// Reads the headers of all parts.
     pub fn parse(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
         let mut cursor = Cursor::new(bytes);
-        // Not pedantic: damaged attributes that the picture does not need are passed over.
+        // Not pedantic: damaged attributes that the image does not need are passed over.
         let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|e| {
             let method = compression_method(bytes).filter(|m| *m > KNOWN_METHODS);
             method.map_or_else(|| foreign(path, &e), |m| unknown_method(path, m))
@@ -46,6 +46,7 @@ impl<'a> Exr<'a> {
         Ok(Self { path, bytes, table: cursor.position() as usize, meta })
     }
 
+    /// One header per part.
     pub fn headers(&self) -> &[Header] {
         &self.meta.headers
     }
@@ -64,8 +65,8 @@ impl<'a> Exr<'a> {
         texts
     }
 
-    /// The blocks of the full resolution of a part; an error if one is missing or too short for what the header
-    /// promises. So it is safe to allocate the result afterwards.
+    /// The blocks of the full resolution of a part; an error if one is missing or too short for the size in
+    /// the header, so that it is safe to allocate the result afterwards.
     pub fn blocks(&self, part: usize) -> Result<Blocks<'_>> {
         let header = &self.meta.headers[part];
         let unread = match header.compression {
@@ -143,7 +144,7 @@ fn attribute<'a>(rest: &mut &'a [u8]) -> Option<(&'a [u8], &'a [u8], &'a [u8])> 
     Some((name, kind, value))
 }
 
-/// An error of the `exr` crate in the words of this one.
+/// An error of the `exr` crate as one of this crate.
 fn foreign(path: &Path, error: &exr::error::Error) -> Error {
     match error {
         exr::error::Error::NotSupported(what) => {

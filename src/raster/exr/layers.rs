@@ -6,7 +6,7 @@ use super::encode::is_free_name;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::raster::read::blank;
+use crate::raster::decoded::blank;
 use crate::raster::{Image, Metadata};
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;
@@ -57,8 +57,8 @@ impl ExrFile {
         &self.metadata
     }
 
-    /// The layers in the part of the file that holds the picture, the unnamed one first, then by name. Each is shown as
-    /// [`read`](crate::raster::read()) shows the picture. Layers of unsigned integers, which are no light, are left out, and
+    /// The layers in the part of the file that holds the image, the unnamed one first, then by name. Each is shown as
+    /// [`read`](crate::raster::read()) shows the image. Layers of unsigned integers, which are no light, are left out, and
     /// so are those of several channels without a colour or Y.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl ExrFile {
     ///
     /// # Errors
     /// [`Error::Limit`] as in [`read`](crate::raster::read()); [`Error::Unsupported`] for a cropped, deep or subsampled
-    /// picture.
+    /// image.
     pub fn size(&self) -> Result<(usize, usize)> {
         let file = Exr::parse(&self.path, &self.bytes)?;
         let header = &file.headers()[0];

@@ -1,18 +1,18 @@
-//! Reading a Radiance picture: the text header, then scan lines in one of three packings.
+//! Reading a Radiance image: the text header, then scan lines in one of three packings.
 
-use super::{RUN_WIDTHS, linear};
+use super::pixel::{RUN_WIDTHS, linear};
 use crate::error::{Error, Place, Result};
 use crate::interrupt;
 use crate::math::Rgb;
+use crate::raster::decoded::{Decoded, blank, check_size, cut_off};
 use crate::raster::primaries;
-use crate::raster::read::{Decoded, blank, check_size, cut_off};
 use std::path::Path;
 
-/// Reads a Radiance picture. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
-/// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: what the scene had, not what the
-/// file was adjusted to. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
+/// Reads a Radiance image. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
+/// product of all `EXPOSURE` lines and, channel by channel, of all `COLORCORR` lines: the radiance of the scene
+/// before adjustments. `PRIMARIES` other than those of Rec. 709 are noted; `GAMMA`, `PIXASPECT` and other lines have no
 /// effect.
-pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let header = Header::parse(path, bytes)?;
     let (outer, inner) = (header.outer.length, header.inner.length);
     let (width, height) = if header.outer.vertical { (inner, outer) } else { (outer, inner) };
@@ -35,7 +35,7 @@ pub(in crate::raster) fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     Ok(Decoded { notes: header.note.into_iter().collect(), ..Decoded::from(image) })
 }
 
-/// One axis of the picture, in file order.
+/// One axis of the image, in file order.
 struct Axis {
     vertical: bool,
     /// Whether the file goes against increasing column or (top-down) row numbers.
@@ -48,7 +48,7 @@ struct Header {
     factor: Rgb,
     outer: Axis,
     inner: Axis,
-    /// What is to be said of its primaries.
+    /// A note on its primaries.
     note: Option<String>,
     /// Where the scan lines begin.
     end: usize,
@@ -238,8 +238,8 @@ mod tests {
     }
 
     #[test]
-    fn every_orientation_turns_out_upright() {
-        // The picture, top-down, is 0 1 2 / 3 4 5.
+    fn every_orientation_is_read_upright() {
+        // The image, top-down, is 0 1 2 / 3 4 5.
         for (size, order) in [
             ("-Y 2 +X 3", [0, 1, 2, 3, 4, 5]),
             ("-Y 2 -X 3", [2, 1, 0, 5, 4, 3]),
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_said() {
+    fn unreadable_files_are_errors_with_a_reason() {
         for (header, data, expected) in [
             ("FORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n", &[0; 4][..], "32-bit_rle_xyze"),
             ("EXPOSURE=0\n\n-Y 1 +X 1\n", &[0; 4], "EXPOSURE"),

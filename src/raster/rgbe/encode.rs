@@ -1,15 +1,15 @@
-//! Writing a Radiance picture in the newer run lengths.
+//! Writing a Radiance image in the newer run lengths.
 
-use super::{RUN_WIDTHS, shared_exponent};
-use crate::raster::write::SOFTWARE;
+use super::pixel::{RUN_WIDTHS, shared_exponent};
+use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use std::io::{self, Write};
 
-/// Writes a Radiance picture, rounding each mantissa to nearest: the error of a channel is at most 1/256 of the
+/// Writes a Radiance image, rounding each mantissa to nearest: the error of a channel is at most 1/256 of the
 /// largest channel of its pixel (and mostly half of that). Negative values and NaN become 0; values above the format's
 /// range, 255/256 · 2^127, and +∞ become the largest that it has; all three below 2^-128 become 0. The metadata become
 /// comment lines.
-pub(in crate::raster) fn encode(image: &Image, metadata: &Metadata, out: &mut dyn Write) -> io::Result<()> {
+pub fn encode(image: &Image, metadata: &Metadata, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "#?RADIANCE\n# {}", SOFTWARE)?;
     for (name, value) in metadata.entries() {
         writeln!(out, "# {}", format!("{name}: {value}").replace(['\n', '\r'], " "))?;

@@ -1,48 +1,16 @@
-//! Radiance HDR pictures: three 8-bit mantissas that share an exponent, in run lengths.
+//! Radiance HDR images: three 8-bit mantissas that share an exponent, run-length encoded.
 
 mod decode;
 mod encode;
+mod pixel;
 
 pub(super) use self::decode::decode;
 pub(super) use self::encode::encode;
 
-use crate::math::Rgb;
-
-/// Widths that the newer run lengths can have; others are stored flat.
-const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
-
-/// What a stored pixel stands for.
-fn linear([r, g, b, e]: [u8; 4]) -> Rgb {
-    if e == 0 {
-        return Rgb::ZERO;
-    }
-    // In f64, since the smallest values are subnormal in f32 and the factor alone would vanish.
-    let unit = f64::from(i32::from(e) - 136).exp2();
-    Rgb::from_array([r, g, b].map(|m| (f64::from(m) * unit) as f32))
-}
-
-/// The stored pixel nearest to `p`.
-fn shared_exponent(p: Rgb) -> [u8; 4] {
-    let [r, g, b] = p.to_array().map(|v| if v > 0.0 { f64::from(v) } else { 0.0 });
-    let largest = r.max(g).max(b);
-    if largest < 2.0_f64.powi(-128) {
-        return [0; 4];
-    }
-    // The exponent that brings the largest channel to [128, 256); one more if it then rounds to 256. In f64 log2 is
-    // exact enough that only powers of two matter, and those it gives exactly.
-    let mut exponent = (largest.log2().floor() as i32).min(126) + 1;
-    if (largest * f64::from(8 - exponent).exp2()).round() > 255.0 && exponent < 127 {
-        exponent += 1;
-    }
-    let unit = f64::from(8 - exponent).exp2();
-    // The cast saturates: beyond the range of the format the value becomes its largest.
-    let [r, g, b] = [r, g, b].map(|v| (v * unit).round() as u8);
-    [r, g, b, (exponent + 128) as u8]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Rgb;
     use crate::raster::{Image, Metadata};
     use std::path::Path;
 

@@ -14,27 +14,33 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-/// All samples of a rectangle of pixels: a picture, or some rows of one.
+/// All samples of a rectangle of pixels: an image, or some rows of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     width: usize,
     height: usize,
     /// The number of the first row.
     top: usize,
+    /// Row by row from the top.
     pub(super) pixels: Vec<Pixel>,
+    /// Samples that were not finite or negative.
     pub(super) dropped: Dropped,
+    /// Sums by path class, if asked for.
     pub(super) paths: Option<Paths>,
+    /// Contributions of light paths, if there are any.
     pub(super) splats: Option<Splats>,
 }
 
 /// The light of each pixel by the class of its path: for each pixel a sum for each class.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Paths {
+    /// Their classes.
     pub classes: PathClasses,
+    /// All classes of a pixel side by side.
     pub sums: Vec<[Fixed; 3]>,
 }
 
-/// What is known of a pixel: its mean, and the standard error of that.
+/// The estimate of a pixel: its mean, and the standard error of the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelEstimate {
     /// Mean of the pixel's samples.
@@ -52,7 +58,7 @@ impl Film {
     /// Memory of one path class of a pixel.
     pub const BYTES_PER_CLASS: usize = size_of::<[Fixed; 3]>();
 
-    /// A film without samples; with `classes`, it also keeps the light apart by the class of its path.
+    /// A film without samples; with `classes`, it also keeps sums by path class.
     ///
     /// # Errors
     /// [`Error::Parameter`] for no pixel and for more than 2^28, [`Error::Memory`] when they do not fit.
@@ -60,8 +66,8 @@ impl Film {
         Self::strip(width, 0..height, classes)
     }
 
-    /// [`Film::new`] for some rows of a picture, which take the memory of so many. They are for those who are done
-    /// with these rows before they go on to the next: a file does not say which rows it holds.
+    /// [`Film::new`] for some rows of an image, in memory for these only. A file does not say which rows it holds, so such a film
+    /// cannot be written as a part.
     ///
     /// # Errors
     /// Those of [`Film::new`].
@@ -85,7 +91,7 @@ impl Film {
         Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths, splats: None })
     }
 
-    /// The same film with room for [`Row::splat`]: only whole pictures can have it, of which any row may bring light to any
+    /// The same film with sums for [`Row::splat`], which only a film of the whole image can have: any row may splat to any
     /// other.
     ///
     /// # Errors
@@ -113,13 +119,13 @@ impl Film {
         &self.pixels
     }
 
-    /// The samples that did not count.
+    /// The samples that were dropped.
     #[must_use]
     pub fn dropped(&self) -> Dropped {
         self.dropped
     }
 
-    /// The path classes that are kept apart.
+    /// The path classes that have sums of their own.
     #[must_use]
     pub fn classes(&self) -> Option<PathClasses> {
         self.paths.as_ref().map(|p| p.classes)
@@ -150,19 +156,19 @@ impl Film {
         self.dropped = self.dropped.merge(dropped.reduce(Dropped::default, Dropped::merge));
     }
 
-    /// The mean of the samples of every pixel, and what came from elsewhere; black where there are none.
+    /// The mean of the samples of every pixel, and the light splatted to it; black without samples.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.picture(|estimate| estimate.mean)
+        self.image_of(|estimate| estimate.mean)
     }
 
     /// The standard error of every pixel and channel, see [`Pixel::standard_error`].
     #[must_use]
     pub fn standard_error(&self) -> Image {
-        self.picture(|estimate| estimate.error)
+        self.image_of(|estimate| estimate.error)
     }
 
-    fn picture(&self, value: impl Fn(PixelEstimate) -> Rgb + Sync + Send) -> Image {
+    fn image_of(&self, value: impl Fn(PixelEstimate) -> Rgb + Sync + Send) -> Image {
         let paths = self.paths_per_pixel();
         let values = (0..self.pixels.len()).into_par_iter().map(|i| value(self.estimate(i, paths)));
         Image::from_pixels(self.width, self.height, values.collect())
@@ -174,7 +180,7 @@ impl Film {
         (0..self.pixels.len()).map(move |i| self.estimate(i, paths))
     }
 
-    /// How many paths from the lamps there were for each pixel: as many as samples, on average over all pixels.
+    /// How many light paths there were for each pixel: as many as samples, on average over all pixels.
     pub(super) fn paths_per_pixel(&self) -> f64 {
         let samples: u64 = self.pixels.iter().map(|pixel| u64::from(pixel.n)).sum();
         samples as f64 / self.pixels.len() as f64
@@ -190,7 +196,7 @@ impl Film {
         PixelEstimate { mean: mean + received.mean(paths), error: Rgb::from_array(error.map(|v| v.sqrt() as f32)) }
     }
 
-    /// Adds the samples of `other`; the result is the same as if one film had seen them all.
+    /// Adds the samples of `other`; the result is the same as if one film had accumulated them all.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the sizes or the path classes differ.

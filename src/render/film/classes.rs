@@ -1,4 +1,4 @@
-//! Light paths by what they met on the way: words like `LSDE` in the notation of Heckbert.
+//! Path classes: words like `LSDE` in the notation of Heckbert.
 //!
 //! Source: Heckbert, "Adaptive radiosity textures for bidirectional ray tracing", SIGGRAPH 1990.
 
@@ -11,7 +11,7 @@
 pub struct PathClass(u32);
 
 impl PathClass {
-    /// `LE`: light that is seen directly. A path traced from the eye starts with it.
+    /// `LE`: light that reaches the camera directly. A path traced from the camera starts with it.
     pub const DIRECT: Self = Self(1);
     /// A path of more scatterings keeps the class that it has.
     const LONGEST: u32 = 30;
@@ -52,7 +52,7 @@ pub struct PathClasses {
 }
 
 impl PathClasses {
-    /// More scatterings than these would give more layers (2^(n+1)) than anybody looks at.
+    /// More scatterings than these would give more layers (2^(n+1)) than are of use.
     pub const LONGEST: u32 = 6;
 
     /// A class for each word of at most `scatterings` letters between L and E (at most [`PathClasses::LONGEST`]), and one

@@ -1,4 +1,4 @@
-//! Parts of a render as OpenEXR files: a picture for viewers, and the sums to go on from.
+//! Parts of a render as OpenEXR files: an image for viewers, and the sums to continue from.
 
 use super::accumulate::Film;
 use super::classes::PathClasses;
@@ -23,11 +23,11 @@ impl Part {
     ///
     /// | layer | what it holds |
     /// |---|---|
-    /// | (unnamed) | the mean of the samples so far: the picture |
+    /// | (unnamed) | the mean of the samples so far: the image |
     /// | `error` | its standard error (see [`Pixel::standard_error`](super::Pixel::standard_error)) |
-    /// | `LE`, `LDE` … `rest` | the light by path class, if it was kept; added up in the order of the attribute `paths` they are the picture |
-    /// | `sums`, `squares`, `sums.LDE` … | unless the picture is complete: counts and sums, in words of 32 bits |
-    /// | `splats.sums` … | the same of the light that paths from the lamps brought, if there were any |
+    /// | `LE`, `LDE` … `rest` | the light by path class, if the film has it; added up in the order of the attribute `paths` they are the image |
+    /// | `sums`, `squares`, `sums.LDE` … | unless the image is complete: counts and sums, in words of 32 bits |
+    /// | `splats.sums` … | the same of the contributions of light paths, if there were any |
     ///
     /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`,
     /// `droppedNonfinite`, `droppedNegative` and `droppedFirst`; metadata must not have these names.
@@ -38,7 +38,7 @@ impl Part {
         self.write_with(path, !self.is_complete())
     }
 
-    /// [`Part::write`] that keeps the sums even of a complete picture, so that samples can be added to it.
+    /// [`Part::write`] with the sums even of a complete image, so that samples can be added to it.
     ///
     /// # Errors
     /// Those of [`Part::write`].
@@ -75,10 +75,10 @@ impl Part {
         }
     }
 
-    /// Reads a part, to go on with it or to merge it.
+    /// Reads a part, to continue it or to merge it.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file without sums (a complete picture that [`Part::write`] wrote has none) and for a
+    /// [`Error::Input`] for a file without sums (a complete image that [`Part::write`] wrote has none) and for a
     /// damaged one; those of [`ExrFile`].
     pub fn read(path: &Path) -> Result<Self> {
         let file = ExrFile::open(path)?;
@@ -97,7 +97,7 @@ impl Part {
         let (names, slots): (Vec<String>, Vec<_>) = slots(classes, splats).into_iter().unzip();
         if ranges.is_complete() && !file.counts(&names[0])? {
             return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
-                .with_hint("a complete picture keeps no sums, unless it was rendered with `resume`"));
+                .with_hint("a complete image has no sums, unless it was rendered with `resume`"));
         }
         let dropped = dropped(attributes).ok_or_else(|| wrong("dropped…"))?;
         let (width, height) = file.size()?;

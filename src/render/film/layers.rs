@@ -1,4 +1,4 @@
-//! The picture taken apart by path class: layers whose sum is the picture, to the last bit.
+//! The image split by path class: layers whose sum is the image, to the last bit.
 
 use super::accumulate::Film;
 use super::pixel::mean;
@@ -11,13 +11,13 @@ impl Film {
     /// The mean light of each path class, with the classes' names in their order; nothing without classes.
     ///
     /// The layers of a pixel, added in this order in f64 and rounded to f32, give the value of [`Film::image`]
-    /// exactly: what rounding leaves over goes to the largest of them.
+    /// exactly: the largest layer takes the rounding error.
     #[must_use]
     pub fn path_layers(&self) -> Vec<(String, Image)> {
         let Some(paths) = &self.paths else { return Vec::new() };
         let count = paths.classes.count();
         let per_pixel = self.paths_per_pixel();
-        let picture = self.image();
+        let image = self.image();
         let mut layers: Vec<Vec<Rgb>> = vec![vec![Rgb::ZERO; self.pixels.len()]; count];
         // One column of values for each pixel; a group of pixels at a time, so that memory stays in proportion.
         for start in (0..self.pixels.len()).step_by(GROUP) {
@@ -34,7 +34,7 @@ impl Film {
                         let received = &splats.classes[i * count..][..count];
                         column.iter_mut().zip(received).for_each(|(v, sum)| *v += splats::mean(sum, per_pixel));
                     }
-                    let total = picture.pixels()[i];
+                    let total = image.pixels()[i];
                     for c in 0..3 {
                         let mut values: Vec<f32> = column.iter().map(|v| v[c]).collect();
                         settle(&mut values, total[c]);
@@ -52,7 +52,7 @@ impl Film {
     }
 }
 
-/// Pixels that are taken apart together.
+/// Pixels that are split at a time.
 const GROUP: usize = 1 << 14;
 
 /// Changes `values` by as little as makes their sum `total`: the largest one takes the difference.

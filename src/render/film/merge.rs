@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// all parts agree.
 ///
 /// # Errors
-/// [`Error::Input`], naming two files, when they are parts of different pictures, hold the same samples, or were both
+/// [`Error::Input`], naming two files, when they are parts of different images, hold the same samples, or were both
 /// interrupted (a pixel's count cannot say of which range it has how much). [`Error::Parameter`] without any file.
 /// Those of [`Part::read`].
 pub fn merge_files(paths: &[PathBuf]) -> Result<Part> {
@@ -38,7 +38,7 @@ pub fn merge_files(paths: &[PathBuf]) -> Result<Part> {
 }
 
 impl Part {
-    /// Adds a part of the same picture with other samples.
+    /// Adds a part of the same image with other samples.
     fn add(&mut self, other: Part) -> Result<()> {
         self.ranges = self.ranges();
         self.film.merge(&other.film)?;
@@ -49,7 +49,7 @@ impl Part {
     }
 }
 
-/// An error that says in what two files disagree, if they are parts of different pictures.
+/// An error that says in what two files disagree, if they are parts of different images.
 fn same_picture(path_a: &Path, a: &Part, path_b: &Path, b: &Part) -> Result<()> {
     let size = |part: &Part| format!("{}x{}", part.film.width(), part.film.height());
     let samples = |part: &Part| part.ranges.spp().to_string();

@@ -1,7 +1,7 @@
 //! The film of a render that may be cut into parts: sums without rounding, so that parts can be merged in any order.
 //!
 //! A [`Film`] collects samples. A [`Part`] says which samples of how many they are, is written to an OpenEXR file
-//! that viewers show as a picture, is read back, and is merged with other parts of the same render.
+//! that viewers show as an image, is read back, and is merged with other parts of the same render.
 
 mod accumulate;
 mod classes;

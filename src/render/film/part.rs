@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::raster::Metadata;
 use std::ops::Range;
 
-/// What has been rendered so far of a picture.
+/// What has been rendered so far of an image.
 ///
 /// ```
 /// use etalon::math::Rgb;
@@ -32,8 +32,9 @@ use std::ops::Range;
 pub struct Part {
     /// The samples so far.
     pub film: Film,
+    /// Which samples the film holds.
     pub(super) ranges: Ranges,
-    /// Equal for parts of the same picture: a hash of the scene and of all settings that change a sample.
+    /// Equal for parts of the same image: a hash of the scene and of all settings that change a sample.
     pub fingerprint: String,
     /// What the file says besides; see [`Part::write`] for the names that are taken.
     pub metadata: Metadata,
@@ -63,7 +64,7 @@ impl Task {
 }
 
 impl Part {
-    /// A part without samples, of a picture that is to have `spp` for each pixel.
+    /// A part without samples, of an image that is to have `spp` for each pixel.
     #[must_use]
     pub fn new(film: Film, spp: u32, fingerprint: impl Into<String>, metadata: Metadata) -> Self {
         Self { film, ranges: Ranges::none(spp), fingerprint: fingerprint.into(), metadata }
@@ -108,7 +109,7 @@ impl Part {
         self.film.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
     }
 
-    /// Whether the picture has all its samples.
+    /// Whether the image has all its samples.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.ranges().is_complete()

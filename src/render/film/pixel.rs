@@ -6,8 +6,11 @@ use crate::math::Rgb;
 /// The samples of one pixel, as sums that lose nothing and hence depend on no order; 104 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Pixel {
+    /// Number of samples.
     pub(super) n: u32,
+    /// Σ x per channel.
     pub(super) sum: [Fixed; 3],
+    /// Σ x² per channel.
     pub(super) square: [Fixed; 3],
 }
 
@@ -35,6 +38,7 @@ impl Pixel {
         self.n += 1;
     }
 
+    /// Adds the samples of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.n = self.n.saturating_add(other.n);
         for c in 0..3 {

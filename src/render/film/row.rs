@@ -1,4 +1,4 @@
-//! A row of the film while samples are added to it: impossible ones are dropped, counted and located.
+//! A row of the film while samples are added to it: samples that are not finite or negative are dropped, counted and located.
 
 use super::dropped::Dropped;
 use super::fixed::{Fixed, LIMIT};
@@ -23,7 +23,7 @@ impl<'a> Row<'a> {
         Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default(), splats: Vec::new() }
     }
 
-    /// The light for pixels of any row that came with the samples of this one.
+    /// Contributions to pixels of any row that were traced with the samples of this one.
     pub(super) fn splats(&self) -> &[Splat] {
         &self.splats
     }
@@ -50,7 +50,7 @@ impl<'a> Row<'a> {
     /// (empty if there are none).
     ///
     /// A sample that is not finite, from 2^63 on or negative counts as black: leaving it out of the mean would make the
-    /// picture depend on where the trouble is. The picture does not depend on `paths`.
+    /// image depend on where such samples occur. The image does not depend on `paths`.
     #[inline]
     pub fn add(&mut self, x: usize, value: Rgb, paths: &[Rgb]) {
         if !is_light(value) {
@@ -65,7 +65,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Adds light that came with a sample of this row to a pixel of any row. Impossible light counts as black there.
+    /// Adds a contribution that was traced with a sample of this row to a pixel of any row; an impossible one counts as black.
     #[inline]
     pub fn splat(&mut self, splat: Splat) {
         if is_light(splat.value) {

@@ -1,7 +1,7 @@
-//! Light that paths from the lamps bring to pixels that they did not start for.
+//! Contributions of light paths.
 //!
-//! Paths come with samples, and any may bring light to any pixel, so much that the mean of a pixel is the sum of what comes
-//! to it over the number of samples per pixel, whichever pixels' samples it came with.
+//! Light paths are traced with the samples of one pixel and contribute to any pixel. They are scaled so that the mean of a
+//! pixel is the sum of its contributions over the number of samples per pixel, whichever pixels the paths belong to.
 
 use super::fixed::Fixed;
 use crate::error::Result;
@@ -9,7 +9,7 @@ use crate::math::Rgb;
 use crate::memory;
 use crate::sampling::prefetch::prefetch;
 
-/// What one path brings to a pixel.
+/// A contribution of a light path to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Splat {
     /// Column and row.
@@ -20,25 +20,32 @@ pub struct Splat {
     pub value: Rgb,
 }
 
-/// The sums of what has come to each pixel.
+/// The sums of the contributions to each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Splats {
+    /// Row by row from the top.
     pub pixels: Vec<Received>,
     /// The same by path class, all classes of a pixel side by side; empty without classes.
     pub classes: Vec<[Fixed; 3]>,
 }
 
-/// What has come to a pixel, and the squares of it.
+/// The sums of contributions to a pixel and of their squares.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Received {
+    /// Σ x per channel.
     pub sum: [Fixed; 3],
+    /// Σ x² per channel.
     pub square: [Fixed; 3],
 }
 
-/// How many are on their way at a time.
+/// How many contributions are prefetched at a time.
 const AHEAD: usize = 8;
 
 impl Splats {
+    /// Zero sums for a film of this size.
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory) when they do not fit.
     pub fn new([width, height]: [usize; 2], classes: usize) -> Result<Self> {
         let (pixels, sums) = (width * height, width * height * classes);
         let what = || format!("the light paths on a film of {width}x{height} pixels");
@@ -53,7 +60,7 @@ impl Splats {
         let classes = self.classes.len() / self.pixels.len();
         let place = |splat: &Splat| splat.pixel[1] as usize * width + splat.pixel[0] as usize;
         for (k, splat) in splats.iter().enumerate() {
-            // Each pixel is somewhere else: while one is waited for, those after it are fetched.
+            // The pixels are scattered over memory: prefetch the next ones.
             if let Some(later) = splats.get(k + AHEAD) {
                 let i = place(later);
                 prefetch(&self.pixels, i);
@@ -71,6 +78,7 @@ impl Splats {
         }
     }
 
+    /// Adds the sums of `other`.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             for c in 0..3 {
@@ -90,8 +98,8 @@ impl Received {
         mean(&self.sum, paths)
     }
 
-    /// The variance of [`Received::mean`] in a picture of `pixels`: that of the sum of independent paths, most of which
-    /// bring nothing here.
+    /// The variance of [`Received::mean`] in an image of `pixels`: that of the sum of independent paths, most of which
+    /// contribute nothing here.
     pub fn variance(&self, paths: f64, pixels: f64) -> [f64; 3] {
         std::array::from_fn(|c| {
             if self.square[c] == Fixed::MAX {

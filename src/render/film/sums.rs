@@ -15,7 +15,7 @@ pub enum Slot {
     Square(usize, usize),
     /// A word of a path class's sum in a channel.
     Path(usize, usize, usize),
-    /// The same three of what paths from the lamps brought.
+    /// The same three of the contributions of light paths.
     SplatSum(usize, usize),
     SplatSquare(usize, usize),
     SplatPath(usize, usize, usize),

@@ -2,6 +2,7 @@
 
 mod build;
 mod lanes;
+mod query;
 #[cfg(test)]
 mod tests;
 mod traverse;
@@ -9,50 +10,18 @@ mod tree;
 
 use super::camera::Ray;
 use super::mesh::{Mesh, Surface};
+pub use query::{MeshHit, Rays};
+
 use build::{Bounds, Item};
 use glam::Vec3;
 use lanes::{Lanes, Portable};
 use traverse::Search;
 use tree::{Facet, Tree};
 
-/// Where a ray hits a triangle.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MeshHit {
-    /// Distance along the ray.
-    pub t: f32,
-    /// Number of the triangle, counted on through all meshes.
-    pub triangle: u32,
-    /// Where the tree keeps it, for [`MeshBvh::surface`].
-    pub place: u32,
-    /// Barycentric weight of the triangle's second corner.
-    pub u: f32,
-    /// That of its third corner.
-    pub v: f32,
-}
-
-/// Rays, component by component. The slices are of one length.
-#[derive(Debug, Clone, Copy)]
-pub struct Rays<'a> {
-    /// Where they start.
-    pub origin: [&'a [f32]; 3],
-    /// Unit directions.
-    pub direction: [&'a [f32]; 3],
-    /// Where each ray ends; one that is not above 0 hits nothing and costs nothing.
-    pub t_max: &'a [f32],
-}
-
-impl Rays<'_> {
-    #[inline(always)]
-    fn get(&self, i: usize) -> Ray {
-        let at = |v: &[&[f32]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
-        Ray { origin: at(&self.origin), direction: at(&self.direction) }
-    }
-}
-
 /// The triangles of some meshes, sorted so that rays find them.
 ///
 /// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it starts in their planes
-/// to within rounding. Answers are the same bits on every processor. A triangle without area, or with a corner that is
+/// to within rounding. Results are the same bits on every processor. A triangle without area, or with a corner that is
 /// missing, not finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or
 /// infinity in it, hits nothing.
 #[derive(Debug, Clone)]
@@ -69,8 +38,8 @@ impl MeshBvh {
     /// About the memory that building a tree takes for each triangle.
     pub const BYTES_PER_TRIANGLE: usize = 256;
 
-    /// Sorts the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, so neither depth nor time runs
-    /// away whatever the triangles are.
+    /// Builds the tree over the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, which bounds depth and
+    /// time for any triangles.
     ///
     /// # Panics
     /// With 2³¹ triangles or more.
@@ -146,7 +115,7 @@ impl MeshBvh {
         locate(&self.first, triangle).1
     }
 
-    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: what [`Mesh::surface`] tells, sooner.
+    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: the same as [`Mesh::surface`], faster.
     ///
     /// # Panics
     /// For a place that no hit had.
@@ -168,8 +137,8 @@ impl MeshBvh {
     }
 }
 
-/// How many rays are on their way at a time. While one waits for memory the others go on.
-const TURNS: usize = 8;
+/// Rays traversed alternately: while one waits for memory, the others continue.
+const IN_FLIGHT: usize = 8;
 
 #[inline(always)]
 fn trace_each<L: Lanes, const ANY: bool, T>(
@@ -179,13 +148,13 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
     out: &mut [T],
     keep: impl Fn(Option<MeshHit>) -> T,
 ) {
-    let mut searches: [Search<ANY>; TURNS] = Default::default();
+    let mut searches: [Search<ANY>; IN_FLIGHT] = Default::default();
     // Which ray each search is for; none at first, and none in the end.
-    let mut ray = [usize::MAX; TURNS];
+    let mut ray = [usize::MAX; IN_FLIGHT];
     let mut next = 0;
     loop {
         let mut over = true;
-        for k in 0..TURNS {
+        for k in 0..IN_FLIGHT {
             let search = &mut searches[k];
             if ray[k] < out.len() {
                 over = false;

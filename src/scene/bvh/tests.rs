@@ -178,7 +178,7 @@ fn triangles_are_numbered_through_all_meshes() {
 }
 
 #[test]
-fn nothing_is_hit_where_nothing_is() {
+fn rays_beside_triangles_miss() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z };
     assert_eq!(MeshBvh::build(&[]).nearest(&ray, f32::INFINITY), None);
     assert!(!MeshBvh::build(&[&Mesh::default()]).occluded(&ray, f32::INFINITY));
@@ -218,7 +218,7 @@ fn far_and_large_and_small_are_hit() {
 
 /// Triangles on which a search for near neighbours takes quadratic time, and boxes inside one another.
 #[test]
-fn hostile_triangles_take_no_time() {
+fn degenerate_triangles_are_built_and_traced_quickly() {
     let count = 100_000;
     let sizes: [fn(u32) -> f32; 3] = [|_| 1.0, |i| 1.0 + i as f32 * 1e-5, |i| 1.0005f32.powi(i as i32 - 50_000)];
     for size in sizes {

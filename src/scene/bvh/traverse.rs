@@ -1,24 +1,24 @@
-//! A ray's way through the tree, and where it meets triangles.
+//! Traversal of the tree, and intersection of triangles.
 //!
-//! The answer depends on the triangles alone, not on the tree, the processor or the number of threads: triangles are
+//! The result depends on the triangles alone, not on the tree, the processor or the number of threads: triangles are
 //! tested by the same operations in the same order everywhere, boxes are passed over only when nothing in them can be
 //! hit, and of two hits at the same distance the lower number counts.
 
-use super::MeshHit;
 use super::lanes::{Lanes, WIDTH};
+use super::query::MeshHit;
 use super::tree::{LEAF, Node, Pack, Tree};
 use crate::scene::camera::Ray;
 use crate::scene::mesh::Mesh;
 use glam::Vec3;
 
-/// A ray on its way through the tree, one box or pack of triangles at a time.
+/// The traversal of one ray, a box or a pack of triangles at a time.
 ///
-/// Most of a step's time goes into waiting for what it reads, so several rays take turns: see [`super::trace_each`].
+/// A step mostly waits for memory, so several rays are traversed alternately: see `trace_each`.
 #[derive(Default)]
 pub struct Search<const ANY: bool> {
     ray: Ray,
     slabs: Slabs,
-    /// Of the ray, once it has come to triangles: many never do.
+    /// Computed when the ray reaches its first triangles: many rays never do.
     shear: Option<Shear>,
     best: MeshHit,
     found: bool,
@@ -44,7 +44,7 @@ impl<const ANY: bool> Search<ANY> {
         true
     }
 
-    /// Looks into the next box or pack and asks for the one after it to be brought near; `false` when the search is over.
+    /// Tests the next box or pack and prefetches the one after it; `false` when the search is over.
     #[inline(always)]
     pub fn step<L: Lanes>(&mut self, l: L, tree: &Tree) -> bool {
         let mut next = None;
@@ -85,7 +85,7 @@ impl<const ANY: bool> Search<ANY> {
     }
 }
 
-/// Boxes still to be looked into: the bits of the distance to each, which sort as the distances do, and its number.
+/// Boxes still to be tested: the bits of the distance to each, which sort as the distances do, and its number.
 #[derive(Default)]
 struct Stack {
     waiting: Vec<u64>,
@@ -179,9 +179,9 @@ impl Slabs {
             l.mul_sub(l.load(&node.faces[i]), l.splat(self.inverse[axis]), l.splat(origin[axis]))
         };
         let enter = |axis: usize| face(self.first[axis], self.near, axis);
-        let leave = |axis: usize| face(self.last[axis], self.far, axis);
+        let exit = |axis: usize| face(self.last[axis], self.far, axis);
         let from = l.max(l.max(enter(0), enter(1)), l.max(enter(2), l.splat(0.0)));
-        let to = l.min(l.min(leave(0), leave(1)), l.min(leave(2), l.splat(limit)));
+        let to = l.min(l.min(exit(0), exit(1)), l.min(exit(2), l.splat(limit)));
         (l.store(from), l.le(from, to))
     }
 }
@@ -191,7 +191,7 @@ impl Slabs {
 /// The edge functions of the sheared triangle have the right sign or are 0: they are differences of two rounded
 /// products, rounding keeps the order of the products, and the difference of two floats has the right sign. An edge
 /// has the same function in both its triangles, up to sign, and 0 counts as inside: so no ray slips between
-/// triangles, and a triangle without area, or seen edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight
+/// triangles, and a triangle without area, or edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight
 /// ray/triangle intersection", *Journal of Computer Graphics Techniques* 2(1), 2013 (the edge functions; the paper takes
 /// those that are 0 again in double precision).
 #[derive(Default)]
@@ -247,7 +247,7 @@ impl Shear {
             return false;
         }
         let dot = |p: [L::F; 3], q: [L::F; 3]| l.add(l.add(l.mul(p[0], q[0]), l.mul(p[1], q[1])), l.mul(p[2], q[2]));
-        // Infinite when the triangle is seen edge on; its t is then NaN.
+        // Infinite when the triangle is edge on; its t is then NaN.
         let scale = l.div(l.splat(1.0), l.add(l.add(u, v), w));
         let (w, u, v) = (l.mul(w, scale), l.mul(u, scale), l.mul(v, scale));
         let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), l.splat(self.z));

@@ -27,13 +27,16 @@ pub struct Pack {
     pub corner: [[[f32; WIDTH]; 3]; 3],
     /// Unit normals, by axis.
     pub normal: [[f32; WIDTH]; 3],
+    /// Numbers of the triangles.
     pub triangle: [u32; WIDTH],
 }
 
 /// A triangle as it goes into a pack.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Facet {
+    /// In the world.
     pub corners: [Vec3; 3],
+    /// Unit normal.
     pub normal: Vec3,
     /// The normals for shading.
     pub corner_normals: [Vec3; 3],
@@ -42,7 +45,9 @@ pub struct Facet {
 /// All nodes, the root first; none for no triangles.
 #[derive(Debug, Clone, Default)]
 pub struct Tree {
+    /// Inner nodes, the root first.
     pub nodes: Vec<Node>,
+    /// Leaves.
     pub packs: Vec<Pack>,
     /// Unit normals for shading at the corners of the packs' triangles, [`WIDTH`] to a pack.
     corner_normals: Vec<[Vec3; 3]>,
@@ -70,7 +75,7 @@ impl Tree {
         tree
     }
 
-    /// Starts to bring a node or pack into the cache.
+    /// Prefetches a node or pack.
     #[inline(always)]
     pub fn prefetch(&self, child: u32) {
         // A line of the cache holds two rows of eight.
@@ -91,7 +96,7 @@ impl Tree {
         }
     }
 
-    /// Starts to bring what [`Tree::surface`] needs of a place into the cache.
+    /// Prefetches what [`Tree::surface`] reads at a place.
     #[inline(always)]
     pub fn prefetch_surface(&self, place: u32) {
         prefetch(&self.corner_normals, place as usize);

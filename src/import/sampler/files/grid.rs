@@ -118,6 +118,7 @@ impl<D: Gridded> GridDensity<D> {
         self.domain.to_chart(point).map_or(0.0, |place| self.at(place))
     }
 
+    /// The domain of the pdf.
     pub fn domain(&self) -> D {
         self.domain
     }

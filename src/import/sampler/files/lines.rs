@@ -18,6 +18,10 @@ pub struct Lines {
 }
 
 impl Lines {
+    /// Opens the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Unsupported`] for a pipe or a device.
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         if !file.metadata().map_err(|e| Error::io(path, e))?.is_file() {
@@ -26,11 +30,12 @@ impl Lines {
         Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
     }
 
+    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What is wrong with the line read last.
+    /// An error in the line that was read last.
     pub fn error(&self, message: impl Into<String>) -> Error {
         Error::input(&self.path, message).at(Place::Text { line: self.number, column: 1 })
     }

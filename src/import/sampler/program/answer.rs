@@ -1,13 +1,13 @@
-//! An answer as it arrives: bytes in blocks of any size, cut into lines, the last of which is `end`.
+//! A response as it arrives: bytes in blocks of any size, split into lines, the last of which is `end`.
 
 use crate::import::place::quote;
 
-/// What ends an answer.
+/// The last line of a response.
 pub const END: &str = "end";
-/// Longest line of an answer, in bytes.
+/// Longest line of a response, in bytes.
 const LINE: usize = 1024;
 
-/// An answer of which a part has arrived.
+/// A response that has arrived in part.
 #[derive(Debug)]
 pub struct Answer {
     /// Most lines before the last.
@@ -19,7 +19,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The beginning of an answer of `most` lines at most, and then `end`.
+    /// An empty response of at most `most` lines, and then `end`.
     #[must_use]
     pub fn new(most: usize) -> Self {
         Self { most, bytes: Vec::new(), start: 0, lines: 0 }
@@ -48,7 +48,7 @@ impl Answer {
     /// its block.
     ///
     /// # Errors
-    /// What is wrong with the answer, as the end of a sentence about who gave it.
+    /// The violation, as the predicate of a sentence about the program.
     pub fn add(&mut self, block: &[u8]) -> Result<Option<String>, String> {
         let mut scanned = self.bytes.len();
         self.bytes.extend_from_slice(block);
@@ -85,7 +85,7 @@ impl Answer {
     }
 }
 
-/// The beginning of what was answered.
+/// The beginning of the response, quoted.
 fn shown(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
     quote(text.lines().next().unwrap_or_default())

@@ -1,21 +1,21 @@
-//! What the protocol needs of a program, however it is reached.
+//! The transport of the protocol: a request, a response.
 
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// The program at the other end: a process, or a record of what one said.
+/// The external program: a process, or recorded responses.
 pub trait Connection: Send {
     /// The program's name in messages.
     fn name(&self) -> &str;
 
-    /// Sends `request`, whose first line says what is asked, and returns the lines of the answer: `most` at most.
+    /// Sends `request`, whose first line is the command, and returns the lines of the response, at most `most`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the program's name, where the [`Answer`](super::Answer) does not come or is not one.
+    /// [`Error::Input`] with the program's name, where the [`Answer`](super::Answer) is late or malformed.
     fn ask(&mut self, request: String, most: usize) -> Result<String>;
 }
 
-/// What is wrong with the program of that name.
-pub fn fault(name: &str, message: impl Into<String>) -> Error {
+/// An error of the program called `name`.
+pub fn violation(name: &str, message: impl Into<String>) -> Error {
     Error::input(Path::new(name), message)
 }

@@ -19,6 +19,10 @@ pub struct Group {
 
 #[cfg(unix)]
 impl Group {
+    /// Starts the leader.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where there is no shell.
     pub fn start() -> Result<Self> {
         use std::os::unix::process::CommandExt;
         use std::process::Stdio;
@@ -34,7 +38,7 @@ impl Group {
         Ok(Self { leader })
     }
 
-    /// Has `command` start its process as a member.
+    /// Makes the process that `command` starts a member.
     pub fn add(&self, command: &mut Command) {
         std::os::unix::process::CommandExt::process_group(command, self.id());
     }
@@ -57,15 +61,19 @@ impl Drop for Group {
 
 #[cfg(not(unix))]
 impl Group {
+    /// Does nothing: there are no process groups.
     pub fn start() -> Result<Self> {
         Ok(Self {})
     }
 
+    /// Does nothing.
     pub fn add(&self, _: &mut Command) {}
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
+    #![cfg(unix)]
+
     use super::*;
     use std::os::unix::process::ExitStatusExt;
     use std::process::Child;

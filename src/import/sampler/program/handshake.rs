@@ -1,6 +1,6 @@
-//! The handshake: what a program says of itself.
+//! The handshake: the program describes its sampler.
 
-use super::connection::{Connection, fault};
+use super::connection::{Connection, violation};
 use crate::error::Result;
 use crate::import::place::quote;
 use crate::import::sampler::number::number;
@@ -15,13 +15,16 @@ const DIMENSIONS: usize = 64;
 /// Most atoms.
 const ATOMS: usize = 4096;
 
-/// What a program says of itself.
+/// A program's description of its sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Handshake {
+    /// For messages and reports.
     pub name: String,
     /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
     pub dimension: usize,
+    /// Integral of the pdf.
     pub mass: Mass,
+    /// If the program names it.
     pub domain: Option<Space>,
     /// Whether it has the inverse of its sampler.
     pub invert: bool,
@@ -30,13 +33,13 @@ pub struct Handshake {
 }
 
 impl Handshake {
-    /// Greets the program and reads what it says.
+    /// Sends the request and parses the response.
     pub fn of(connection: &mut dyn Connection) -> Result<Self> {
         let answer = connection.ask(format!("etalon {VERSION}\n"), 1 + ATOMS)?;
         // Some programs begin whatever they write with a byte order mark.
         let mut lines = answer.strip_prefix('\u{feff}').unwrap_or(&answer).lines();
         let first = lines.next().unwrap_or_default();
-        let wrong = |message: &str| fault(connection.name(), format!("its greeting {} {message}", quote(first)));
+        let wrong = |message: &str| violation(connection.name(), format!("its greeting {} {message}", quote(first)));
         let mut words = first.split_ascii_whitespace();
         if [words.next(), words.next()] != [Some("etalon"), Some(VERSION)] {
             return Err(wrong(&format!("does not begin with \"etalon {VERSION}\"")));

@@ -1,8 +1,8 @@
 //! A sampler and its pdf in another program, called over its standard input and output.
 //!
-//! The program reads requests and answers each with as many lines as it was asked for and a line `end`:
+//! The program reads requests and responds to each with the requested number of lines and a line `end`:
 //!
-//! | request | answer |
+//! | request | response |
 //! |---|---|
 //! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
 //! | `sample N`, then N lines of uniform random numbers | N lines `coordinates [pdf]`, `atom coordinates` or `none` |
@@ -29,14 +29,14 @@ use super::number::Words;
 use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
-use connection::fault;
+use connection::violation;
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
 use handshake::Handshake;
 use process::Process;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// A program that has introduced itself, its points not yet of any type.
+/// A program after the handshake; the type of its points is chosen by [`Client::over`].
 pub struct Client {
     connection: Box<dyn Connection>,
     handshake: Handshake,
@@ -44,26 +44,25 @@ pub struct Client {
 }
 
 impl Client {
-    /// Starts `command`, which has at most `limit` for every answer. Its domain is `space`, or else the one that it names.
+    /// Starts `command`, which has at most `limit` for every response. Its domain is `space`, or else the one that it names.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
-    /// started, [`Error::Input`] for an answer that is late or makes no sense.
+    /// started, [`Error::Input`] for a response that is late or malformed.
     pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Self> {
         Self::connect(Process::start(command, limit)?, space)
     }
 
-    /// Asks `connection` what it is. Its domain is `space`, or else the one that it names.
+    /// Exchanges the handshake over `connection`. Its domain is `space`, or else the one that it names.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a domain that is missing, [`Error::Input`] for a greeting that makes no sense.
+    /// [`Error::Parameter`] for a domain that is missing, [`Error::Input`] for a malformed handshake.
     pub fn connect(mut connection: impl Connection + 'static, space: Option<Space>) -> Result<Self> {
         let handshake = Handshake::of(&mut connection)?;
         let space = match (space, handshake.domain) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(
-                    fault(connection.name(), format!("its domain is {own}")).with_hint(format!("use the domain {own}"))
-                );
+                return Err(violation(connection.name(), format!("its domain is {own}"))
+                    .with_hint(format!("use the domain {own}")));
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
@@ -74,17 +73,22 @@ impl Client {
         Ok(Self { connection: Box::new(connection), handshake, space })
     }
 
+    /// The name that the program gives its sampler.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.handshake.name
     }
 
+    /// The domain.
     #[must_use]
     pub fn space(&self) -> Space {
         self.space
     }
 
     /// The program as a sampler and pdf of points of [`space`](Self::space).
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a malformed atom.
     pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
         let Self { connection, handshake, .. } = self;
         let read = |line: &String| {
@@ -94,7 +98,7 @@ impl Client {
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
-            read(line).ok_or_else(|| fault(connection.name(), wrong()))
+            read(line).ok_or_else(|| violation(connection.name(), wrong()))
         };
         let atoms = handshake.atoms.iter().map(of_line).collect::<Result<_>>()?;
         Ok(Program { name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
@@ -122,7 +126,7 @@ impl<P: Coordinates> Program<P> {
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
         let answer = self.connection.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
-        let wrong = |message| fault(&self.name, format!("asked \"{verb} {count}\", {message}"));
+        let wrong = |message| violation(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
             let mut words = Words::new(line);

@@ -1,10 +1,10 @@
-//! Another process, asked for lines: one request in flight, every answer within a time limit.
+//! A child process as a connection: one request in flight, every response within a time limit.
 //!
-//! Three threads keep the three pipes going, so that a program may read, write and complain in any order without either side
-//! waiting for ever; none of them holds more than one request, a few blocks of an answer, or the end of the complaints.
+//! Three threads serve the three pipes, so that the program may read, write and report errors in any order without a
+//! deadlock; they hold at most one request, a few blocks of a response, and the end of standard error.
 
 use super::answer::{Answer, END};
-use super::connection::{Connection, fault};
+use super::connection::{Connection, violation};
 use super::group::Group;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -16,27 +16,27 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// How much of the end of standard error is kept, in bytes.
-const COMPLAINTS: usize = 8192;
+const STDERR_TAIL: usize = 8192;
 /// Longest line of standard error that a message shows whole, in bytes.
 const LONGEST_LINE: usize = 1000;
-/// How long a program that was asked to quit may take, and the end of its complaints to come.
+/// Time for a program to quit when asked, and for the end of its standard error to arrive.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// How long a request to stop may go unnoticed while an answer is waited for.
-const ATTENTION: Duration = Duration::from_millis(50);
+/// Interval at which interrupts are checked while waiting for a response.
+const POLL: Duration = Duration::from_millis(50);
 
 /// A running program. It is ended, with what it started, when this is dropped.
 pub struct Process {
     command: String,
     child: Child,
-    /// The program and what it starts; `None` once that was ended.
+    /// The program and its children; `None` once they were ended.
     group: Option<Group>,
     limit: Duration,
     requests: Sender<String>,
     answers: Receiver<Vec<u8>>,
-    complaints: Receiver<Vec<u8>>,
-    /// Why it can no longer be asked.
-    broken: Option<String>,
+    stderr: Receiver<Vec<u8>>,
+    /// The violation after which no requests are sent.
+    failure: Option<String>,
 }
 
 impl Process {
@@ -48,16 +48,16 @@ impl Process {
         })?;
         let mut start = Command::new(&words[0]);
         start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // Started first, so that the program is never without it.
+        // The group starts first, so that the program is always a member.
         let group = Group::start()?;
         group.add(&mut start);
         let mut child = start.spawn().map_err(|e| Error::io(Path::new(&words[0]), e))?;
         let (requests, to_write) = channel::<String>();
         let (read, answers) = sync_channel(2);
-        let (complain, complaints) = channel();
+        let (to_keep, stderr) = channel();
         if let Some(mut stdin) = child.stdin.take() {
             thread::spawn(move || {
-                // A program that does not listen is found out by what it does not answer.
+                // A program that does not read is detected by its missing response.
                 while let Ok(request) = to_write.recv() {
                     if stdin.write_all(request.as_bytes()).and_then(|()| stdin.flush()).is_err() {
                         break;
@@ -68,22 +68,22 @@ impl Process {
         if let Some(stdout) = child.stdout.take() {
             thread::spawn(move || forward(stdout, &read));
         }
-        if let Some(stderr) = child.stderr.take() {
-            // Nobody may be there to hear it.
-            thread::spawn(move || complain.send(tail(stderr)));
+        if let Some(pipe) = child.stderr.take() {
+            // The receiver may be gone.
+            thread::spawn(move || to_keep.send(tail(pipe)));
         }
         let group = Some(group);
-        Ok(Self { command: command.to_owned(), child, group, limit, requests, answers, complaints, broken: None })
+        Ok(Self { command: command.to_owned(), child, group, limit, requests, answers, stderr, failure: None })
     }
 
     fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
         let deadline = Instant::now() + self.limit;
-        // If the thread is gone, so is the program, and there will be no answer.
+        // If the thread is gone, so is the program: the wait below reports it.
         let _ = self.requests.send(request);
         let mut answer = Answer::new(most);
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
-            match self.answers.recv_timeout(left.min(ATTENTION)) {
+            match self.answers.recv_timeout(left.min(POLL)) {
                 Ok(block) => {
                     if let Some(text) = answer.add(&block)? {
                         return Ok(text);
@@ -92,7 +92,7 @@ impl Process {
                 Err(RecvTimeoutError::Timeout) if interrupt::requested() => {
                     return Err("it was interrupted".to_owned());
                 }
-                Err(RecvTimeoutError::Timeout) if left > ATTENTION => {}
+                Err(RecvTimeoutError::Timeout) if left > POLL => {}
                 Err(RecvTimeoutError::Timeout) => {
                     let (progress, limit) = (answer.progress(), self.limit.as_secs_f64());
                     return Err(format!("it had answered {progress}, but not \"{END}\" within {limit} s"));
@@ -119,12 +119,12 @@ impl Process {
         }
     }
 
-    /// Ends the program and says how it complained.
+    /// Ends the program; returns the last line of its standard error for a message.
     fn end(&mut self) -> String {
         self.kill();
-        // Something that left its group may hold the pipe open.
-        let complaints = self.complaints.recv_timeout(GRACE).unwrap_or_default();
-        last_line(&complaints).map_or_else(String::new, |line| format!("; its standard error ends with {line}"))
+        // A process that left the group may hold the pipe open.
+        let stderr = self.stderr.recv_timeout(GRACE).unwrap_or_default();
+        last_line(&stderr).map_or_else(String::new, |line| format!("; its standard error ends with {line}"))
     }
 
     /// Ends the program, and what it started and left in its group, at once.
@@ -142,21 +142,21 @@ impl Connection for Process {
     }
 
     fn ask(&mut self, request: String, most: usize) -> Result<String> {
-        if let Some(why) = &self.broken {
-            return Err(fault(&self.command, why.clone()));
+        if let Some(why) = &self.failure {
+            return Err(violation(&self.command, why.clone()));
         }
         let asked = request.lines().next().unwrap_or_default().to_owned();
         self.exchange(request, most).map_err(|what| {
             let why = format!("asked {asked:?}, {what}{}", self.end());
-            self.broken = Some(why.clone());
-            if interrupt::requested() { Error::Interrupted } else { fault(&self.command, why) }
+            self.failure = Some(why.clone());
+            if interrupt::requested() { Error::Interrupted } else { violation(&self.command, why) }
         })
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        if self.broken.is_some() {
+        if self.failure.is_some() {
             return;
         }
         // The thread that writes drops the pipe once the sender is gone.
@@ -166,7 +166,7 @@ impl Drop for Process {
     }
 }
 
-/// Passes blocks on until the pipe ends or nobody wants them.
+/// Forwards blocks until the pipe ends or the receiver is gone.
 fn forward(mut from: impl Read, to: &SyncSender<Vec<u8>>) {
     let mut block = vec![0; 1 << 16];
     while let Ok(length @ 1..) = from.read(&mut block) {
@@ -187,13 +187,13 @@ fn last_line(bytes: &[u8]) -> Option<String> {
 
 /// Reads to the end and keeps the last bytes.
 fn tail(mut from: impl Read) -> Vec<u8> {
-    let (mut block, mut kept) = (vec![0; 1 << 12], Vec::new());
+    let (mut block, mut tail) = (vec![0; 1 << 12], Vec::new());
     while let Ok(length @ 1..) = from.read(&mut block) {
-        kept.extend_from_slice(&block[..length]);
-        let excess = kept.len().saturating_sub(COMPLAINTS);
-        kept.drain(..excess);
+        tail.extend_from_slice(&block[..length]);
+        let excess = tail.len().saturating_sub(STDERR_TAIL);
+        tail.drain(..excess);
     }
-    kept
+    tail
 }
 
 #[cfg(test)]

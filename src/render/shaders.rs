@@ -1,4 +1,4 @@
-//! What each object does to light, made ready: scene materials become BSDFs under the settings of the render.
+//! One record per object with its BSDF and emission: scene materials become BSDFs under the settings of the render.
 
 use super::lights::Sampled;
 use super::settings::Settings;
@@ -6,31 +6,35 @@ use crate::bsdf::{Bsdf, Scatter};
 use crate::math::Rgb;
 use crate::scene::{Emission, Material, Scene};
 
-/// What an object does to light.
-pub struct Face {
+/// The BSDF and the emission of an object's surface.
+pub struct SurfaceShader {
+    /// How the surface scatters.
     pub kind: Kind,
-    /// Whether the material reflects alike on both sides: its normal then faces the viewer.
+    /// Whether the material is the same on both sides: its normal is then turned towards the viewer.
     pub two_sided: bool,
+    /// Emitted radiance.
     pub emission: Option<Emission>,
     /// The number of the light that samples this object.
     pub light: Option<usize>,
 }
 
-/// How a hit is dealt with.
+/// Classes of BSDFs that the integrator treats differently.
 pub enum Kind {
     /// All light is absorbed.
     Black,
-    /// Together with other diffuse hits.
+    /// Lambertian reflection.
     Diffuse {
+        /// Reflected share, per channel.
         albedo: Rgb,
     },
-    /// In one of finitely many directions, which no light sample can find.
+    /// Scatters into finitely many directions, which light samples cannot find.
     Delta(Bsdf),
+    /// Any other BSDF.
     Rough(Bsdf),
 }
 
-impl Face {
-    /// The faces of all objects; `lights` are those that are sampled.
+impl SurfaceShader {
+    /// The records of all objects; `lights` are those that are sampled.
     pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
         let kind = |material: &Material| match *material {
             Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
@@ -40,12 +44,12 @@ impl Face {
                 if bsdf.lobes().are_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };
-        let face = |(i, object): (usize, &crate::scene::Object)| Self {
+        let shader = |(i, object): (usize, &crate::scene::Object)| Self {
             kind: kind(&object.material),
             two_sided: matches!(object.material, Material::Conductor(conductor) if conductor.two_sided),
             emission: object.emission,
             light: lights.iter().position(|light| light.object == i as u32),
         };
-        scene.objects.iter().enumerate().map(face).collect()
+        scene.objects.iter().enumerate().map(shader).collect()
     }
 }
