@@ -161,6 +161,8 @@ fn tokens(code: &str) -> Vec<String> {
             tokens.push(c.to_string());
         }
     }
+    // A name may end the text.
+    tokens.extend((!name.is_empty()).then_some(name));
     tokens
 }
 
