@@ -1,7 +1,6 @@
 //! Microfacets: the second report's shadowing and densities of Beckmann's distribution.
 
 use crate::math::Real;
-use crate::math::error_function::erf;
 
 /// The second report's Λ for Beckmann's distribution, a = 1/(α tan θ): ½ (erf a − 1 + exp(−a²)/(a π)).
 ///
@@ -11,7 +10,7 @@ use crate::math::error_function::erf;
 #[must_use]
 pub fn lambda_with_pi<T: Real>(a: T) -> T {
     let gauss = if a.is_infinite() { T::zero() } else { (-a * a).exp() / (a * T::PI()) };
-    T::from_f64(0.5) * (erf(a) - T::one() + gauss)
+    T::from_f64(0.5) * (a.erf() - T::one() + gauss)
 }
 
 /// The density that the second report prints for its sampled direction, D(m)/(4 wo·m), of D and the cosine wo·m.

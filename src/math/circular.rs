@@ -1,7 +1,7 @@
 //! Circular functions as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same bits.
 
 use super::Real;
-use super::error_function::polynomial;
+use super::polynomial::polynomial;
 pub use etalon_stats::warp::turns;
 use std::f32::consts::PI as PI32;
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! Exponential and logarithm as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same
 //! bits, which the system's own functions do not promise.
 
-use super::error_function::polynomial;
+use super::polynomial::polynomial;
 use std::f64::consts::{LN_2, LOG2_E};
 
 /// exp(x) for −708 ≤ x ≤ 709, to 2 units of the last place. Source of the scheme: Cody & Waite, *Software Manual for the

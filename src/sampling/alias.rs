@@ -164,7 +164,7 @@ impl AliasTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::table::tests::weights;
+    use crate::sampling::table::weights;
 
     #[test]
     fn probabilities_are_the_weights() {

@@ -1,7 +1,7 @@
 //! Radiance by an alias table.
 
-use super::batch::{self, Batched, EnvSamples};
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::batch::{self, Batched};
+use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::batch::Batch;

@@ -1,63 +1,8 @@
 //! Many samples at once: in small batches whose memory accesses overlap and whose arithmetic vectorizes.
 
-use super::EnvSample;
+use super::contract::EnvSamples;
 use crate::envmap::EnvMap;
-use crate::math::Rgb;
 use crate::sampling::batch::{BATCH, Batch};
-use glam::DVec3;
-
-/// Samples of a map, component by component; all parts have the same length.
-#[derive(Debug, Clone, Default)]
-pub struct EnvSamples {
-    /// Components of the unit directions towards the light.
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    pub z: Vec<f64>,
-    /// Densities per solid angle.
-    pub pdf: Vec<f64>,
-    /// The map's radiance from there.
-    pub radiance: Vec<Rgb>,
-}
-
-impl EnvSamples {
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.pdf.len()
-    }
-
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.pdf.is_empty()
-    }
-
-    pub fn clear(&mut self) {
-        self.resize(0);
-    }
-
-    pub fn push(&mut self, sample: EnvSample) {
-        self.x.push(sample.wi.x);
-        self.y.push(sample.wi.y);
-        self.z.push(sample.wi.z);
-        self.pdf.push(sample.pdf);
-        self.radiance.push(sample.radiance);
-    }
-
-    /// All samples in turn.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = EnvSample> + '_ {
-        (0..self.len()).map(|i| EnvSample {
-            wi: DVec3::new(self.x[i], self.y[i], self.z[i]),
-            pdf: self.pdf[i],
-            radiance: self.radiance[i],
-        })
-    }
-
-    fn resize(&mut self, len: usize) {
-        for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
-            part.resize(len, 0.0);
-        }
-        self.radiance.resize(len, Rgb::ZERO);
-    }
-}
 
 /// A sampler of texels by a table.
 pub(super) trait Batched {

@@ -1,7 +1,7 @@
 //! Radiance by inversion: the row by its marginal distribution, then the column by the row's own.
 
-use super::batch::{self, Batched, EnvSamples};
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::batch::{self, Batched};
+use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::batch::Batch;
 use crate::sampling::table::Table2;

@@ -1,8 +1,7 @@
 //! MIS compensation: radiance less its mean, for use beside BSDF sampling.
 
-use super::batch::EnvSamples;
 use super::cdf::CdfSampler;
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::table::Table2;
 use glam::DVec3;

@@ -2,7 +2,7 @@
 //!
 //! It is not in the registry: with the report's conventions it is wrong, and with the correct ones slower than `cdf`.
 
-use super::{DirectionSampler, EnvSample};
+use super::contract::{DirectionSampler, EnvSample};
 use crate::envmap::EnvMap;
 use crate::errata::{Conventions, maps};
 use crate::sampling::table::Table2;

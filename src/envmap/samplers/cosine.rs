@@ -10,7 +10,7 @@
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
 //! moments in place of wavelet products are this project's own.
 
-use super::{Entry, EnvSample, Method, SurfaceSampler};
+use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use rayon::prelude::*;

@@ -4,7 +4,7 @@
 //! Probe Sampling", SIGGRAPH 2005 posters; by variance: Viriyothai & Debevec, "Variance Minimization Light Probe
 //! Sampling", SIGGRAPH 2009 posters.
 
-use super::{Entry, FixedLight, Method};
+use super::contract::{Entry, FixedLight, Method};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::error::Result;

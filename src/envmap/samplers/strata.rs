@@ -3,7 +3,7 @@
 //! Unlike the lights of a cut, which stand at fixed places, such directions reach all of the map, so the estimate has
 //! no bias. Regions of equal energy are chosen equally often: with stratified numbers every one of them in turn.
 
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::contract::{DirectionSampler, Entry, EnvSample, Method};
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::envmap::{Block, EnvMap};
 use crate::error::Result;

@@ -1,7 +1,9 @@
 //! What every sampler of the registry must do, and its entry say.
 
 use super::*;
+use crate::math::Rgb;
 use crate::raster::Image;
+use glam::DVec3;
 
 /// Maps with dark texels, strong contrast and every size of trouble.
 fn maps() -> Vec<Arc<EnvMap>> {

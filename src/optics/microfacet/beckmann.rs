@@ -1,6 +1,6 @@
 //! Beckmann's distribution: normally distributed slopes.
 
-use super::{Microfacet, sin2};
+use super::smith::{Microfacet, sin2};
 use crate::math::Real;
 
 /// Slopes of the facets are normally distributed with variance α²/2 in x and in y.

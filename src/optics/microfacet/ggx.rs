@@ -1,6 +1,6 @@
 //! The GGX distribution: the normals of an ellipsoid, with wide tails.
 
-use super::{Microfacet, sin2};
+use super::smith::{Microfacet, sin2};
 use crate::math::Real;
 
 /// Normals are distributed as on an ellipsoid flattened to height α.

@@ -1,7 +1,7 @@
 //! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
 
 use crate::math::Real;
-use crate::math::error_function::polynomial;
+use crate::math::polynomial::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.

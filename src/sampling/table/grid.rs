@@ -2,7 +2,8 @@
 
 use super::super::batch::{BATCH, Batch};
 use super::super::prefetch::prefetch;
-use super::{Cdf, Draw, PROBES, Table1, bucket, cdf_len, fill, find, guide_len, inside};
+use super::cdf::{Cdf, Draw, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
+use super::line::Table1;
 use rayon::prelude::*;
 
 /// A cell of a grid and the position inside it.
