@@ -10,7 +10,7 @@ use crate::math::Real;
 #[must_use]
 pub fn lambda_with_pi<T: Real>(a: T) -> T {
     let gauss = if a.is_infinite() { T::zero() } else { (-a * a).exp() / (a * T::PI()) };
-    T::from_f64(0.5) * (a.erf() - T::one() + gauss)
+    T::from_f64(0.5) * (a.error_function() - T::one() + gauss)
 }
 
 /// The density that the second report prints for its sampled direction, D(m)/(4 wo·m), of D and the cosine wo·m.

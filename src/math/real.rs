@@ -25,7 +25,7 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     /// erf(x) for x ≥ 0, to a few units of the last place of 1.
     #[inline]
     #[must_use]
-    fn erf(self) -> Self {
+    fn error_function(self) -> Self {
         Self::one() - (-self * self).exp() * self.erfcx()
     }
 }

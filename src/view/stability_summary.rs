@@ -49,7 +49,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
 
 fn colour(form: &str) -> Colour {
     match form {
-        REPORT => theme::REPORT_FORM,
+        REPORT => theme::ERRATUM_VARIANT,
         _ if form.starts_with(STABLE) => theme::STABLE_FORM,
         _ => theme::TEXTBOOK_FORM,
     }
