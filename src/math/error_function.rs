@@ -97,7 +97,8 @@ mod tests {
             let x = f64::from(i) * 1e-3;
             assert!((x.error_function() - libm::erf(x)).abs() < 5.0 * f64::EPSILON, "{x}");
             assert!(
-                (f64::from((x as f32).error_function()) - libm::erf(f64::from(x as f32))).abs() < 5.0 * f64::from(f32::EPSILON),
+                (f64::from((x as f32).error_function()) - libm::erf(f64::from(x as f32))).abs()
+                    < 5.0 * f64::from(f32::EPSILON),
                 "{x}"
             );
         }

@@ -13,6 +13,7 @@ use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{POWER, chi_square_below, detectable, samples_for};
 use crate::sampler::Sampler;
 use crate::tally::{Source, Tally};
+use crate::text::tuple;
 use std::time::Instant;
 
 /// How many samples a test takes.
@@ -183,7 +184,7 @@ pub fn examine<D: Domain>(
         Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
         Mass::AtMostOne => format!("the pdf integrates to {mass}, more than 1"),
     });
-    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {point:?} is {value}"));
+    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
     // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
     let none_expected = n * none_expected.max(0.0);

@@ -96,6 +96,7 @@ pub mod prelude;
 mod sampler;
 pub mod stream;
 mod tally;
+mod text;
 pub mod warp;
 pub mod welch;
 

@@ -3,6 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
+use crate::text::count;
 use std::fmt;
 
 /// The decision on a test.
@@ -151,9 +152,10 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.verdict)?;
         if let Some(p) = self.p {
-            write!(f, ": chi² = {:.1}, {} degrees of freedom, p = {p:.3e}", self.statistic, self.dof)?;
+            let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
+            write!(f, ": chi² = {:.1}, {freedom}, p = {p:.3e}", self.statistic)?;
         }
-        write!(f, ", {} samples", self.samples)?;
+        write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
             write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
         }

@@ -10,6 +10,7 @@ use crate::grid::Grid;
 use crate::hash::{mix32, mix64};
 use crate::sampler::{Sample, Sampler};
 use crate::stream::CounterRng;
+use crate::text::tuple;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -173,7 +174,7 @@ impl<D: Domain> Source<'_, D> {
             match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
                 Some(i) => tally.observed[grid.len() + i] += 1,
                 None => {
-                    let violation = || format!("the sample {:?} is at none of the density's atoms", sample.point);
+                    let violation = || format!("the sample {} is at none of the density's atoms", tuple(&sample.point));
                     tally.violation.get_or_insert_with(violation);
                 }
             }
@@ -188,7 +189,12 @@ impl<D: Domain> Source<'_, D> {
             let Some(back) = self.sampler.invert(*point)? else { continue };
             let far = back.len() != u.len() || back.iter().zip(u).any(|(a, b)| a.is_nan() || (a - b).abs() > INVERSE);
             if far {
-                return Ok(Some(format!("{point:?} was sampled from {u:?}, but its inverse is {back:?}")));
+                return Ok(Some(format!(
+                    "{} was sampled from u = {}, but its inverse is {}",
+                    tuple(point),
+                    tuple(&u),
+                    tuple(&back)
+                )));
             }
         }
         Ok(None)

@@ -1,4 +1,4 @@
-//! ImageComparison with noise compared tile by tile, with each other or with what they should show: Welch's t-test.
+//! Noisy images compared tile by tile, with each other or with a reference: Welch's t-test.
 //!
 //! Samples of light have heavy tails, so that single pixels are far from normal; the means of tiles are closer, by the
 //! central limit theorem. There is no floor under the variances: it would hide any bias below it. Where there is no noise
@@ -51,7 +51,7 @@ fn joint_dof(means: &[Mean], variance: f64) -> f64 {
     if squares > 0.0 { variance * variance / squares } else { f64::INFINITY }
 }
 
-/// Means of the square tiles of a image, row by row: those at the right and lower edge may be smaller, pixels that
+/// Means of the square tiles of an image, row by row: those at the right and lower edge may be smaller, pixels that
 /// are `None` do not count, and a tile without pixels is left out together with its partner in `other`.
 #[must_use]
 pub fn tiles([width, height]: [usize; 2], side: usize, pixel: impl Fn(usize) -> Option<[Mean; 2]>) -> Vec<[Mean; 2]> {

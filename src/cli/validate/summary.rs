@@ -20,8 +20,9 @@ pub fn text(validation: &Validation, written: &Written) -> String {
         }
     }
     text += &format!(
-        "\n{} tests at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
+        "\n{} {} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
         tests.len(),
+        if tests.len() == 1 { "test" } else { "tests" },
         validation.level,
         validation.seed,
         validation.accepted,
