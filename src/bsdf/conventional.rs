@@ -16,8 +16,11 @@ use glam::Vec3;
 /// report prints is [`pdf_without_cosine`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConventionalConductor {
+    /// Distribution of the microfacets' normals.
     pub distribution: Beckmann<f32>,
+    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
+    /// Which formulas to use.
     pub conventions: Conventions,
 }
 

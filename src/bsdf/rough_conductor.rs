@@ -50,6 +50,7 @@ pub struct RoughConductor<D> {
 /// The facet that reflects `wi` to `wo`.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
+    /// Its unit normal, the half vector of `wo` and `wi`.
     pub wm: [f32; 3],
     /// Cosine of either direction with its normal.
     pub cos: f32,
@@ -65,6 +66,7 @@ impl Facet {
         facet.exists.then_some(facet)
     }
 
+    /// The facet; its normal and cosine mean nothing where it does not exist.
     #[inline(always)]
     pub fn of(wo: Vec3, wi: Vec3) -> Self {
         let (eo, ei) = (half_excess(wo), half_excess(wi));

@@ -41,6 +41,7 @@ pub enum SideRule {
 /// A region and the light that stands for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
+    /// Its texels.
     pub block: Block,
     /// Energy centroid, continuous texel coordinates.
     pub centroid: (f64, f64),
@@ -103,6 +104,7 @@ impl<'a> MedianCut<'a> {
         size_of::<f64>() * if matches!(split, Split::Variance) { 4 } else { 1 }
     }
 
+    /// Tabulates the energies of `map`, and for [`Split::Variance`] their first moments.
     #[must_use]
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();

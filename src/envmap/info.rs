@@ -8,10 +8,13 @@ use serde::Serialize;
 /// Statistics of a map. "Intensity" is the mean of R, G, B; sums run over the cleaned texels in f64.
 #[derive(Debug, Clone, Serialize)]
 pub struct Info {
+    /// Texels in a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
-    /// Smallest and largest finite channel value, as stored; `None` when there is none.
+    /// Smallest finite channel value, as stored; `None` when there is none.
     pub min: Option<f32>,
+    /// Largest finite channel value, as stored.
     pub max: Option<f32>,
     /// Mean over texels.
     pub mean_rgb: [f64; 3],
@@ -39,6 +42,7 @@ pub struct Info {
 }
 
 impl Info {
+    /// The statistics of a map, in one pass over its texels.
     #[must_use]
     pub fn of(map: &EnvMap) -> Self {
         let g = map.geometry();

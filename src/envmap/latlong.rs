@@ -36,6 +36,7 @@ struct Row {
 }
 
 impl LatLong {
+    /// The geometry of a map of `width` × `height` texels, at least one each.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         let row = |y: usize| {
@@ -51,12 +52,14 @@ impl LatLong {
         Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
 
+    /// Texels in a row.
     #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Rows of texels.
     #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
@@ -190,9 +193,13 @@ impl LatLong {
 /// A block of texels, \[x0, x1) × \[y0, y1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Block {
+    /// First column.
     pub x0: usize,
+    /// First row.
     pub y0: usize,
+    /// Column after the last.
     pub x1: usize,
+    /// Row after the last.
     pub y1: usize,
 }
 
@@ -215,8 +222,9 @@ pub struct EnvMap {
 /// What a map's file held before it was cleaned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// Smallest and largest finite value of any channel.
+    /// Smallest finite value of any channel; NaN if there is none.
     pub min: f32,
+    /// Largest finite value of any channel; NaN if there is none.
     pub max: f32,
     /// Texels with a channel that is NaN or infinite; such values count as 0.
     pub nonfinite: usize,
@@ -248,6 +256,7 @@ impl EnvMap {
         Self { image, geometry, found }
     }
 
+    /// Where its texels lie on the sphere.
     #[inline]
     #[must_use]
     pub fn geometry(&self) -> &LatLong {

@@ -8,15 +8,19 @@ pub const BATCH: usize = 64;
 pub struct Batch {
     /// Number of the cell, counted row by row.
     pub cell: [usize; BATCH],
+    /// Its column.
     pub x: [u32; BATCH],
+    /// Its row.
     pub y: [u32; BATCH],
-    /// Position inside the cell, in (0, 1)².
+    /// Position inside the cell along x, in (0, 1).
     pub fx: [f64; BATCH],
+    /// Position inside the cell along y, in (0, 1).
     pub fy: [f64; BATCH],
     /// Probability of the cell.
     pub probability: [f64; BATCH],
-    /// Between two steps of a draw: the cells in question, and the probability of the column in its row.
+    /// Between two steps: the first and the last cell of the row that the sample may be in.
     pub(super) bracket: [[u16; 2]; BATCH],
+    /// Between two steps: the probability of the column in its row.
     pub(super) column: [f64; BATCH],
 }
 

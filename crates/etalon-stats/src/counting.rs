@@ -30,9 +30,13 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 
 /// What is to be counted.
 pub struct Counting<'a, D: Domain> {
+    /// Sampler, density and domain.
     pub source: &'a Source<'a, D>,
+    /// The cells that samples are counted in.
     pub grid: &'a Grid,
+    /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
+    /// How many samples to count.
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
@@ -50,6 +54,7 @@ pub struct Counted<P> {
     pub uncertain: bool,
     /// The first value that no pdf can have.
     pub invalid: Option<InvalidPdf<P>>,
+    /// What was counted.
     pub tally: Tally,
 }
 

@@ -25,10 +25,15 @@ const INVERSE: f64 = 1e-6;
 
 /// Where samples come from.
 pub struct Source<'a, D: Domain> {
+    /// Where the samples lie.
     pub domain: &'a D,
+    /// What generates them.
     pub sampler: &'a dyn Sampler<D::Point>,
+    /// What they are said to follow.
     pub density: &'a dyn Density<D::Point>,
+    /// Seed of the random numbers.
     pub seed: u64,
+    /// Asked between batches whether to stop.
     pub cancelled: Cancelled,
 }
 
@@ -41,10 +46,11 @@ pub struct Tally {
     pub none: u64,
     /// Samples where the pdf is 0.
     pub outside_support: u64,
-    /// The share of the pdf at each sample that the cubature did not see, summed over all samples and over those in each
-    /// cell; and some of the samples where it is not 0.
+    /// The share of the pdf at each sample that the cubature misses, summed over all samples.
     pub unseen: Share,
+    /// The same for each cell.
     pub unseen_in: Vec<Share>,
+    /// Some of the places where the nodes do not predict the pdf, at most [`FOUND`].
     pub found: Vec<Probe>,
     /// What is wrong with the first sample that fails an exact check.
     pub violation: Option<String>,

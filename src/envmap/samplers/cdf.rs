@@ -24,7 +24,9 @@ pub const ENTRY: &Entry = &Entry {
 /// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.
 #[derive(Debug, Clone)]
 pub struct CdfSampler {
+    /// The map that is sampled.
     pub(super) map: Arc<EnvMap>,
+    /// Its rows and columns, by energy.
     pub(super) table: Table2,
 }
 

@@ -56,9 +56,11 @@ pub struct EnvSample {
 /// Samples of a map, component by component; all parts have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct EnvSamples {
-    /// Components of the unit directions towards the light.
+    /// x of the unit directions towards the light.
     pub x: Vec<f64>,
+    /// y of these directions.
     pub y: Vec<f64>,
+    /// z of these directions.
     pub z: Vec<f64>,
     /// Densities per solid angle.
     pub pdf: Vec<f64>,
@@ -67,20 +69,24 @@ pub struct EnvSamples {
 }
 
 impl EnvSamples {
+    /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         self.pdf.len()
     }
 
+    /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pdf.is_empty()
     }
 
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.resize(0);
     }
 
+    /// Appends a sample.
     pub fn push(&mut self, sample: EnvSample) {
         self.x.push(sample.wi.x);
         self.y.push(sample.wi.y);
@@ -98,6 +104,7 @@ impl EnvSamples {
         })
     }
 
+    /// Makes room for `len` samples; new ones are 0.
     pub(super) fn resize(&mut self, len: usize) {
         for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
             part.resize(len, 0.0);

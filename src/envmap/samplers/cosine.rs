@@ -189,6 +189,7 @@ fn pairs(weights: Vec4) -> ([f64; 2], [[f64; 2]; 2]) {
 }
 
 impl CosineSampler {
+    /// Builds the pyramid of a map, from the finest level up.
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();

@@ -27,6 +27,7 @@ const HORIZON: DVec3 = DVec3::new(0.52, 0.60, 0.68);
 const GROUND: DVec3 = DVec3::new(0.17, 0.14, 0.105);
 const GLOW: DVec3 = DVec3::new(1.0, 0.90, 0.74);
 
+/// The map, in f32; see the module.
 pub fn make() -> Image {
     let (se, ce) = libm::sincos(ELEVATION);
     let (sa, ca) = libm::sincos(AZIMUTH);

@@ -12,6 +12,7 @@ use crate::math::Real;
 /// Surfaces", EGSR 2007, eq. 26 (the exact one, not their rational fit).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beckmann<T> {
+    /// Roughness α > 0: √2 times the root mean square slope.
     pub alpha: T,
 }
 

@@ -20,8 +20,10 @@ pub use smith::Microfacet;
 /// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Distribution {
+    /// [`Beckmann`].
     #[default]
     Beckmann,
+    /// [`Ggx`].
     Ggx,
 }
 

@@ -6,6 +6,7 @@ const BORDER: f64 = 1e-9;
 /// A cell and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Draw {
+    /// Index of the cell.
     pub cell: usize,
     /// Position inside the cell, in (0, 1).
     pub offset: f64,
@@ -36,6 +37,7 @@ pub(super) fn bucket(u: f64, buckets: f64) -> usize {
 }
 
 impl Cdf<'_> {
+    /// Probability of a cell.
     #[inline]
     pub fn probability(self, cell: usize) -> f64 {
         self.cdf[cell + 1] - self.cdf[cell]
@@ -49,12 +51,14 @@ impl Cdf<'_> {
         find(self.cdf, 0, self.cdf.len() - cdf_len(0), bracket, u)
     }
 
+    /// The cell for `u` in \[0, 1) and the position inside it, of a table whose weights are not all 0.
     #[inline]
     pub fn draw(self, u: f64) -> Draw {
         let (cell, start, probability) = self.find(u);
         Draw { cell, offset: inside((u - start) / probability), probability }
     }
 
+    /// The `u` that [`Cdf::draw`] maps to this place.
     pub fn invert(self, cell: usize, offset: f64) -> f64 {
         self.cdf[cell] + offset * self.probability(cell)
     }
@@ -90,11 +94,13 @@ pub(in super::super) fn inside(offset: f64) -> f64 {
     offset.clamp(BORDER, 1.0 - BORDER)
 }
 
+/// Values in the table of so many cells.
 #[inline]
 pub(super) fn cdf_len(cells: usize) -> usize {
     cells + 1 + PROBES
 }
 
+/// Entries in the guide of so many cells.
 #[inline]
 pub(super) fn guide_len(cells: usize) -> usize {
     cells.next_power_of_two() + 2

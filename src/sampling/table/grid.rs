@@ -9,7 +9,9 @@ use rayon::prelude::*;
 /// A cell of a grid and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Draw2 {
+    /// The column, its probability within the row, and the position along x.
     pub x: Draw,
+    /// The row, its probability, and the position along y.
     pub y: Draw,
 }
 

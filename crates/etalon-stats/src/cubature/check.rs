@@ -20,16 +20,21 @@ use rayon::prelude::*;
 pub(crate) struct Check<P> {
     /// The integral of the largest density that the pieces are expected to reach.
     pub reach: f64,
-    /// The number of points, and the sums of the positive and of the negative differences over `reach`, each from 0 to 1.
+    /// The number of points. Each has a difference from −1 to 1.
     pub count: u64,
+    /// Sum of the positive differences over `reach`.
     pub above: Share,
+    /// Sum of the negative differences over `reach`, as a positive number.
     pub below: Share,
-    /// The same sums over the points of each cell, and those of the squares.
+    /// `above` for each cell.
     pub above_in: Vec<Share>,
+    /// `below` for each cell.
     pub below_in: Vec<Share>,
+    /// Sums of the squared differences for each cell.
     pub squares_in: Vec<Share>,
     /// Some of the points where the difference is large.
     pub found: Vec<Probe>,
+    /// The first value that is negative or not finite.
     pub invalid: Option<InvalidPdf<P>>,
 }
 

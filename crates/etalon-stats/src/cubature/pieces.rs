@@ -14,10 +14,13 @@ pub(super) const LARGE: f64 = 0.1;
 /// A rectangle that one rule is applied to.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
-    /// Its leaf of the [`Tree`], and the cell of the grid that it is a part of.
+    /// Its leaf of the [`Tree`].
     pub(super) leaf: usize,
+    /// The cell of the grid that it is a part of.
     pub(super) cell: usize,
+    /// Its rectangle in the chart.
     pub(super) at: Cell,
+    /// Kronrod's estimate K of the integral over it.
     pub(super) integral: f64,
     /// |K − G| for each axis.
     pub(super) errors: [f64; 2],
@@ -41,6 +44,7 @@ impl Piece {
         Self { leaf, cell, at, integral: k, errors, mismatch: 0.0, top, shape, probes: Vec::new() }
     }
 
+    /// Estimate of the error of `integral`; infinite where the density is beyond reach.
     pub(super) fn error(&self) -> f64 {
         (self.errors[0] + self.errors[1]).max(self.mismatch)
     }

@@ -17,9 +17,13 @@ const PRECISION: f64 = 2.5e-5;
 
 /// A density's integrals over the cells of a grid, which become better with every probe that is learned.
 pub(crate) struct Refinement<'a, D: Domain> {
+    /// Where the density is defined.
     pub(super) domain: &'a D,
+    /// The integrand.
     pub(super) density: &'a dyn Density<D::Point>,
+    /// The cells whose integrals are wanted.
     pub(super) grid: &'a Grid,
+    /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
     tree: Tree,
     probes: Vec<Probe>,
