@@ -8,7 +8,8 @@
 //! Source: Debevec, "A Median Cut Algorithm for Light Probe Sampling", 2005; the variance rule after Viriyothai &
 //! Debevec, "Variance Minimization Light Probe Sampling", 2009.
 
-use super::latlong::{Block, EnvMap};
+use super::latlong::Block;
+use super::map::EnvMap;
 use super::sat::SummedArea;
 use crate::error::{Error, Result};
 use crate::interrupt;

@@ -1,6 +1,6 @@
 //! What a map holds: size, range, mean, flux, contrast, and how concentrated its light is.
 
-use super::latlong::EnvMap;
+use super::map::EnvMap;
 use crate::math::mean_rgb;
 use glam::DVec3;
 use serde::Serialize;

@@ -6,7 +6,8 @@
 //! estimated as if its cosines were uniform, and what is unknown adds up to a bound. In fact the errors are of
 //! either sign and small: a few 10⁻⁶ of the whole, see the tests.
 
-use super::latlong::{Block, EnvMap, LatLong};
+use super::latlong::{Block, LatLong};
+use super::map::EnvMap;
 use glam::DVec3;
 use std::f64::consts::PI;
 
