@@ -86,16 +86,17 @@ impl LatLong {
         direction((x as f64 + fx) * self.per_width, row.start + fy * row.extent, row.pole)
     }
 
-    /// [`LatLong::direction_in_texel`] for the first draws of a batch, as many as `out` has room for, to the same bits;
+    /// [`LatLong::direction_in_texel`] for the first samples of a batch, as many as `out` has room for, to the same bits;
     /// and their densities per solid angle.
     ///
     /// What depends on the row is gathered first, so that the arithmetic runs over plain arrays and vectorizes.
     #[inline(always)]
-    pub fn directions_in_texels(&self, draws: &Batch, out: [&mut [f64]; 4]) {
+    pub fn directions_in_texels(&self, samples: &Batch, out: [&mut [f64]; 4]) {
         let [dx, dy, dz, pdf] = out;
         let n = dx.len().min(BATCH);
         let (dx, dy, dz, pdf) = (&mut dx[..n], &mut dy[..n], &mut dz[..n], &mut pdf[..n]);
-        let (x, y, fx, fy, p) = (&draws.x[..n], &draws.y[..n], &draws.fx[..n], &draws.fy[..n], &draws.probability[..n]);
+        let (x, y, fx, fy, p) =
+            (&samples.x[..n], &samples.y[..n], &samples.fx[..n], &samples.fy[..n], &samples.probability[..n]);
         for i in 0..n {
             let row = &self.rows[y[i] as usize];
             dx[i] = row.start + fy[i] * row.extent;

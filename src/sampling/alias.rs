@@ -2,7 +2,7 @@
 
 use super::batch::{BATCH, Batch};
 use super::prefetch::prefetch;
-use super::table::{Draw, inside};
+use super::table::{CellSample, inside};
 
 /// Constant time per draw, but neither monotone nor invertible, which spoils stratified numbers.
 ///
@@ -118,22 +118,22 @@ impl AliasTable {
     /// The cell for `u` in \[0, 1), and what is left of `u` as the position inside it; `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn draw(&self, u: f64) -> Option<Draw> {
+    pub fn sample(&self, u: f64) -> Option<CellSample> {
         if self.total <= 0.0 {
             return None;
         }
         let (bucket, rest) = self.bucket(u);
         let (cell, offset) = self.owner(bucket, rest);
-        Some(Draw { cell, offset, probability: self.probability(cell) })
+        Some(CellSample { cell, offset, probability: self.probability(cell) })
     }
 
-    /// [`AliasTable::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
+    /// [`AliasTable::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
     /// cells are those of a grid with `width` columns; the second number of a pair is the position across the rows.
     /// `values` has one value per cell; those of the sampled cells are prefetched.
     ///
-    /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::draw_batch`] does.
+    /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::sample_batch`] does.
     #[inline(always)]
-    pub fn draw_batch<T>(&self, u: &[[f64; 2]], width: usize, values: &[T], out: &mut Batch) {
+    pub fn sample_batch<T>(&self, u: &[[f64; 2]], width: usize, values: &[T], out: &mut Batch) {
         let n = u.len().min(BATCH);
         let (u, cell, x, y) = (&u[..n], &mut out.cell[..n], &mut out.x[..n], &mut out.y[..n]);
         let (fx, fy, probability) = (&mut out.fx[..n], &mut out.fy[..n], &mut out.probability[..n]);
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn nothing_can_be_drawn_from_nothing() {
-        assert_eq!(AliasTable::new(&[0.0]).draw(0.5), None);
+        assert_eq!(AliasTable::new(&[0.0]).sample(0.5), None);
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         let n = 100_000u32;
         let mut counts = [0u32; 5];
         for i in 0..n {
-            counts[table.draw((f64::from(i) + 0.5) / f64::from(n)).unwrap().cell] += 1;
+            counts[table.sample((f64::from(i) + 0.5) / f64::from(n)).unwrap().cell] += 1;
         }
         for (i, &c) in counts.iter().enumerate() {
             assert!((f64::from(c) / f64::from(n) - table.probability(i)).abs() < 5.0 / f64::from(n), "{counts:?}");

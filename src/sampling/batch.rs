@@ -1,6 +1,6 @@
 //! Draws of several cells at once, component by component.
 
-/// How many draws are made at once: enough to overlap their memory accesses, and their arrays fit the nearest cache.
+/// How many samples are made at once: enough to overlap their memory accesses, and their arrays fit the nearest cache.
 pub const BATCH: usize = 64;
 
 /// Draws of up to [`BATCH`] cells of a grid.

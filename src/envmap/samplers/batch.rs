@@ -13,7 +13,7 @@ pub(super) trait Batched {
 
     /// Samples a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
     /// instruction set.
-    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch);
+    fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch);
 }
 
 /// Replaces `out` by the samples for all of `u`; by none when nothing can be sampled.
@@ -42,13 +42,13 @@ impl<S: Batched> pulp::WithSimd for Fill<'_, S> {
     fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
         let Self { sampler, u, out } = self;
         let (geometry, pixels) = (sampler.map().geometry(), sampler.map().image().pixels());
-        let mut draws = Batch::default();
+        let mut samples = Batch::default();
         for (i, u) in u.chunks(BATCH).enumerate() {
             let part = i * BATCH..i * BATCH + u.len();
-            sampler.draw_batch(u, &mut draws);
+            sampler.sample_batch(u, &mut samples);
             let [x, y, z, pdf] = [&mut out.x, &mut out.y, &mut out.z, &mut out.pdf].map(|v| &mut v[part.clone()]);
-            geometry.directions_in_texels(&draws, [x, y, z, pdf]);
-            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&draws.cell) {
+            geometry.directions_in_texels(&samples, [x, y, z, pdf]);
+            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&samples.cell) {
                 *radiance = pixels[cell];
             }
         }

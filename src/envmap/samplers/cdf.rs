@@ -55,19 +55,19 @@ impl Batched for CdfSampler {
     }
 
     #[inline(always)]
-    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
-        self.table.draw_batch(u, self.map.image().pixels(), draws);
+    fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch) {
+        self.table.sample_batch(u, self.map.image().pixels(), samples);
     }
 }
 
 impl DirectionSampler for CdfSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.table.draw(u)?;
-        let (x, y) = (draw.x.cell, draw.y.cell);
+        let at = self.table.sample(u)?;
+        let (x, y) = (at.x.cell, at.y.cell);
         let g = self.map.geometry();
-        let wi = g.direction_in_texel(x, y, draw.x.offset, draw.y.offset);
-        Some(EnvSample { wi, pdf: draw.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
+        let wi = g.direction_in_texel(x, y, at.x.offset, at.y.offset);
+        Some(EnvSample { wi, pdf: at.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
     }
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {

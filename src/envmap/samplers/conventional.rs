@@ -47,13 +47,13 @@ impl ConventionalSampler {
 
 impl DirectionSampler for ConventionalSampler {
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.table.draw(u)?;
-        let (x, y) = (draw.x.cell, draw.y.cell);
+        let at = self.table.sample(u)?;
+        let (x, y) = (at.x.cell, at.y.cell);
         let wi = if self.conventions.texel_corners {
             let [fx, fy] = maps::PLACE_IN_TEXEL;
             self.map.geometry().direction(x as f64 + fx, y as f64 + fy)
         } else {
-            self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset)
+            self.map.geometry().direction_in_texel(x, y, at.x.offset, at.y.offset)
         };
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }

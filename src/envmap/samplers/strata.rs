@@ -72,11 +72,11 @@ impl StrataSampler {
 impl DirectionSampler for StrataSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.regions.draw(u[0])?;
-        let Stratum { block, top, height, .. } = &self.strata[draw.cell];
+        let at = self.regions.sample(u[0])?;
+        let Stratum { block, top, height, .. } = &self.strata[at.cell];
         let cos_theta = (top - u[1] * height).clamp(-1.0, 1.0);
         let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
-        let x = block.x0 as f64 + draw.offset * (block.x1 - block.x0) as f64;
+        let x = block.x0 as f64 + at.offset * (block.x1 - block.x0) as f64;
         let (sin_phi, cos_phi) = (2.0 * PI * x / self.map.geometry().width() as f64).sin_cos();
         let wi = DVec3::new(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi);
         Some(EnvSample { wi, pdf: self.pdf(wi), radiance: self.map.radiance(wi) })

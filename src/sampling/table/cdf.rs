@@ -5,7 +5,7 @@ const BORDER: f64 = 1e-9;
 
 /// A cell and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Draw {
+pub struct CellSample {
     /// Index of the cell.
     pub cell: usize,
     /// Position inside the cell, in (0, 1).
@@ -53,12 +53,12 @@ impl Cdf<'_> {
 
     /// The cell for `u` in \[0, 1) and the position inside it, of a table whose weights are not all 0.
     #[inline]
-    pub fn draw(self, u: f64) -> Draw {
+    pub fn sample(self, u: f64) -> CellSample {
         let (cell, start, probability) = self.find(u);
-        Draw { cell, offset: inside((u - start) / probability), probability }
+        CellSample { cell, offset: inside((u - start) / probability), probability }
     }
 
-    /// The `u` that [`Cdf::draw`] maps to this place.
+    /// The `u` that [`Cdf::sample`] maps to this place.
     pub fn invert(self, cell: usize, offset: f64) -> f64 {
         self.cdf[cell] + offset * self.probability(cell)
     }
@@ -67,7 +67,7 @@ impl Cdf<'_> {
 /// The cell for `u` in the table of n `cells` at `base`, its start and its probability.
 ///
 /// The guide says where it is, if not exactly which: that cannot be predicted, so the common way has no branch that
-/// depends on it, and the processor overlaps the look-ups of many draws.
+/// depends on it, and the processor overlaps the look-ups of many samples.
 #[inline(always)]
 pub(super) fn find(tables: &[f64], base: usize, cells: usize, [first, last]: [u16; 2], u: f64) -> (usize, f64, f64) {
     let first_cell = usize::from(first);

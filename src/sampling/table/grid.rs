@@ -2,20 +2,20 @@
 
 use super::super::batch::{BATCH, Batch};
 use super::super::prefetch::prefetch;
-use super::cdf::{Cdf, Draw, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
+use super::cdf::{Cdf, CellSample, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
 use super::line::Table1;
 use rayon::prelude::*;
 
 /// A cell of a grid and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Draw2 {
+pub struct GridSample {
     /// The column, its probability within the row, and the position along x.
-    pub x: Draw,
+    pub x: CellSample,
     /// The row, its probability, and the position along y.
-    pub y: Draw,
+    pub y: CellSample,
 }
 
-impl Draw2 {
+impl GridSample {
     /// Probability of the cell: the very product that [`Table2::probability`] returns.
     #[inline]
     #[must_use]
@@ -81,19 +81,19 @@ impl Table2 {
     /// Samples the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn draw(&self, u: [f64; 2]) -> Option<Draw2> {
-        let y = self.rows.draw(u[0])?;
-        Some(Draw2 { x: self.row(y.cell).draw(u[1]), y })
+    pub fn sample(&self, u: [f64; 2]) -> Option<GridSample> {
+        let y = self.rows.sample(u[0])?;
+        Some(GridSample { x: self.row(y.cell).sample(u[1]), y })
     }
 
-    /// [`Table2::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
+    /// [`Table2::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
     /// has one value per cell, row by row; those of the sampled cells are prefetched.
     ///
     /// A draw looks into four tables, each look-up depends on the one before, and in a large map each waits for memory.
-    /// So the steps are taken one by one for all draws, each step prefetches for the next, and what is left to compute
+    /// So the steps are taken one by one for all samples, each step prefetches for the next, and what is left to compute
     /// runs over plain arrays.
     #[inline(always)]
-    pub fn draw_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
+    pub fn sample_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
         let n = u.len().min(BATCH);
         let u = &u[..n];
         let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
@@ -137,7 +137,7 @@ impl Table2 {
         self.rows.probability(y) * self.row(y).probability(x)
     }
 
-    /// The `u` that [`Table2::draw`] maps to this place in cell (x, y).
+    /// The `u` that [`Table2::sample`] maps to this place in cell (x, y).
     #[must_use]
     pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
         [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn nothing_can_be_drawn_from_nothing() {
-        assert_eq!(Table2::new(3, 2, |_, _| 0.0).draw([0.1, 0.9]), None);
+        assert_eq!(Table2::new(3, 2, |_, _| 0.0).sample([0.1, 0.9]), None);
     }
 
     #[test]
@@ -167,9 +167,9 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-14);
         for i in 0..400 {
             let u = [(f64::from(i % 20) + 0.3) / 20.0, (f64::from(i / 20) + 0.7) / 20.0];
-            let draw = table.draw(u).unwrap();
-            assert!(w(draw.x.cell, draw.y.cell) > 0.0);
-            let back = table.invert((draw.x.cell, draw.y.cell), (draw.x.offset, draw.y.offset));
+            let at = table.sample(u).unwrap();
+            assert!(w(at.x.cell, at.y.cell) > 0.0);
+            let back = table.invert((at.x.cell, at.y.cell), (at.x.offset, at.y.offset));
             assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9);
         }
     }

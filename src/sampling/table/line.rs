@@ -1,6 +1,6 @@
 //! Distributions over the cells of a line.
 
-use super::cdf::{Cdf, Draw, cdf_len, fill, guide_len};
+use super::cdf::{Cdf, CellSample, cdf_len, fill, guide_len};
 
 /// A distribution over n cells of a line.
 #[derive(Debug, Clone)]
@@ -38,8 +38,8 @@ impl Table1 {
     /// The cell for `u` in \[0, 1) and the position inside it; `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn draw(&self, u: f64) -> Option<Draw> {
-        (self.total > 0.0).then(|| self.view().draw(u))
+    pub fn sample(&self, u: f64) -> Option<CellSample> {
+        (self.total > 0.0).then(|| self.view().sample(u))
     }
 
     /// Probability of a cell (not per length).
@@ -49,7 +49,7 @@ impl Table1 {
         self.view().probability(cell)
     }
 
-    /// The `u` that [`Table1::draw`] maps to this place.
+    /// The `u` that [`Table1::sample`] maps to this place.
     #[must_use]
     pub fn invert(&self, cell: usize, offset: f64) -> f64 {
         self.view().invert(cell, offset)
@@ -82,13 +82,13 @@ mod tests {
             let table = Table1::new(&w);
             for i in 0..2000 {
                 let u = (f64::from(i) + 0.5) / 2000.0;
-                let draw = table.draw(u).unwrap();
-                assert!(table.probability(draw.cell) > 0.0);
-                assert!((table.invert(draw.cell, draw.offset) - u).abs() < 2e-9 * draw.probability + 1e-15);
+                let at = table.sample(u).unwrap();
+                assert!(table.probability(at.cell) > 0.0);
+                assert!((table.invert(at.cell, at.offset) - u).abs() < 2e-9 * at.probability + 1e-15);
             }
             // The ends of the interval never leave the table.
             for u in [0.0, f64::MIN_POSITIVE, 1.0f64.next_down()] {
-                assert!(table.probability(table.draw(u).unwrap().cell) > 0.0);
+                assert!(table.probability(table.sample(u).unwrap().cell) > 0.0);
             }
         }
     }
@@ -100,13 +100,13 @@ mod tests {
             for i in 0..5000u32 {
                 let u = f64::from(i) / 5000.0;
                 let expected = table.cdf[1..=w.len()].partition_point(|&end| end <= u);
-                assert_eq!(table.draw(u).unwrap().cell, expected, "{u}");
+                assert_eq!(table.sample(u).unwrap().cell, expected, "{u}");
             }
         }
     }
 
     #[test]
     fn nothing_can_be_drawn_from_nothing() {
-        assert_eq!(Table1::new(&[0.0, 0.0]).draw(0.5), None);
+        assert_eq!(Table1::new(&[0.0, 0.0]).sample(0.5), None);
     }
 }

@@ -9,9 +9,9 @@ mod cdf;
 mod grid;
 mod line;
 
-pub use cdf::Draw;
+pub use cdf::CellSample;
 pub(super) use cdf::inside;
-pub use grid::{Draw2, Table2};
+pub use grid::{GridSample, Table2};
 pub use line::Table1;
 
 #[cfg(test)]
