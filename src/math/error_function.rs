@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_exact_to_a_few_last_places() {
+    fn erfcx_errs_by_a_few_units_of_the_last_place() {
         let (mut single, mut double) = (0f64, 0f64);
         for i in 0..20_000 {
             let x = (f64::from(i) * 1e-3).powi(3) * 0.01;
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn erf_against_the_library() {
+    fn erf_is_that_of_the_library() {
         for i in 0..6000 {
             let x = f64::from(i) * 1e-3;
             assert!((x.error_function() - libm::erf(x)).abs() < 5.0 * f64::EPSILON, "{x}");

@@ -2,7 +2,6 @@
 
 use super::needs::Needs;
 use super::settings::{Sampling, Settings};
-use crate::bsdf::diffuse;
 use crate::envmap::samplers::SurfaceSampler;
 use crate::error::{Error, Result};
 use crate::sampling::warp;
@@ -33,7 +32,7 @@ impl Scatter {
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
-            Scatter::Bsdf => diffuse::sample(u),
+            Scatter::Bsdf => warp::cosine_hemisphere(u),
             Scatter::Hemisphere => warp::uniform_hemisphere(u),
         }
     }
@@ -41,7 +40,7 @@ impl Scatter {
     #[inline]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            Scatter::Bsdf => diffuse::pdf(cos),
+            Scatter::Bsdf => warp::cosine_hemisphere_pdf(cos),
             Scatter::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
         }
     }

@@ -4,7 +4,7 @@ use super::batch::{BATCH, Batch};
 use super::prefetch::prefetch;
 use super::table::{CellSample, inside};
 
-/// Constant time per draw, but neither monotone nor invertible, which spoils stratified numbers.
+/// An alias table: constant time per sample, but neither monotone nor invertible, so that stratification is lost.
 ///
 /// Source: Walker 1977; built as in Vose, "A linear algorithm for generating random numbers with a given
 /// distribution", IEEE Trans. Softw. Eng. 17(9), 1991.
@@ -61,6 +61,7 @@ impl AliasTable {
             entries[i].probability = scaled;
             push(&mut entries, if scaled < 1.0 { &mut small } else { &mut large }, i as u32);
         }
+        // Fill up each small entry from a large one, which may become small thereby.
         while small != END && large != END {
             let (s, l) = (small, large as usize);
             small = entries[s as usize].other;
@@ -72,7 +73,7 @@ impl AliasTable {
                 push(&mut entries, &mut small, l as u32);
             }
         }
-        // What is left over is 1 but for rounding, unless its weight is 0: such a cell must never be sampled.
+        // Entries that remain are 1 up to rounding, unless their weight is 0: such a cell must never be sampled.
         let heaviest = (0..n).max_by(|&a, &b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
         for mut next in [small, large] {
             while next != END {
@@ -82,6 +83,7 @@ impl AliasTable {
                 entries[i] = AliasEntry { keep, other: other as u32, probability: 0.0 };
             }
         }
+        // Compute the probabilities that the finished table realizes.
         for i in 0..n {
             let AliasEntry { keep, other, .. } = entries[i];
             entries[i].probability += f64::from(keep) / n as f64;
@@ -105,8 +107,8 @@ impl AliasTable {
         (bucket, scaled - bucket as f64)
     }
 
-    /// The cell that owns this place of a bucket, and the position inside the cell. Which of the two it is cannot be
-    /// predicted, so it is chosen without a branch.
+    /// The cell that owns this place of a bucket, and the position inside the cell. The processor cannot predict which of
+    /// the two cells it is, so the choice has no branch.
     #[inline]
     fn owner(&self, bucket: usize, rest: f64) -> (usize, f64) {
         let AliasEntry { keep, other, .. } = self.entries[bucket];
@@ -128,7 +130,7 @@ impl AliasTable {
     }
 
     /// [`AliasTable::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
-    /// cells are those of a grid with `width` columns; the second number of a pair is the position across the rows.
+    /// cells are those of a grid with `width` columns; the second random number of a pair is the position across the rows.
     /// `values` has one value per cell; those of the sampled cells are prefetched.
     ///
     /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::sample_batch`] does.
@@ -178,12 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn nothing_can_be_drawn_from_nothing() {
+    fn weights_of_zero_give_no_sample() {
         assert_eq!(AliasTable::new(&[0.0]).sample(0.5), None);
     }
 
     #[test]
-    fn alias_draws_its_own_probabilities() {
+    fn cells_are_sampled_with_their_probabilities() {
         let w = [1.0, 0.0, 3.0, 0.5, 0.5];
         let table = AliasTable::new(&w);
         let n = 100_000u32;

@@ -1,9 +1,9 @@
-//! Draws of several cells at once, component by component.
+//! Samples of several cells at once, component by component.
 
-/// How many samples are made at once: enough to overlap their memory accesses, and their arrays fit the nearest cache.
+/// Samples per batch: enough to overlap their memory accesses, few enough for the nearest cache.
 pub const BATCH: usize = 64;
 
-/// Draws of up to [`BATCH`] cells of a grid.
+/// Samples of up to [`BATCH`] cells of a grid.
 #[derive(Debug, Clone)]
 pub struct Batch {
     /// Number of the cell, counted row by row.

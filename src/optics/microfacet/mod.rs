@@ -1,4 +1,4 @@
-//! Distributions of microfacet normals: D, and the shadowing that goes with it, in forms that hold at grazing angles.
+//! Distributions of microfacet normals, D, and their shadowing, in forms that stay precise at grazing angles.
 //!
 //! Directions are unit vectors in the local frame, the mean normal at +z; `alpha` is the root mean square slope times
 //! √2 (Beckmann) or the width of the same name (GGX). sin² is x² + y² and never 1 − z², which at α = 10⁻³ would leave

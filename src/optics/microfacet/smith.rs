@@ -9,16 +9,16 @@ pub trait Microfacet<T: Real>: Copy {
     /// ∫ D cos θₘ dωₘ = 1. Zero for normals on or below the horizon.
     fn d(&self, wm: [T; 3]) -> T;
 
-    /// |z| Λ(w): the facets' hidden part of the projected area, for a direction of either side.
+    /// |z| Λ(w), the hidden part of the facets' projected area; `w` may be on either side.
     fn cos_lambda(&self, w: [T; 3]) -> T;
 
-    /// Smith's Λ(w), hidden over visible projected area; infinite on the horizon.
+    /// Smith's Λ(w), hidden over visible projected area of the facets; infinite on the horizon.
     #[inline(always)]
     fn lambda(&self, w: [T; 3]) -> T {
         self.cos_lambda(w) / w[2].abs()
     }
 
-    /// Share of the facets seen from `w`, 1/(1 + Λ); 0 on the horizon.
+    /// Smith's masking function G₁, the share of the facets visible from `w`: 1/(1 + Λ); 0 on the horizon.
     #[inline(always)]
     fn g1(&self, w: [T; 3]) -> T {
         w[2].abs() * self.g1_over_cos(w)
@@ -30,7 +30,8 @@ pub trait Microfacet<T: Real>: Copy {
         (w[2].abs() + self.cos_lambda(w)).recip()
     }
 
-    /// Share of the facets seen from both directions, 1/(1 + Λₒ + Λᵢ): the form for heights that correlate.
+    /// Smith's masking-shadowing function G₂, the share of the facets visible from both directions: 1/(1 + Λₒ + Λᵢ), for
+    /// correlated heights.
     #[inline(always)]
     fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
         (wo[2] * wi[2]).abs() * self.g2_over_cosines(wo, wi)

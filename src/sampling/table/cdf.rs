@@ -1,6 +1,6 @@
 //! One cumulative table with its guide: how it is filled, and how a cell is found in it.
 
-/// Share of a cell that is kept free at its borders: a position never rounds into the neighbour cell.
+/// Share of a cell at its borders where no position falls, so that none rounds into the neighbour cell.
 const BORDER: f64 = 1e-9;
 
 /// A cell and the position inside it.
@@ -66,8 +66,8 @@ impl Cdf<'_> {
 
 /// The cell for `u` in the table of n `cells` at `base`, its start and its probability.
 ///
-/// The guide says where it is, if not exactly which: that cannot be predicted, so the common way has no branch that
-/// depends on it, and the processor overlaps the look-ups of many samples.
+/// The guide gives a few candidates. Which of them it is the processor cannot predict, so the common case has no branch that
+/// depends on it, and the look-ups of many samples overlap.
 #[inline(always)]
 pub(super) fn find(tables: &[f64], base: usize, cells: usize, [first, last]: [u16; 2], u: f64) -> (usize, f64, f64) {
     let first_cell = usize::from(first);
@@ -88,7 +88,7 @@ fn bisect(cdf: &[f64], first: usize, u: f64) -> (usize, f64, f64) {
     (cell, cdf[cell], cdf[cell + 1] - cdf[cell])
 }
 
-/// A position in a cell, kept off the borders.
+/// A position in a cell, clamped away from its borders.
 #[inline]
 pub(in super::super) fn inside(offset: f64) -> f64 {
     offset.clamp(BORDER, 1.0 - BORDER)
@@ -108,7 +108,7 @@ pub(super) fn guide_len(cells: usize) -> usize {
 
 /// Fills a cumulative table and its guide from weights ≥ 0 and returns their sum; if that is 0 the table is all zeros.
 ///
-/// A cell of positive weight always gets a positive probability, be it 10⁻²⁴ of the whole.
+/// A cell of positive weight always gets a positive probability, even if its weight is 10⁻²⁴ of the sum.
 pub(super) fn fill(weights: &[f64], cdf: &mut [f64], guide: &mut [u16]) -> f64 {
     let n = weights.len();
     let total: f64 = weights.iter().sum();
@@ -127,16 +127,17 @@ pub(super) fn fill(weights: &[f64], cdf: &mut [f64], guide: &mut [u16]) -> f64 {
         let next = sum * scale;
         cdf[i + 1] = if w > 0.0 { next.max(cdf[i].next_up()) } else { cdf[i] };
     }
-    // The table must end at 1 exactly; make room from the right where rounding left none.
+    // Let the table end at 1 exactly, and restore increasing values from the right where rounding left no gap.
     let last = weights.iter().rposition(|&w| w > 0.0).unwrap_or(0);
     cdf[last + 1..].fill(1.0);
     for i in (0..=last).rev() {
-        let room = if weights[i] > 0.0 { cdf[i + 1].next_down() } else { cdf[i + 1] };
-        if cdf[i] <= room {
+        let largest = if weights[i] > 0.0 { cdf[i + 1].next_down() } else { cdf[i + 1] };
+        if cdf[i] <= largest {
             break;
         }
-        cdf[i] = room;
+        cdf[i] = largest;
     }
+    // Fill the guide: the first cell of each bucket.
     let buckets = guide.len() - 2;
     let mut cell = 0;
     for (b, entry) in guide.iter_mut().enumerate() {

@@ -89,9 +89,8 @@ impl Table2 {
     /// [`Table2::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
     /// has one value per cell, row by row; those of the sampled cells are prefetched.
     ///
-    /// A draw looks into four tables, each look-up depends on the one before, and in a large map each waits for memory.
-    /// So the steps are taken one by one for all samples, each step prefetches for the next, and what is left to compute
-    /// runs over plain arrays.
+    /// A sample takes four dependent look-ups, and in a large map each waits for memory. So each step is done for all
+    /// samples before the next one, and prefetches what that needs. The remaining arithmetic runs over plain arrays.
     #[inline(always)]
     pub fn sample_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
         let n = u.len().min(BATCH);
@@ -102,6 +101,7 @@ impl Table2 {
         let (cell, x, y, bracket) = (&mut out.cell[..n], &mut out.x[..n], &mut out.y[..n], &mut out.bracket[..n]);
         let (fx, fy) = (&mut out.fx[..n], &mut out.fy[..n]);
         let (px, py) = (&mut out.column[..n], &mut out.probability[..n]);
+        // Find the rows, and the places in the guides of their columns.
         for i in 0..n {
             let [v, u] = u[i];
             let (row, start, probability) = rows.find(v);
@@ -109,12 +109,14 @@ impl Table2 {
             cell[i] = row * guide_stride + bucket(u, buckets);
             prefetch(&self.guide, cell[i]);
         }
+        // Read from the guides which columns come into question.
         for i in 0..n {
             bracket[i] = [self.guide[cell[i]], self.guide[cell[i] + 1]];
             let first = y[i] as usize * stride + usize::from(bracket[i][0]);
             prefetch(&self.cdf, first);
             prefetch(&self.cdf, first + PROBES + 1);
         }
+        // Find the columns.
         for i in 0..n {
             let u = u[i][1];
             let row = y[i] as usize;
@@ -123,6 +125,7 @@ impl Table2 {
             cell[i] = row * self.width + column;
             prefetch(values, cell[i]);
         }
+        // Compute positions inside the cells and the cells' probabilities.
         for i in 0..n {
             fx[i] = inside(fx[i] / px[i]);
             fy[i] = inside(fy[i] / py[i]);
@@ -149,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_can_be_drawn_from_nothing() {
+    fn weights_of_zero_give_no_sample() {
         assert_eq!(Table2::new(3, 2, |_, _| 0.0).sample([0.1, 0.9]), None);
     }
 

@@ -69,7 +69,7 @@ mod tests {
             for (i, &wi) in w.iter().enumerate() {
                 let p = table.probability(i);
                 assert!((p - wi / total).abs() < 1e-12, "{p} {wi} {total}");
-                assert_eq!(p > 0.0, wi > 0.0, "a cell of positive weight can be drawn");
+                assert_eq!(p > 0.0, wi > 0.0, "a cell of positive weight can be sampled");
                 sum += p;
             }
             assert!((sum - 1.0).abs() < 1e-12);
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn draw_and_invert_are_inverse() {
+    fn sample_and_invert_are_inverse() {
         for w in weights() {
             let table = Table1::new(&w);
             for i in 0..2000 {
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_can_be_drawn_from_nothing() {
+    fn weights_of_zero_give_no_sample() {
         assert_eq!(Table1::new(&[0.0, 0.0]).sample(0.5), None);
     }
 }
