@@ -2,8 +2,8 @@
 //!
 //! A power of two is reached level by level, as in the paper: at each level every region is cut in two along its longer
 //! side, at the median of its energy. For any other number, and by the variance rule, regions are cut one at a time,
-//! always the one with the most energy (or variance) left. So are those that a power of two still lacks after its levels
-//! because some regions were single texels, which cannot be cut (one with the sun in it, say).
+//! always the one with the most energy (or variance). The same fills up a power of two that its levels do not reach because
+//! some regions are single texels, which cannot be cut.
 //!
 //! Source: Debevec, "A Median Cut Algorithm for Light Probe Sampling", 2005; the variance rule after Viriyothai &
 //! Debevec, "Variance Minimization Light Probe Sampling", 2009.
@@ -24,12 +24,12 @@ pub enum Split {
     #[default]
     Energy,
     /// Where the larger variance of the two halves is smallest, either way across. The variance of a region is
-    /// M₀ − |M₁|²/M₀ with M₀ = Σ E and M₁ = Σ E ω over its texels, in closed form from summed-area tables; being
-    /// taken on the sphere it knows of no seam and no pole.
+    /// M₀ − |M₁|²/M₀ with M₀ = Σ E and M₁ = Σ E ω over its texels, in closed form from summed-area tables; it is
+    /// taken on the sphere, where the map has neither seam nor poles.
     Variance,
 }
 
-/// How the longer side of a region is told.
+/// How the sides of a region are measured, of which the longer one is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SideRule {
     /// In texels of the map, as in Debevec's paper.
@@ -55,7 +55,7 @@ pub struct Region {
     pub energy: f64,
 }
 
-/// A region waiting to be split: the heap gives the largest priority first, then the larger, then the earlier one.
+/// A region to be split, ordered by priority, then by solid angle, then by place (the earlier one first).
 struct Candidate {
     priority: f64,
     solid_angle: f64,
@@ -94,7 +94,7 @@ pub struct MedianCut<'a> {
     energy: SummedArea,
     /// First moments Σ E ω, one table per axis; only the variance rule needs them.
     moments: Option<[SummedArea; 3]>,
-    /// Of the energy rule; the variance rule tries cuts along both sides.
+    /// Used by the energy rule; the variance rule tries cuts along both sides.
     sides: SideRule,
 }
 
@@ -117,12 +117,16 @@ impl<'a> MedianCut<'a> {
     }
 
     /// Divides the map into exactly `n` regions, in reading order of their corners.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] unless 1 ≤ `n` ≤ number of texels; [`Error::Interrupted`] after Ctrl-C.
     pub fn regions(&self, n: usize) -> Result<Vec<Region>> {
         let (width, height) = (self.map.geometry().width(), self.map.geometry().height());
         if n == 0 || n > width * height {
             return Err(Error::parameter("n", format!("{n} regions out of {width}x{height} texels"))
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
+        // Cut level by level where the number allows that, then the region of highest priority until there are `n`.
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
         let level_by_level = self.moments.is_none() && n.is_power_of_two();
         let blocks = self.levels(whole, if level_by_level { n.ilog2() } else { 0 });
@@ -167,6 +171,7 @@ impl<'a> MedianCut<'a> {
         if places.is_empty() {
             return None;
         }
+        // Without light cut in the middle.
         let total = self.energy.sum(block);
         if total <= 0.0 {
             return Some(axis.split(block, (first + last).div_ceil(2)));
@@ -189,7 +194,7 @@ impl<'a> MedianCut<'a> {
             .into_iter()
             .flat_map(|axis| axis.candidates(block).map(move |at| axis.split(block, at)))
             .min_by(|a, b| worse(a).total_cmp(&worse(b)))?;
-        // Without light every cut is as good as any other: take the middle.
+        // Without light all cuts are equal: take the middle.
         if self.energy.sum(block) <= 0.0 { self.cut_by_energy(block, SideRule::Sphere) } else { Some(best) }
     }
 

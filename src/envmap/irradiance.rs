@@ -1,17 +1,17 @@
 //! Exact irradiance from a map: E(n) = ∫ L(ω) max(n·ω, 0) dω, with a bound on its error.
 //!
 //! A block of texels wholly above the horizon of n contributes n·M₁, where M₁ = ∫ L ω dω over the block is known in
-//! closed form; one wholly below contributes nothing. Only blocks on the horizon are opened, down to texels. One of
-//! flux F and angular radius ρ that is left unopened there contributes between max(n·M₁, 0) and Fρ/2 more; it is
-//! estimated as if its cosines were uniform, and what is unknown adds up to a bound. In fact the errors are of
-//! either sign and small: a few 10⁻⁶ of the whole, see the tests.
+//! closed form; one wholly below contributes nothing. Only blocks on the horizon are subdivided, down to texels. One of
+//! flux F and angular radius ρ that is not subdivided contributes between max(n·M₁, 0) and Fρ/2 more; it is estimated as if
+//! its cosines were uniform, and the uncertainties add up to a bound. The actual errors have either sign and are a few 10⁻⁶
+//! of the whole; see the tests.
 
 use super::latlong::{Block, LatLong};
 use super::map::EnvMap;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// An irradiance and how far from the truth it can be.
+/// An irradiance with a bound of its error.
 #[derive(Debug, Clone, Copy)]
 pub struct Irradiance {
     /// ∫ L max(n·ω, 0) dω per channel.
@@ -27,7 +27,7 @@ const PARTS: usize = 8;
 pub struct IrradianceTree {
     geometry: LatLong,
     nodes: Vec<Node>,
-    /// A block on the horizon is opened only while its bound exceeds this share of the whole flux.
+    /// A block on the horizon is subdivided only while its bound exceeds this share of the whole flux.
     tolerance: f64,
     total: DVec3,
 }
@@ -69,6 +69,7 @@ impl IrradianceTree {
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i as usize];
             let height = n.dot(node.axis);
+            // Wholly below the horizon, or wholly above it?
             if height <= -node.sin_radius {
                 continue;
             }
@@ -77,12 +78,13 @@ impl IrradianceTree {
                 value += linear;
                 continue;
             }
+            // On the horizon: subdivide it while the bound of its error is too large.
             let bound = 0.5 * node.radius * node.flux;
             if bound.element_sum() > limit && node.count == 0 {
                 value += self.texel_on_horizon(node, n);
                 error += bound / (PARTS * PARTS) as f64;
             } else if bound.element_sum() <= limit {
-                // A square of that radius has the variance of an even spread over ± its half side.
+                // Assume cosines uniform over ± the half side of a square of that radius, which has the same variance.
                 let reach = node.flux * (node.sin_radius.min(1.0) * std::f64::consts::FRAC_1_SQRT_2);
                 let x = (linear / reach.max(DVec3::splat(f64::MIN_POSITIVE))).clamp(DVec3::NEG_ONE, DVec3::ONE);
                 value += reach * (DVec3::ONE + x) * (DVec3::ONE + x) * 0.25;
@@ -94,7 +96,7 @@ impl IrradianceTree {
         Irradiance { value, error }
     }
 
-    /// ∫ L max(n·ω, 0) dω over one texel, by its parts' middles.
+    /// ∫ L max(n·ω, 0) dω over one texel by the midpoint rule.
     fn texel_on_horizon(&self, node: &Node, n: DVec3) -> DVec3 {
         let (x, y) = (node.first as usize % self.geometry.width(), node.first as usize / self.geometry.width());
         let at = |i: usize| (i as f64 + 0.5) / PARTS as f64;
@@ -199,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn it_agrees_with_brute_force_within_its_bound() {
+    fn irradiance_agrees_with_brute_force_within_its_bound() {
         let value =
             |x: usize, y: usize| Rgb::new(((x * 7 + y * 5) % 9) as f32, if (x, y) == (20, 6) { 1e4 } else { 0.0 }, 1.0);
         let map = EnvMap::new(Image::from_fn(32, 16, value));
@@ -223,9 +225,9 @@ mod tests {
     }
 
     #[test]
-    fn its_error_is_below_one_in_a_hundred_thousand() {
-        let lamps = |x: usize, y: usize| if x % 97 == 5 && y % 61 == 20 { 300.0 } else { 0.1 + (x % 7) as f32 * 0.05 };
-        let mut tree = IrradianceTree::new(&EnvMap::new(Image::from_fn(512, 256, |x, y| Rgb::splat(lamps(x, y)))));
+    fn the_relative_error_is_below_1e_5() {
+        let lights = |x: usize, y: usize| if x % 97 == 5 && y % 61 == 20 { 300.0 } else { 0.1 + (x % 7) as f32 * 0.05 };
+        let mut tree = IrradianceTree::new(&EnvMap::new(Image::from_fn(512, 256, |x, y| Rgb::splat(lights(x, y)))));
         for n in normals() {
             let quick = tree.irradiance(n).value.x;
             tree.tolerance = 0.0;

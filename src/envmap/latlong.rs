@@ -1,4 +1,4 @@
-//! The lat-long map and its geometry: the one place that knows which texel looks where.
+//! The geometry of lat-long maps: which texel belongs to which direction.
 //!
 //! Row 0 is the zenith (+y) and texel centres lie at +½. With v = y/H and u = x/W:
 //!
@@ -28,9 +28,9 @@ struct Row {
     start: f64,
     extent: f64,
     pole: f64,
-    /// Solid angle of one texel, and one over it.
+    /// Solid angle of one texel, in steradian.
     solid_angle: f64,
-    density: f64,
+    inverse_solid_angle: f64,
 }
 
 impl LatLong {
@@ -45,7 +45,7 @@ impl LatLong {
             let north = 2 * y < height;
             let half = if north { libm::sin(0.5 * t0) } else { libm::cos(0.5 * t0) };
             let (pole, extent) = if north { (1.0, extent) } else { (-1.0, -extent) };
-            Row { start: 2.0 * half * half, extent, pole, solid_angle, density: 1.0 / solid_angle }
+            Row { start: 2.0 * half * half, extent, pole, solid_angle, inverse_solid_angle: 1.0 / solid_angle }
         };
         Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
@@ -75,7 +75,7 @@ impl LatLong {
     #[inline]
     #[must_use]
     pub fn inverse_solid_angle(&self, y: usize) -> f64 {
-        self.rows[y].density
+        self.rows[y].inverse_solid_angle
     }
 
     /// The direction at `fx`, `fy` in (0, 1) inside texel (x, y); `fy` is uniform in solid angle, that is in cos θ.
@@ -87,9 +87,9 @@ impl LatLong {
     }
 
     /// [`LatLong::direction_in_texel`] for the first samples of a batch, as many as `out` has room for, to the same bits;
-    /// and their densities per solid angle.
+    /// and their pdfs per solid angle.
     ///
-    /// What depends on the row is gathered first, so that the arithmetic runs over plain arrays and vectorizes.
+    /// Values that depend on the row are copied first, so that the arithmetic runs over plain arrays and vectorizes.
     #[inline(always)]
     pub fn directions_in_texels(&self, samples: &Batch, out: [&mut [f64]; 4]) {
         let [dx, dy, dz, pdf] = out;
@@ -101,7 +101,7 @@ impl LatLong {
             let row = &self.rows[y[i] as usize];
             dx[i] = row.start + fy[i] * row.extent;
             dy[i] = row.pole;
-            pdf[i] = p[i] * row.density;
+            pdf[i] = p[i] * row.inverse_solid_angle;
         }
         for i in 0..n {
             let turns = (f64::from(x[i]) + fx[i]) * self.per_width;
@@ -117,7 +117,7 @@ impl LatLong {
         let (x, y) = self.texel(direction);
         let row = &self.rows[y];
         let sin2 = direction.x * direction.x + direction.z * direction.z;
-        // 1 − |cos θ| = sin² θ / (1 + |cos θ|); on the far side of the equator it is 2 less that.
+        // 1 − |cos θ| = sin² θ / (1 + |cos θ|); beyond the equator w is 2 minus that.
         let near = sin2 / (1.0 + direction.y.abs());
         let w = if direction.y * row.pole >= 0.0 { near } else { 2.0 - near };
         (x, y, (px - x as f64).clamp(0.0, 1.0), ((w - row.start) / row.extent).clamp(0.0, 1.0))
@@ -138,7 +138,7 @@ impl LatLong {
         DVec3::new(across * chord * cos_phi, along * 2.0 * half_phi, across * chord * sin_phi)
     }
 
-    /// A cone around a block: its middle direction and the largest angle to it, π if that exceeds a right angle.
+    /// A bounding cone of a block: its middle direction and the largest angle to it, or π where that may exceed 90°.
     ///
     /// With θₘ, φₘ the middle, cos d = cos θ cos θₘ + sin θ sin θₘ cos(φ − φₘ) falls with |φ − φₘ| up to 180°, and as
     /// a function of θ it is concave wherever it is positive. So within 90° of the middle the corners are farthest.
@@ -152,7 +152,7 @@ impl LatLong {
         (axis, if narrow { reach * (1.0 + 1e-9) + 1e-12 } else { PI })
     }
 
-    /// The direction that the continuous map position (x, y), in texels from the top left corner, looks at.
+    /// The direction at the continuous map position (x, y), in texels from the top left corner.
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let (sin_theta, cos_theta) = (PI * y / self.height() as f64).sin_cos();

@@ -8,7 +8,7 @@ use crate::raster::Image;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A lat-long map of radiance, clean for use: finite and not negative.
+/// A lat-long map of radiance, finite and not negative.
 #[derive(Debug, Clone)]
 pub struct EnvMap {
     image: Image,
@@ -16,7 +16,7 @@ pub struct EnvMap {
     found: Found,
 }
 
-/// What a map's file held before it was cleaned.
+/// The range of values in an image before it was cleaned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// Smallest finite value of any channel; NaN if there is none.
@@ -87,7 +87,7 @@ impl EnvMap {
         self.texel(x, y)
     }
 
-    /// The scalar that importance follows, (R + G + B) / 3.
+    /// (R + G + B) / 3 of texel (x, y): what samplers weigh radiance by.
     #[inline]
     #[must_use]
     pub fn mean_rgb(&self, x: usize, y: usize) -> f64 {
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_hot_maps_shine_from_one_direction_only() {
+    fn one_hot_maps_have_radiance_in_one_texel_only() {
         for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (16, 8)] {
             for hot in 0..w * h {
                 let (hx, hy) = (hot % w, hot / w);

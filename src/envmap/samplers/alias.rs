@@ -20,7 +20,7 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, _| Ok(Box::new(AliasSampler::new(map)))),
 };
 
-/// One alias table over all texels: constant time, but not monotone in the numbers, so that stratification is lost.
+/// One alias table over all texels: constant time, but not monotone in the random numbers, so that stratification is lost.
 #[derive(Debug, Clone)]
 pub struct AliasSampler {
     map: Arc<EnvMap>,

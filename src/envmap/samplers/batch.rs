@@ -11,8 +11,8 @@ pub(super) trait Batched {
     /// Sum of the table's weights; 0 when nothing can be sampled.
     fn total(&self) -> f64;
 
-    /// Samples a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
-    /// instruction set.
+    /// Samples a texel for each of up to [`BATCH`] pairs of random numbers. It must be inlined into [`fill`], which is
+    /// compiled for each instruction set.
     fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch);
 }
 

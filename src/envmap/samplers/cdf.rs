@@ -20,8 +20,8 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, _| Ok(Box::new(CdfSampler::new(map)))),
 };
 
-/// Inversion: the row by the marginal table, the column by the row's own, a uniform position
-/// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.
+/// Inversion: the row by the marginal table, the column by the row's own, a uniform position inside the texel. It is monotone
+/// in both random numbers, hence invertible and suited to stratified ones.
 #[derive(Debug, Clone)]
 pub struct CdfSampler {
     /// The map that is sampled.

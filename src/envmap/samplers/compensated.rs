@@ -1,4 +1,4 @@
-//! MIS compensation: radiance less its mean, for use beside BSDF sampling.
+//! MIS compensation: radiance minus its mean, for use beside BSDF sampling.
 
 use super::cdf::CdfSampler;
 use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub const ENTRY: &Entry = &Entry {
     name: "compensated",
     density: "compensated",
-    doc: "radiance less its mean (0 where the map is dimmer: for MIS only)",
+    doc: "radiance minus its mean (0 where the map is dimmer: for MIS only)",
     has_regions: false,
     complete: false,
     invertible: false,
@@ -19,23 +19,22 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, _| Ok(Box::new(CompensatedSampler::new(map)))),
 };
 
-/// MIS compensation: the density with its solid-angle mean taken away, which leaves to BSDF sampling what BSDF
-/// sampling does well. It is 0 where the map is dimmer than its mean, so it is not complete: it must be combined with
-/// another strategy.
+/// MIS compensation: radiance minus its solid-angle mean, because BSDF sampling covers the uniform part well. The pdf is 0
+/// where the map is dimmer than its mean, so that it must be combined with another strategy.
 ///
 /// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
 #[derive(Debug, Clone)]
 pub struct CompensatedSampler(CdfSampler);
 
 impl CompensatedSampler {
-    /// A map without contrast, whose compensated density would vanish, keeps its plain one.
+    /// The tables of a map. A map without contrast is sampled by its radiance, because the difference would vanish.
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
         let (width, height) = (g.width(), g.height());
         let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
         let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
-        // Rounding leaves values of a constant map above its mean; that is no contrast.
+        // In a constant map rounding leaves texels slightly above the mean; they do not count.
         let floor = mean * (1.0 + 1e-6);
         let table = Table2::new(width, height, |x, y| {
             let above = map.mean_rgb(x, y) - mean;

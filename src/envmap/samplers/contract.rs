@@ -1,4 +1,4 @@
-//! What a sampler of a map provides: its entry in the registry, its samples, and the traits that give them.
+//! The contract of every sampler of a map: its entry in the registry, its samples, the traits that generate them.
 
 use crate::envmap::EnvMap;
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::math::Rgb;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// What the registry knows of a sampler.
+/// An entry of the registry.
 pub struct Entry {
     /// Name at the command line; where [`Entry::has_regions`], a number follows it: `strata-64`.
     pub name: &'static str,
@@ -47,7 +47,7 @@ pub type RegionCount = u32;
 pub struct EnvSample {
     /// Unit direction towards the light.
     pub wi: DVec3,
-    /// Density per solid angle: the value that the sampler's `pdf(wi)` returns, to the last bit.
+    /// Pdf per solid angle: the value that the sampler's `pdf(wi)` returns, to the last bit.
     pub pdf: f64,
     /// The map's radiance from there.
     pub radiance: Rgb,
@@ -62,7 +62,7 @@ pub struct EnvSamples {
     pub y: Vec<f64>,
     /// z of these directions.
     pub z: Vec<f64>,
-    /// Densities per solid angle.
+    /// Pdfs per solid angle.
     pub pdf: Vec<f64>,
     /// The map's radiance from there.
     pub radiance: Vec<Rgb>,
@@ -133,7 +133,7 @@ pub trait DirectionSampler: Send + Sync {
         u.iter().filter_map(|&u| self.sample(u)).for_each(|s| out.push(s));
     }
 
-    /// Density of [`DirectionSampler::sample`] per solid angle.
+    /// Pdf of [`DirectionSampler::sample`] per solid angle.
     fn pdf(&self, wi: DVec3) -> f64;
 
     /// The `u` that [`DirectionSampler::sample`] maps to `wi`, if the sampler has an inverse.
@@ -153,7 +153,7 @@ pub trait SurfaceSampler: Send + Sync {
         u.iter().filter_map(|&u| self.sample_for(u, normal)).for_each(|s| out.push(s));
     }
 
-    /// Density of [`SurfaceSampler::sample_for`] per solid angle.
+    /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.
     fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64;
 
     /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.

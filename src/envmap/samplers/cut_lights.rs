@@ -1,6 +1,6 @@
-//! No sampling at all: one fixed directional light for each region of a median cut.
+//! Fixed directional lights in place of sampling, one for each region of a median cut.
 //!
-//! The lights miss part of the image for good (bias), but have no noise. Source: Debevec, "A Median Cut Algorithm for Light
+//! The estimate has bias but no noise. Source: Debevec, "A Median Cut Algorithm for Light
 //! Probe Sampling", SIGGRAPH 2005 posters; by variance: Viriyothai & Debevec, "Variance Minimization Light Probe
 //! Sampling", SIGGRAPH 2009 posters.
 

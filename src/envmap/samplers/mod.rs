@@ -53,7 +53,7 @@ impl MapSampling {
     pub const MAP: Self = Self::new(cdf::ENTRY);
     /// Radiance times the cosine at the surface.
     pub const COSINE: Self = Self::new(cosine::ENTRY);
-    /// Radiance less its mean.
+    /// Radiance minus its mean.
     pub const COMPENSATED: Self = Self::new(compensated::ENTRY);
 
     /// A sampler that takes no number of regions (or, if it does, cannot be built).

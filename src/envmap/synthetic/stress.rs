@@ -6,7 +6,7 @@ use crate::raster::Image;
 const WIDTH: usize = 64;
 const HEIGHT: usize = 32;
 
-/// Column and row of the one bright texel of `onehot`: off the axes, the poles and the seam, on no symmetry.
+/// Column and row of the one bright texel of `onehot`: away from the axes, the poles and the seam, without symmetry.
 pub const ONE_HOT_TEXEL: (usize, usize) = (21, 11);
 /// Its radiance: three different values, so that swapped channels show.
 pub const ONE_HOT_RADIANCE: Rgb = Rgb::new(1000.0, 500.0, 250.0);

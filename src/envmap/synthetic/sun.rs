@@ -1,7 +1,7 @@
 //! `sun`: a clear sky over bare ground, and a sun of about a dozen texels.
 //!
 //! Not a model of the atmosphere, but smooth and of the right order: the sky is pale at the horizon and deep blue
-//! above, brighter around the sun; the ground is lit and fades into the haze of the horizon.
+//! above, brighter around the sun; the ground reflects and fades into the haze of the horizon.
 
 use std::f64::consts::PI;
 
@@ -74,9 +74,9 @@ fn disc(x: usize, y: usize, centre: DVec3, sun: DVec3) -> f64 {
     for k in 0..SIDE * SIDE {
         let at = |k: usize| (k as f64 + 0.5) / SIDE as f64;
         let d = direction(x as f64 + at(k % SIDE), y as f64 + at(k / SIDE));
-        let off = (d - sun).length() / RADIUS;
-        if off < 1.0 {
-            sum += 1.0 - 0.6 * (1.0 - (1.0 - off * off).sqrt());
+        let r = (d - sun).length() / RADIUS;
+        if r < 1.0 {
+            sum += 1.0 - 0.6 * (1.0 - (1.0 - r * r).sqrt());
         }
     }
     sum / (SIDE * SIDE) as f64
