@@ -45,6 +45,7 @@ impl Piece {
     }
 
     /// Estimate of the error of `integral`; infinite where the density is beyond reach.
+    #[inline]
     pub(super) fn error(&self) -> f64 {
         (self.errors[0] + self.errors[1]).max(self.mismatch)
     }
@@ -66,6 +67,7 @@ impl Piece {
     }
 
     /// The integral of the largest density that the piece is expected to reach.
+    #[inline]
     pub(super) fn reach(&self, measure: f64) -> f64 {
         self.top * self.at.area() * measure
     }
