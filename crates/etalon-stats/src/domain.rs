@@ -202,7 +202,7 @@ pub enum Pole {
 ///
 /// The chart is ((1 − cos θ)/2 or 1 − cos θ, φ/2π) with θ from the pole. Both coordinates keep their relative precision at
 /// the pole, and rectangles follow the plane of incidence, so that lobes that are 10⁴ times as high as wide at grazing angles
-/// still fit their cells. This is why cells adapt in this chart instead of turning it towards the lobe.
+/// still fit their cells. This is why cells adapt in this chart and the chart is not rotated towards the lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Directions {
     /// The axis of the chart.
@@ -295,7 +295,7 @@ impl Domain for Directions {
     }
 }
 
-/// Degrees with two decimals, or three significant digits where those would show nothing.
+/// Degrees with two decimals, or three significant digits where those would be 0.00.
 fn degrees(x: f64) -> String {
     if x == 0.0 || x >= 0.1 { format!("{x:.2}") } else { format!("{x:.2e}") }
 }

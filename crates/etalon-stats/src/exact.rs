@@ -1,4 +1,4 @@
-//! Deterministic checks: what must hold for every single sample and value of the pdf, whatever their statistics.
+//! Deterministic checks: what must hold for every sample and every value of the pdf.
 
 use crate::cubature::Probe;
 use crate::density::Density;

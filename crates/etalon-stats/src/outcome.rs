@@ -14,7 +14,7 @@ pub enum Verdict {
     Accept,
     /// An exact check failed, or the counts do not follow the pdf.
     Reject,
-    /// Too few samples, or an integral too uncertain, for either. Never to be taken for a pass.
+    /// Too few samples, or an integral too uncertain, for either. It is not a pass.
     Inconclusive,
 }
 
@@ -49,7 +49,7 @@ pub struct Counts {
 pub struct Outcome {
     /// The decision; open (inconclusive) until [`decide`] has been called.
     pub verdict: Verdict,
-    /// Pearson's Σ (O − E)²/E, or whatever else `p` belongs to.
+    /// Pearson's Σ (O − E)²/E, or the other statistic that `p` belongs to.
     pub statistic: f64,
     /// Degrees of freedom of `statistic`.
     pub dof: usize,
@@ -73,7 +73,7 @@ pub struct Outcome {
     pub none: u64,
     /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
-    /// What an exact check found wrong: a reason to reject, whatever `p` says.
+    /// What an exact check found wrong: a reason to reject, independent of `p`.
     #[cfg_attr(feature = "serde", serde(rename = "fault"))]
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
@@ -122,7 +122,7 @@ impl Outcome {
         self.verdict == Verdict::Accept
     }
 
-    /// The p-value, if it has a continuous distribution: not where the density leaves nothing to chance.
+    /// The p-value, if it has a continuous distribution, which that of a deterministic density has not.
     #[must_use]
     pub fn continuous_p(&self) -> Option<f64> {
         self.p.filter(|_| self.dof > 0)

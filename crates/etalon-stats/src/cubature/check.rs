@@ -1,4 +1,4 @@
-//! What the rules do not see of a density, measured at random points.
+//! The difference between a density and what the rules integrate, measured at random points.
 
 use super::pieces::LARGE;
 use super::{InvalidPdf, Probe, Refinement, first_invalid};
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 /// The density at random points against the polynomials that the rules integrate.
 ///
-/// The points are spread in proportion to the density that each piece is expected to reach. There the density, cut off at
+/// The points are distributed in proportion to the density that each piece is expected to reach. There the density, cut off at
 /// this height, and the rule's polynomial are compared: their mean difference, times `reach`, is the error of the integral
-/// of the density as far as it is within reach. (What is above is found by samples: see
-/// [`Refinement::seen`].)
+/// of the density as far as it is within reach. (Samples find what is above: see
+/// [`Refinement::share_within`].)
 #[derive(Debug, Clone)]
 pub(crate) struct Check<P> {
     /// The integral of the largest density that the pieces are expected to reach.
@@ -89,6 +89,7 @@ impl<D: Domain> Refinement<'_, D> {
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
             let (mut chosen, mut points) = (Vec::new(), Vec::new());
+            // Sample points by the largest density that the pieces are expected to reach.
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
                 // One point in each of `count` equal parts of the sum.
                 let at = (i as f64 + rng.random::<f64>()) / count as f64 * sum;
@@ -103,6 +104,7 @@ impl<D: Domain> Refinement<'_, D> {
             self.density.pdf(&points, &mut values)?;
             let mut check = none(0);
             check.invalid = first_invalid(&points, &values);
+            // Add up the differences between density and polynomial.
             for ((piece, at), pdf) in chosen.into_iter().zip(values) {
                 let probe = Probe { at, pdf };
                 let difference = piece.difference(&probe);
@@ -115,7 +117,7 @@ impl<D: Domain> Refinement<'_, D> {
                 *sum += share;
                 of_cell[piece.cell] += share;
                 check.squares_in[piece.cell] += Share::new(difference * difference);
-                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.seen(pdf) < 1.0) {
+                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(pdf) < 1.0) {
                     check.found.push(probe);
                 }
             }

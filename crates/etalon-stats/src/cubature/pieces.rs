@@ -4,11 +4,11 @@ use super::Probe;
 use super::rule::{interpolate, rules};
 use crate::grid::{Cell, Grid};
 
-/// How far above the values at its nodes a piece may be expected to reach. What is above counts as not seen.
+/// How far above the values at its nodes a piece may be expected to reach. What is above counts as missed.
 const REACH: f64 = 1.25;
 
-/// A difference between a density and a polynomial, as a share of what the piece reaches, that is worth learning: more than
-/// rounding of f32 explains, even in the narrowest lobes.
+/// A difference between a density and a polynomial, as a share of what the piece reaches, that causes refinement: more than
+/// rounding of f32 explains, also in the narrowest lobes.
 pub(super) const LARGE: f64 = 0.1;
 
 /// A rectangle that one rule is applied to.
@@ -52,7 +52,7 @@ impl Piece {
 
     /// The share of a density that is within reach.
     #[inline]
-    pub(super) fn seen(&self, pdf: f64) -> f64 {
+    pub(super) fn share_within(&self, pdf: f64) -> f64 {
         share_within(self.top, pdf)
     }
 
@@ -74,7 +74,7 @@ impl Piece {
 
     /// Learns the density at a probe in it.
     pub(super) fn learn(&mut self, probe: &Probe, measure: f64) {
-        if self.seen(probe.pdf) < 1.0 {
+        if self.share_within(probe.pdf) < 1.0 {
             self.mismatch = f64::INFINITY;
             return;
         }

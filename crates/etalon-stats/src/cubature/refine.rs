@@ -97,8 +97,8 @@ impl<'a, D: Domain> Refinement<'a, D> {
         Integrals { values, errors, invalid: self.invalid }
     }
 
-    /// The share of the density at a probe that the nodes around it lead to expect: less than 1 for a spike.
-    pub fn seen(&self, probe: &Probe) -> f64 {
+    /// The share of the density at a probe that the nodes around it predict: below 1 for a spike.
+    pub fn share_within(&self, probe: &Probe) -> f64 {
         let (_, top) = self.tree.find(probe.at);
         share_within(top, probe.pdf)
     }
@@ -204,7 +204,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 errors[piece.cell] += piece.error();
             }
             let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
-            // Spikes are cut out first: until they are seen, errors mean nothing.
+            // Isolate spikes first: until then the estimated errors mean nothing.
             let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
             let is_coarse = |piece: &Piece| {
                 let (cell, error) = (piece.cell, piece.error());
@@ -225,7 +225,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 let (leaf, cell, at) = (piece.leaf, piece.cell, piece.at);
                 match self.halve(Part { leaf, cell, at, probes: std::mem::take(&mut piece.probes) }, axes) {
                     Ok(halves) => parts.extend(halves),
-                    // Nothing more is to be known here.
+                    // Coordinates are too coarse to learn more here.
                     Err(Part { probes, .. }) => {
                         (piece.errors, piece.mismatch, piece.probes) = ([0.0; 2], 0.0, probes);
                         fine.push(piece);
