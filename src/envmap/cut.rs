@@ -14,6 +14,7 @@ use super::sat::SummedArea;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use glam::DVec3;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
@@ -55,37 +56,16 @@ pub struct Region {
     pub energy: f64,
 }
 
-/// A region to be split, ordered by priority, then by solid angle, then by place (the earlier one first).
-struct Candidate {
-    priority: f64,
-    solid_angle: f64,
-    block: Block,
-}
+/// A region to be split. The order is by priority, then by solid angle, then by place, the earlier one first.
+type Candidate = (Ordered, Ordered, Reverse<(usize, usize)>, Block);
 
-impl Candidate {
-    fn order(&self, other: &Self) -> std::cmp::Ordering {
-        self.priority
-            .total_cmp(&other.priority)
-            .then(self.solid_angle.total_cmp(&other.solid_angle))
-            .then((other.block.y0, other.block.x0).cmp(&(self.block.y0, self.block.x0)))
-    }
-}
+/// A number in its total order ([`f64::total_cmp`]), as an integer.
+type Ordered = i64;
 
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.order(other).is_eq()
-    }
-}
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.order(other)
-    }
+fn ordered(x: f64) -> Ordered {
+    let bits = x.to_bits().cast_signed();
+    // Of negative numbers those with larger bits are smaller.
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
 /// The summed-area tables of a map, from which any number of cuts can be made.
@@ -134,13 +114,13 @@ impl<'a> MedianCut<'a> {
         let mut heap: BinaryHeap<Candidate> = blocks.into_iter().map(|block| self.candidate(block)).collect();
         while done.len() + heap.len() < n {
             interrupt::check()?;
-            let Some(Candidate { block, .. }) = heap.pop() else { break };
+            let Some((.., block)) = heap.pop() else { break };
             match self.cut(block) {
                 Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),
                 None => done.push(block),
             }
         }
-        done.extend(heap.into_iter().map(|c| c.block));
+        done.extend(heap.into_iter().map(|(.., block)| block));
         done.sort_by_key(|r| (r.y0, r.x0));
         Ok(done.into_iter().map(|block| self.region(block)).collect())
     }
@@ -155,7 +135,8 @@ impl<'a> MedianCut<'a> {
         let g = self.map.geometry();
         let column: f64 = (block.y0..block.y1).map(|y| g.solid_angle(y)).sum();
         let priority = if self.moments.is_some() { self.variance(block) } else { self.energy.sum(block) };
-        Candidate { priority, solid_angle: column * (block.x1 - block.x0) as f64, block }
+        let solid_angle = column * (block.x1 - block.x0) as f64;
+        (ordered(priority), ordered(solid_angle), Reverse((block.y0, block.x0)), block)
     }
 
     /// The two halves of a region; `None` for a single texel.

@@ -32,6 +32,7 @@ pub struct IrradianceTree {
     total: DVec3,
 }
 
+#[derive(Default)]
 struct Node {
     /// ∫ L ω dω, one vector per channel.
     moments: [DVec3; 3],
@@ -53,7 +54,7 @@ impl IrradianceTree {
         let mut tree =
             Self { geometry: map.geometry().clone(), nodes: Vec::new(), tolerance: 1e-7, total: DVec3::ZERO };
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
-        tree.nodes.push(Node::empty());
+        tree.nodes.push(Node::default());
         tree.nodes[0] = tree.build(map, whole);
         tree.total = tree.nodes[0].flux;
         tree
@@ -115,14 +116,10 @@ impl IrradianceTree {
         let (w, h) = (x1 - x0, y1 - y0);
         let xs = if 2 * w >= h && w > 1 { vec![x0, x0 + w / 2, x1] } else { vec![x0, x1] };
         let ys = if 2 * h >= w && h > 1 { vec![y0, y0 + h / 2, y1] } else { vec![y0, y1] };
-        let mut children = Vec::with_capacity(4);
-        for y in ys.windows(2) {
-            for x in xs.windows(2) {
-                children.push(Block { x0: x[0], y0: y[0], x1: x[1], y1: y[1] });
-            }
-        }
+        let block_at = |x: &[usize], y: &[usize]| Block { x0: x[0], y0: y[0], x1: x[1], y1: y[1] };
+        let children: Vec<Block> = ys.windows(2).flat_map(|y| xs.windows(2).map(move |x| block_at(x, y))).collect();
         let first = self.nodes.len();
-        self.nodes.extend(children.iter().map(|_| Node::empty()));
+        self.nodes.resize_with(first + children.len(), Node::default);
         for (i, &child) in children.iter().enumerate() {
             self.nodes[first + i] = self.build(map, child);
         }
@@ -131,18 +128,6 @@ impl IrradianceTree {
 }
 
 impl Node {
-    fn empty() -> Self {
-        Self {
-            moments: [DVec3::ZERO; 3],
-            flux: DVec3::ZERO,
-            axis: DVec3::Y,
-            sin_radius: 2.0,
-            radius: PI,
-            first: 0,
-            count: 0,
-        }
-    }
-
     fn with_cone(mut self, (axis, radius): (DVec3, f64)) -> Self {
         self.axis = axis;
         self.radius = radius;
@@ -157,13 +142,13 @@ impl Node {
             moments: [moment * radiance.x, moment * radiance.y, moment * radiance.z],
             flux: radiance * map.geometry().solid_angle(y),
             first: (y * map.geometry().width() + x) as u32,
-            ..Self::empty()
+            ..Self::default()
         }
         .with_cone(map.geometry().cone(Block { x0: x, y0: y, x1: x + 1, y1: y + 1 }))
     }
 
     fn parent(children: &[Node], count: usize, first: usize, cone: (DVec3, f64)) -> Self {
-        let mut node = Self { first: first as u32, count: count as u32, ..Self::empty() }.with_cone(cone);
+        let mut node = Self { first: first as u32, count: count as u32, ..Self::default() }.with_cone(cone);
         for child in &children[..count] {
             node.flux += child.flux;
             for c in 0..3 {

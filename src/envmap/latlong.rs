@@ -190,7 +190,7 @@ impl LatLong {
 }
 
 /// A block of texels, \[x0, x1) × \[y0, y1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Block {
     /// First column.
     pub x0: usize,

@@ -26,11 +26,9 @@ pub const VARIANCE_CUT: &Entry = &Entry {
     name: "variance-cut",
     density: "variance-cut",
     doc: "fixed lights in place of the map, one for each region of a cut by variance: with bias",
-    has_regions: true,
-    complete: false,
-    invertible: false,
     bytes_per_texel: MedianCut::bytes(Split::Variance),
     method: Method::FixedLights(|map, regions| lights(map, Split::Variance, regions)),
+    ..*MEDIAN_CUT
 };
 
 fn lights(map: &EnvMap, split: Split, regions: u32) -> Result<Vec<FixedLight>> {

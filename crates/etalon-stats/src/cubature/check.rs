@@ -50,9 +50,7 @@ impl<P> Check<P> {
         self.invalid = self.invalid.or(other.invalid);
         self
     }
-}
 
-impl<P> Check<P> {
     /// The integral over a cell of what is within reach, minus that of the polynomials, and the standard error of this.
     #[must_use]
     pub fn difference(&self, cell: usize) -> [f64; 2] {
