@@ -17,7 +17,6 @@ mod tests;
 
 pub use alias::AliasSampler;
 pub use cdf::CdfSampler;
-pub use compensated::CompensatedSampler;
 pub use contract::{DirectionSampler, Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
 pub use conventional::ConventionalSampler;
 pub use cosine::CosineSampler;

@@ -111,7 +111,7 @@ fn densities_integrate_to_one_and_are_complete_where_they_say_so() {
 }
 
 #[test]
-fn inverses_give_the_numbers_back_where_there_are_any() {
+fn inverses_return_the_random_numbers() {
     for map in maps() {
         for (entry, sampler) in samplers(&map) {
             for u in grid(40) {
