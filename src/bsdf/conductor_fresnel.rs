@@ -41,20 +41,23 @@ impl ConductorFresnel {
 /// One channel, from the parts and the squared modulus of (η + ik)² − 1.
 #[inline(always)]
 fn reflectance(re: f32, im: f32, modulus2: f32, cos: f32) -> f32 {
-    // Divisors vanish only where there is no interface, and then their dividends do.
+    // Divisors vanish only where there is no interface; their dividends vanish there, too.
     const TINY: f32 = 1e-18;
     let sin2 = (1.0 - cos) * (1.0 + cos);
+    // z = a + ib, the root of (η + ik)² − s², without cancellation.
     let re = re + cos * cos;
     let modulus = (re * re + im * im).sqrt();
     let larger = (0.5 * (modulus + re.abs())).sqrt().max(TINY);
     let smaller = 0.5 * im / larger;
     let a = if re < 0.0 { smaller } else { larger };
     let b = if re < 0.0 { larger } else { smaller };
+    // R⊥ = |(η + ik)² − 1|² / |c + z|⁴.
     let sum2 = ((a + cos) * (a + cos) + b * b).max(TINY);
     let perpendicular = (modulus2 / sum2 / sum2).min(1.0);
     let (x, y) = (cos * a, cos * b);
-    let (less, more) = (x - sin2, x + sin2);
-    let ratio2 = (less * less + y * y) / (more * more + y * y).max(TINY);
+    // |r∥/r⊥|² = |c z − s²|² / |c z + s²|².
+    let (minus, plus) = (x - sin2, x + sin2);
+    let ratio2 = (minus * minus + y * y) / (plus * plus + y * y).max(TINY);
     0.5 * perpendicular * (1.0 + ratio2)
 }
 
@@ -65,7 +68,7 @@ mod tests {
     use crate::optics::metals::METALS;
 
     #[test]
-    fn it_is_the_exact_formula() {
+    fn the_reflectance_is_that_of_the_exact_formula() {
         let mut indices: Vec<([f64; 3], [f64; 3])> = METALS.iter().map(|m| (m.eta, m.k)).collect();
         indices.extend([([1.0, 1.5, 0.7], [0.0; 3]), ([1.0, 0.01, 100.0], [1e4, 3.0, 1e-3])]);
         for (eta, k) in indices {
@@ -87,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn extremes_are_finite() {
+    fn extreme_indices_give_finite_reflectance() {
         for (eta, k) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1e30), (1e30, 1e30), (1.0, f32::INFINITY), (1e-20, 1e-20)] {
             let metal = ConductorFresnel::new(Rgb::splat(eta), Rgb::splat(k));
             for cos in [0.0, 1e-30, 1e-9, 0.5, 1.0] {

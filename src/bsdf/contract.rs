@@ -1,4 +1,4 @@
-//! What every BSDF promises: [`Scatter`], its samples, and the kinds of lobes.
+//! The contract of every BSDF: [`Scatter`], its samples, and the kinds of lobes.
 
 use crate::math::Rgb;
 use glam::Vec3;
@@ -34,13 +34,6 @@ impl Lobe {
     pub const fn is_transmission(self) -> bool {
         matches!(self, Self::DiffuseTransmission | Self::GlossyTransmission | Self::SpecularTransmission)
     }
-
-    /// Whether it is diffuse.
-    #[inline]
-    #[must_use]
-    pub const fn is_diffuse(self) -> bool {
-        matches!(self, Self::DiffuseReflection | Self::DiffuseTransmission)
-    }
 }
 
 /// The lobes that a BSDF has: its flags.
@@ -66,7 +59,7 @@ impl Lobes {
         self.0 & 1 << lobe as u8 != 0
     }
 
-    /// Whether all are delta distributions, so that light sampling is in vain.
+    /// Whether all are delta distributions, so that light sampling contributes nothing.
     #[inline]
     #[must_use]
     pub const fn are_delta(self) -> bool {
@@ -92,7 +85,7 @@ impl Lobes {
     }
 }
 
-/// What is carried along a path.
+/// The quantity that a path transports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Transport {
     /// Radiance: the path comes from the camera, `wo` points towards the viewer.
@@ -107,9 +100,9 @@ pub enum Transport {
 pub struct BsdfSample {
     /// Unit direction in the local frame.
     pub wi: Vec3,
-    /// f |cos θᵢ| over the density: what the light from `wi` is multiplied by.
+    /// f |cos θᵢ| / pdf: the factor of the radiance from `wi`.
     pub weight: Rgb,
-    /// Density per solid angle, equal to [`Scatter::pdf`] to the last bit; 0 of delta lobes.
+    /// Pdf per solid angle, equal to [`Scatter::pdf`] to the last bit; 0 of delta lobes.
     pub pdf: f32,
     /// The lobe that it comes from.
     pub lobe: Lobe,
@@ -140,7 +133,7 @@ impl BsdfSample {
         Self { wi, weight, pdf: 0.0, lobe: Lobe::SpecularTransmission, probability, eta }
     }
 
-    /// Whether the direction is one of finitely many, which no other strategy can sample.
+    /// Whether the lobe is a delta distribution, which no other strategy can sample.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -159,27 +152,27 @@ pub trait Scatter {
         self.eval_pdf(wo, wi).0
     }
 
-    /// Density per solid angle of [`sample`](Self::sample) at `wi`; 0 for delta lobes. Its integral falls short of 1 by
-    /// the probability of `None` and of delta lobes.
+    /// Pdf per solid angle of [`sample`](Self::sample) at `wi`; 0 for delta lobes. Its integral is 1 minus the probability
+    /// of `None` and of delta lobes.
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.eval_pdf(wo, wi).1
     }
 
-    /// The density of the other direction: of sampling `wo` on a path that comes from `wi`.
+    /// Pdf of the reverse direction: of sampling `wo` on a path that arrives from `wi`.
     #[inline]
     fn pdf_reverse(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.pdf(wi, wo)
     }
 
-    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) for little more than the price of one.
+    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) together, which costs little more than one of them.
     #[inline]
     fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
         (Rgb::ZERO, 0.0)
     }
 
-    /// Samples a direction: `uc` in \[0, 1) chooses among lobes, `u` in \[0, 1)² the place within. `None` stands for a
-    /// sample that carries no light.
+    /// Samples a direction: `uc` in \[0, 1) chooses a lobe, `u` in \[0, 1)² a direction of that lobe. `None` is a sample
+    /// that carries no light.
     fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample>;
 
     /// The probability with which [`sample`](Self::sample) chooses a lobe for `wo`.
@@ -187,12 +180,12 @@ pub trait Scatter {
         f32::from(u8::from(self.lobes().contains(lobe)))
     }
 
-    /// Whether f(wi, wo) is f(wo, wi), refraction's η² apart, so that a path may be made from either end.
+    /// Whether f(wi, wo) = f(wo, wi), apart from refraction's η², so that paths may start at either end.
     fn is_reciprocal(&self) -> bool {
         true
     }
 
-    /// [`eval`](Self::eval) for what the path carries.
+    /// [`eval`](Self::eval) for the quantity that the path transports: the adjoint for importance.
     #[inline]
     fn eval_for(&self, transport: Transport, wo: Vec3, wi: Vec3) -> Rgb {
         match transport {
@@ -201,7 +194,7 @@ pub trait Scatter {
         }
     }
 
-    /// [`sample`](Self::sample) for what the path carries, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
+    /// [`sample`](Self::sample) for the quantity that the path transports, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
     ///
     /// The two differ in refraction alone: it changes radiance by 1/η² but not power. Source: Veach, "Robust Monte Carlo
     /// Methods for Light Transport Simulation", 1997, 5.2.

@@ -1,4 +1,4 @@
-//! A rough conductor by the second report's conventions; see [`Conventions`].
+//! A rough conductor with the second report's conventions; see [`Conventions`].
 
 use super::rough_conductor::{Facet, reflect_at};
 use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
@@ -10,19 +10,21 @@ use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 
-/// A rough conductor of Beckmann's distribution by other conventions, seen from the side of the normal (z > 0).
+/// A rough conductor of Beckmann's distribution with other conventions, visible from the side of the normal (z > 0).
 ///
-/// Directions are sampled by the full distribution of normals, with the density that these have. The density that the second
-/// report prints is [`pdf_without_cosine`].
+/// Directions are sampled by the full distribution of normals, with their true pdf. The pdf that the second report prints is [`pdf_without_cosine`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConventionalConductor {
+    /// Distribution of the microfacets' normals.
     pub distribution: Beckmann<f32>,
+    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
+    /// Which formulas to use.
     pub conventions: Conventions,
 }
 
 impl ConventionalConductor {
-    /// F at the cosine that the conventions choose.
+    /// F at the cosine that the conventions choose, exact or approximate.
     #[inline]
     fn reflectance(&self, wi: Vec3, facet: &Facet) -> Rgb {
         let cos = if self.conventions.fresnel_at_normal { wi.z } else { facet.cos };
@@ -34,6 +36,7 @@ impl ConventionalConductor {
         Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
     }
 
+    /// Smith's Λ, or what the conventions have in its place.
     #[inline]
     fn lambda(&self, w: Vec3) -> f32 {
         if !self.conventions.lambda_with_pi {
@@ -42,6 +45,7 @@ impl ConventionalConductor {
         lambda_with_pi(w.z / (self.distribution.alpha * w.truncate().length()))
     }
 
+    /// Pdf of the direction that `facet` reflects to, D cos θₘ / (4 wo·m).
     #[inline]
     fn density(&self, facet: &Facet) -> f32 {
         0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos
@@ -78,7 +82,7 @@ impl Scatter for ConventionalConductor {
     }
 }
 
-/// The density that the second report prints for its sampled direction: [`direction_pdf_without_cosine`].
+/// The pdf that the second report prints for its sampled direction: [`direction_pdf_without_cosine`].
 #[must_use]
 pub fn pdf_without_cosine(distribution: Beckmann<f32>, wo: Vec3, wi: Vec3) -> f32 {
     Facet::between(wo, wi).map_or(0.0, |facet| direction_pdf_without_cosine(distribution.d(facet.wm), facet.cos))
@@ -90,7 +94,7 @@ mod tests {
     use crate::optics::conductor;
     use crate::optics::metals::by_name;
 
-    /// How far the two ways along a path differ at most under `fresnel_at_normal`, relative to the smaller.
+    /// The largest relative difference between f(wo, wi) and f(wi, wo) under `fresnel_at_normal`.
     fn unequal(eta: f64, k: f64, fresnel: impl Fn(f64, f64, f64) -> f64) -> f64 {
         let at = |degrees: i32| fresnel((f64::from(degrees) * 0.1).to_radians().cos(), eta, k);
         let (mut least, mut most) = (f64::INFINITY, 0f64);
@@ -111,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn the_printed_density_is_too_much() {
+    fn the_printed_pdf_integrates_to_more_than_one() {
         let distribution = Beckmann::new(0.5);
         let n = 400;
         let mut sum = 0.0;

@@ -1,8 +1,8 @@
 //! Smooth dielectric boundaries: refraction alone, and reflection and refraction shared by Fresnel's equations.
 //!
 //! Light that is refracted towards the viewer changes its radiance by (n_o/n_i)² = 1/η², η the index of the far side over
-//! that of `wo`'s side, because the solid angle it fills changes. Entering and leaving cancel: a slab of glass dims
-//! nothing by this factor. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, 5.2.
+//! that of `wo`'s side, because the solid angle it fills changes. Entering and leaving cancel: a slab of glass
+//! does not change radiance by this factor. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, 5.2.
 
 use super::mirror::reflect;
 use super::{BsdfSample, Lobe, Lobes, Scatter};
@@ -11,7 +11,7 @@ use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
 use glam::Vec3;
 
-/// η seen from `wo`: `eta` is the index inside (z < 0) over that outside.
+/// η relative to the side of `wo`: `eta` is the index inside (z < 0) over that outside.
 #[inline]
 fn eta_from(wo: Vec3, eta: f32) -> f32 {
     if wo.z < 0.0 { eta.recip() } else { eta }
@@ -46,7 +46,7 @@ impl Scatter for Refraction {
     }
 }
 
-/// Which share of light a dielectric reflects.
+/// The formula of a dielectric's reflectance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DielectricFresnel {
     /// Fresnel's equations.
@@ -59,7 +59,7 @@ pub enum DielectricFresnel {
     SingleCosineSchlick,
 }
 
-/// A smooth dielectric boundary, on either side. Reflection is chosen as often as Fresnel's equations reflect.
+/// A smooth dielectric boundary, on either side. Reflection is sampled with the probability F of `fresnel`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dielectric {
     /// What reflected light is multiplied by, besides Fresnel's reflectance.
@@ -68,7 +68,7 @@ pub struct Dielectric {
     pub transmittance: Rgb,
     /// Index of refraction of the inside over that of the outside.
     pub eta: f32,
-    /// Which formula tells the reflected share.
+    /// The formula of F, the reflected share.
     pub fresnel: DielectricFresnel,
 }
 
@@ -95,6 +95,7 @@ impl Scatter for Dielectric {
 
     #[inline]
     fn sample(&self, wo: Vec3, uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
+        // Choose reflection or refraction by the reflectance.
         let eta = eta_from(wo, self.eta);
         Some(match self.reflection(wo.z.abs(), eta) {
             (reflected, Some(cos_t)) if uc >= reflected => {

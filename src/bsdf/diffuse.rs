@@ -5,7 +5,7 @@
 use super::{BsdfSample, Lobe, Lobes, Scatter};
 use crate::math::Rgb;
 use crate::sampling::warp;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
 /// Diffuse reflection on either side, sampled by the cosine.
@@ -19,7 +19,7 @@ impl Diffuse {
     /// Reflects the share `albedo` of each channel.
     #[must_use]
     pub fn new(albedo: Rgb) -> Self {
-        Self { f: eval(albedo), albedo }
+        Self { f: albedo * FRAC_1_PI, albedo }
     }
 }
 
@@ -41,32 +41,11 @@ impl Scatter for Diffuse {
 
     #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let mut wi = sample(u.map(f64::from)).as_vec3();
+        let mut wi = warp::cosine_hemisphere(u.map(f64::from)).as_vec3();
         wi.z = wi.z.copysign(wo.z);
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample::reflected(wi, self.albedo, pdf, Lobe::DiffuseReflection))
     }
-}
-
-/// f = albedo / π.
-#[inline]
-#[must_use]
-pub fn eval(albedo: Rgb) -> Rgb {
-    albedo * FRAC_1_PI
-}
-
-/// A direction with density cos θ / π.
-#[inline]
-#[must_use]
-pub fn sample(u: [f64; 2]) -> DVec3 {
-    warp::cosine_hemisphere(u)
-}
-
-/// Density per solid angle of [`sample`] at a direction of that cosine.
-#[inline]
-#[must_use]
-pub fn pdf(cos_theta: f64) -> f64 {
-    warp::cosine_hemisphere_pdf(cos_theta)
 }
 
 #[cfg(test)]
@@ -78,8 +57,8 @@ mod tests {
         // f cos / pdf is the albedo for every sample: a white surface neither gains nor loses.
         for i in 0..100 {
             let u = [(f64::from(i) + 0.5) / 100.0, (f64::from(i) * 0.618_034).fract()];
-            let wi = sample(u);
-            let weight = f64::from(eval(Rgb::ONE).x) * wi.z / pdf(wi.z);
+            let wi = warp::cosine_hemisphere(u);
+            let weight = f64::from(Diffuse::new(Rgb::ONE).f.x) * wi.z / warp::cosine_hemisphere_pdf(wi.z);
             assert!((weight - 1.0).abs() < 1e-6);
         }
     }

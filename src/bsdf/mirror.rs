@@ -10,7 +10,7 @@ pub(super) fn reflect(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
 }
 
-/// Reflects the given share of light, on either side.
+/// A perfect mirror of constant reflectance, on either side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mirror {
     /// Reflected share of each channel.
@@ -28,10 +28,10 @@ impl Scatter for Mirror {
     }
 }
 
-/// A smooth conductor, seen from the side of the normal (z > 0): reflects what Fresnel's equations say.
+/// A smooth conductor, visible from the side of the normal (z > 0): reflects the share that Fresnel's equations give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothConductor {
-    /// Of the polished metal.
+    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
 }
 

@@ -1,8 +1,8 @@
 //! BSDFs: the registry of all, under one contract, [`Scatter`].
 //!
 //! Directions are unit vectors in the local frame, the normal at +z, and point away from the surface: `wo` towards the
-//! viewer, `wi` towards the light. Light is radiance. A BSDF that departs from physics does so by
-//! [`Conventions`](crate::errata::Conventions).
+//! viewer, `wi` towards the light. Light is radiance. Formulas that are wrong on
+//! purpose are chosen by [`Conventions`](crate::errata::Conventions).
 //!
 //! A new BSDF is a file that implements [`Scatter`], and an entry below.
 
@@ -10,7 +10,7 @@ mod conductor_fresnel;
 mod contract;
 mod conventional;
 mod dielectric;
-pub mod diffuse;
+mod diffuse;
 mod mirror;
 mod rough_conductor;
 
@@ -114,7 +114,7 @@ bsdfs! {
     Beckmann(RoughConductor<Beckmann<f32>>) = "beckmann",
     /// A rough conductor of the GGX distribution.
     Ggx(RoughConductor<Ggx<f32>>) = "ggx",
-    /// A rough conductor of Beckmann's distribution by other conventions.
+    /// A rough conductor of Beckmann's distribution with other conventions.
     ConventionalConductor(ConventionalConductor) = "conventional-conductor",
 }
 

@@ -1,10 +1,10 @@
 //! A rough conductor of microfacets, by Torrance and Sparrow's model: f = F D G₂ / (4 cos θₒ cos θᵢ).
 //!
-//! F is taken at the angle between `wi` and the facet's normal, G₂ is Smith's for heights that correlate. Source: Cook &
+//! F is that at the angle between `wi` and the facet's normal; G₂ is Smith's for correlated heights. Source: Cook &
 //! Torrance, "A Reflectance Model for Computer Graphics", 1982; Walter et al., EGSR 2007; Heitz, JCGT 3(2), 2014.
 //!
-//! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both speak of the
-//! same f32 directions to the last bit.
+//! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both return the same
+//! pdf to the last bit.
 
 use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
 use crate::math::Rgb;
@@ -15,7 +15,7 @@ use glam::Vec3;
 /// How a rough conductor samples directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NormalSampling {
-    /// By the distribution of visible normals, as seen from `wo` (VNDF): weights F G₂/G₁ ≤ 1.
+    /// By the distribution of normals visible from `wo` (VNDF): weights F G₂/G₁ ≤ 1.
     #[default]
     Vndf,
     /// By the full distribution of normals (NDF): the weights are unbounded at grazing angles.
@@ -36,12 +36,12 @@ impl NormalSampling {
     }
 }
 
-/// A rough metal, seen from the side of the normal (z > 0).
+/// A rough metal, visible from the side of the normal (z > 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoughConductor<D> {
-    /// Of the microfacets' normals.
+    /// Distribution of the microfacets' normals.
     pub distribution: D,
-    /// Of each microfacet.
+    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
     /// How directions are sampled.
     pub normals: NormalSampling,
@@ -50,6 +50,7 @@ pub struct RoughConductor<D> {
 /// The facet that reflects `wi` to `wo`.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
+    /// Its unit normal, the half vector of `wo` and `wi`.
     pub wm: [f32; 3],
     /// Cosine of either direction with its normal.
     pub cos: f32,
@@ -65,8 +66,10 @@ impl Facet {
         facet.exists.then_some(facet)
     }
 
+    /// The facet; its normal and cosine mean nothing where it does not exist.
     #[inline(always)]
     pub fn of(wo: Vec3, wi: Vec3) -> Self {
+        // Half vector, with the rounding of both lengths removed from x and y.
         let (eo, ei) = (half_excess(wo), half_excess(wi));
         let sum = wo + wi;
         let sum = Vec3::new(sum.x - (eo * wo.x + ei * wi.x), sum.y - (eo * wo.y + ei * wi.y), sum.z);
@@ -78,10 +81,10 @@ impl Facet {
     }
 }
 
-/// ½ (|w|² − 1) of a direction whose length is off by rounding.
+/// ½ (|w|² − 1) of a direction whose length is rounded.
 ///
-/// Near grazing x and y of the two directions nearly cancel, and what their lengths are off would be left: as much as the facets
-/// of a small α are tilted. z is small there, hence exact.
+/// At grazing angles x and y of the two directions nearly cancel, and the errors of their lengths would remain, which are as
+/// large as the tilt of facets of a small α. z is small there, hence precise.
 #[inline(always)]
 fn half_excess(w: Vec3) -> f32 {
     let [x, y, z] = w.to_array().map(f64::from);
@@ -91,10 +94,11 @@ fn half_excess(w: Vec3) -> f32 {
 /// `wo` reflected by a facet with normal `wm`, if that faces `wo` and the direction leaves the surface.
 #[inline]
 pub(super) fn reflect_at(wo: Vec3, wm: [f32; 3]) -> Option<Vec3> {
-    let (wi, leaves) = reflect(wo, wm);
-    leaves.then_some(wi)
+    let (wi, is_above) = reflect(wo, wm);
+    is_above.then_some(wi)
 }
 
+/// `wo` reflected by a facet, and whether the facet faces `wo` and the direction is above the surface.
 #[inline(always)]
 fn reflect(wo: Vec3, wm: [f32; 3]) -> (Vec3, bool) {
     let wm = Vec3::from_array(wm);
@@ -103,20 +107,21 @@ fn reflect(wo: Vec3, wm: [f32; 3]) -> (Vec3, bool) {
     (wi, (cos > 0.0) & (wi.z > 0.0))
 }
 
-/// Density per solid angle of the even hemisphere.
-const EVEN: f32 = warp::UNIFORM_HEMISPHERE_PDF as f32;
+/// Pdf per solid angle of the uniform hemisphere.
+const UNIFORM_PDF: f32 = warp::UNIFORM_HEMISPHERE_PDF as f32;
 
 impl<D: SampleNormals<f32>> RoughConductor<D> {
-    /// Density per solid angle of the direction that `facet` reflects to.
+    /// Pdf per solid angle of the direction that `facet` reflects to.
     #[inline(always)]
     fn density(&self, wo: Vec3, facet: &Facet) -> f32 {
         match self.normals {
             NormalSampling::Vndf => self.pdf_vndf(wo, facet),
             NormalSampling::Ndf => 0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos,
-            NormalSampling::Hemisphere => EVEN,
+            NormalSampling::Hemisphere => UNIFORM_PDF,
         }
     }
 
+    /// D G₁(wo) / (4 cos θₒ): the pdf of the visible normal times the Jacobian 1 / (4 wo·m).
     #[inline(always)]
     fn pdf_vndf(&self, wo: Vec3, facet: &Facet) -> f32 {
         0.25 * self.distribution.d(facet.wm) * self.distribution.g1_over_cos(wo.to_array())
@@ -125,13 +130,13 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
     /// f for F = 1.
     #[inline(always)]
     fn strength(&self, wo: Vec3, wi: Vec3, facet: &Facet) -> f32 {
-        // Where D vanishes the rest may be infinite.
+        // D G₂ / (4 cos θₒ cos θᵢ); where D vanishes the other factor may be infinite.
         let d = self.distribution.d(facet.wm);
         let rest = self.distribution.g2_over_cosines(wo.to_array(), wi.to_array());
         if d > 0.0 { 0.25 * d * rest } else { 0.0 }
     }
 
-    /// f cos θᵢ over the density, for F = 1, where normals are not sampled by visibility.
+    /// f cos θᵢ / pdf for F = 1, of samples by other than visible normals.
     #[inline]
     fn weight(&self, wo: Vec3, wi: Vec3, facet: &Facet) -> f32 {
         let d = &self.distribution;
@@ -139,26 +144,27 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
         match self.normals {
             NormalSampling::Ndf => d.g2_over_cosines(o, i) * wi.z * facet.cos / facet.wm[2],
             NormalSampling::Vndf | NormalSampling::Hemisphere => {
-                0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / EVEN
+                0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / UNIFORM_PDF
             }
         }
     }
 
     /// [`Scatter::sample`] by visible normals as straight-line arithmetic, so that a loop over it vectorizes; where there
-    /// is no sample the weight and the density are 0.
+    /// is no sample the weight and the pdf are 0.
     #[inline(always)]
     #[must_use]
     pub fn sample_vndf(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
+        // Sample a visible normal, and reflect `wo` by it.
         let d = &self.distribution;
-        let (wi, leaves) = reflect(wo, d.sample_vndf(wo.to_array(), u));
+        let (wi, is_above) = reflect(wo, d.sample_vndf(wo.to_array(), u));
         let facet = Facet::of(wo, wi);
         let pdf = self.pdf_vndf(wo, &facet);
-        // G₂/G₁ = a/(a + b) ≤ 1 even when rounded; D cancels.
+        // D cancels in the weight. G₂/G₁ = a/(a + b) ≤ 1, also when rounded.
         let a = wi.z * (wo.z + d.cos_lambda(wo.to_array()));
         let g = a / (a + wo.z * d.cos_lambda(wi.to_array()));
-        let drawn = leaves & facet.exists & (pdf > 0.0);
-        let weight = self.fresnel.reflectance(facet.cos) * if drawn { g } else { 0.0 };
-        BsdfSample::reflected(wi, weight, if drawn { pdf } else { 0.0 }, Lobe::GlossyReflection)
+        let is_valid = is_above & facet.exists & (pdf > 0.0);
+        let weight = self.fresnel.reflectance(facet.cos) * if is_valid { g } else { 0.0 };
+        BsdfSample::reflected(wi, weight, if is_valid { pdf } else { 0.0 }, Lobe::GlossyReflection)
     }
 
     /// [`Scatter::eval_pdf`] by visible normals as straight-line arithmetic.

@@ -1,4 +1,4 @@
-//! One contract, checked on grids: what holds for every material, and what each conserves.
+//! The contract of every BSDF checked on grids, and conservation of energy.
 
 use super::pdf_without_cosine;
 use super::*;
@@ -93,7 +93,7 @@ fn lobes_are_chosen_with_their_probabilities_and_importance_keeps_its_power() {
             ];
             let total: f32 = all.map(|lobe| bsdf.lobe_probability(wo, lobe)).iter().sum();
             assert!((total - 1.0).abs() < 1e-6, "{name} {wo}: {total}");
-            for u in numbers().take(20) {
+            for u in random_numbers().take(20) {
                 let Some(s) = bsdf.sample(wo, u[1], u) else { continue };
                 let adjoint = bsdf.sample_for(Transport::Importance, wo, u[1], u).unwrap();
                 assert_eq!(adjoint.weight, s.weight * (s.eta * s.eta), "{name}");
@@ -103,8 +103,8 @@ fn lobes_are_chosen_with_their_probabilities_and_importance_keeps_its_power() {
     }
 }
 
-/// Numbers in the unit square, its corners among them.
-fn numbers() -> impl Iterator<Item = [f32; 2]> {
+/// Random numbers in the unit square, its corners among them.
+fn random_numbers() -> impl Iterator<Item = [f32; 2]> {
     let edges = [0.0, 1e-30, 1e-7, 0.3, 0.5, 0.999, 1.0 - f32::EPSILON / 2.0];
     let corners = edges.into_iter().flat_map(move |a| edges.map(|b| [a, b]));
     corners.chain((0..200).map(|i| [(i as f32 + 0.5) / 200.0, (i as f32 * 0.618_034).fract()]))
@@ -118,10 +118,10 @@ fn directions() -> Vec<Vec3> {
 }
 
 #[test]
-fn every_sample_keeps_the_contract() {
+fn every_sample_satisfies_the_contract() {
     for (name, bsdf) in all_materials() {
         for wo in directions() {
-            for u in numbers() {
+            for u in random_numbers() {
                 let Some(s) = bsdf.sample(wo, u[1], u) else { continue };
                 let case = format!("{name}, wo {wo}, u {u:?}: {s:?}");
                 assert!((s.wi.length() - 1.0).abs() < 1e-6, "{case}");
@@ -163,12 +163,12 @@ fn nothing_is_nan_for_any_two_directions() {
 }
 
 #[test]
-fn light_takes_the_same_way_back() {
+fn bsdfs_are_reciprocal() {
     let model = ScatterModel::default();
     for alpha in ALPHAS {
         for distribution in DISTRIBUTIONS {
             let bsdf = gold(alpha, distribution).bsdf(model);
-            for u in numbers() {
+            for u in random_numbers() {
                 for wo in directions() {
                     let Some(s) = bsdf.sample(wo, 0.0, u) else { continue };
                     let (there, back) = (bsdf.eval(wo, s.wi), bsdf.eval(s.wi, wo));
@@ -180,22 +180,22 @@ fn light_takes_the_same_way_back() {
     }
 }
 
-/// What `bsdf` reflects of even light, and the share of samples that carry any: means over a grid of (0,2)-points.
+/// The share of uniform light that `bsdf` reflects, and the share of samples that carry any: means over a grid of (0,2)-points.
 fn furnace(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let n = 1 << 12;
-    let (mut light, mut drawn) = (0.0, 0.0);
+    let (mut light, mut valid) = (0.0, 0.0);
     for i in 0..n {
         let u = [(f64::from(i) + 0.5) / f64::from(n), f64::from(u32::reverse_bits(i as u32)) / 2f64.powi(32)];
         if let Some(s) = bsdf.sample(wo, u[1] as f32, u.map(|u| u as f32)) {
             light += f64::from(s.weight.max_element());
-            drawn += 1.0;
+            valid += 1.0;
         }
     }
-    (light / f64::from(n), drawn / f64::from(n))
+    (light / f64::from(n), valid / f64::from(n))
 }
 
 #[test]
-fn nothing_reflects_more_than_it_gets() {
+fn no_material_reflects_more_than_it_receives() {
     for alpha in ALPHAS {
         for distribution in DISTRIBUTIONS {
             for degrees in DEGREES {
@@ -214,9 +214,9 @@ fn nothing_reflects_more_than_it_gets() {
             }
         }
     }
-    // By hand for GGX at α = 1 from above, where D is even: ∫ G₂/G₁ is 1 − ln 2.
-    let (light, drawn) = furnace(&white(1.0, Distribution::Ggx).bsdf(ScatterModel::default()), Vec3::Z);
-    assert!((light - (1.0 - 2f64.ln())).abs() < 1e-6 && (drawn - 0.5).abs() < 1e-6, "{light} {drawn}");
+    // By hand for GGX at α = 1 from above, where D is constant: ∫ G₂/G₁ is 1 − ln 2.
+    let (light, valid) = furnace(&white(1.0, Distribution::Ggx).bsdf(ScatterModel::default()), Vec3::Z);
+    assert!((light - (1.0 - 2f64.ln())).abs() < 1e-6 && (valid - 0.5).abs() < 1e-6, "{light} {valid}");
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn smooth_materials_lose_nothing() {
 }
 
 #[test]
-fn a_slab_dims_nothing_and_turns_nothing() {
+fn a_slab_changes_neither_radiance_nor_direction() {
     let bsdf = Material::Refraction { transmittance: Rgb::ONE, eta: 1.45 }.bsdf(ScatterModel::default());
     // At 89.99 degrees the last bit of the direction inside decides whether it gets out.
     for degrees in &DEGREES[..5] {
@@ -277,7 +277,7 @@ fn exact_glass_reflects_as_often_as_fresnel_says() {
     }
 }
 
-/// Draws of `bsdf` for `wo`, tested against `pdf`. Every material is tested so by the validation suite.
+/// Tests samples of `bsdf` for `wo` against `pdf`, as the validation suite does for every material.
 fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outcome {
     let sampler = sampler(2, |u: &[f64]| {
         bsdf.sample(wo, 0.0, [u[0] as f32, u[1] as f32]).map(|sample| Sample::new(sample.wi.as_dvec3().to_array()))
@@ -287,7 +287,7 @@ fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outc
 }
 
 #[test]
-fn the_conventional_conductor_follows_its_own_density_and_not_the_one_without_cosine() {
+fn the_conventional_conductor_follows_its_own_pdf_and_not_the_one_without_cosine() {
     let wo = towards(40.0, 1.0);
     let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     let bsdf = gold(0.3, Distribution::Beckmann).bsdf(conventional);

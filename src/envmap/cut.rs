@@ -2,17 +2,19 @@
 //!
 //! A power of two is reached level by level, as in the paper: at each level every region is cut in two along its longer
 //! side, at the median of its energy. For any other number, and by the variance rule, regions are cut one at a time,
-//! always the one with the most energy (or variance) left. So are those that a power of two still lacks after its levels
-//! because some regions were single texels, which cannot be cut (one with the sun in it, say).
+//! always the one with the most energy (or variance). The same fills up a power of two that its levels do not reach because
+//! some regions are single texels, which cannot be cut.
 //!
 //! Source: Debevec, "A Median Cut Algorithm for Light Probe Sampling", 2005; the variance rule after Viriyothai &
 //! Debevec, "Variance Minimization Light Probe Sampling", 2009.
 
-use super::latlong::{Block, EnvMap};
+use super::latlong::Block;
+use super::map::EnvMap;
 use super::sat::SummedArea;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use glam::DVec3;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
@@ -23,12 +25,12 @@ pub enum Split {
     #[default]
     Energy,
     /// Where the larger variance of the two halves is smallest, either way across. The variance of a region is
-    /// M₀ − |M₁|²/M₀ with M₀ = Σ E and M₁ = Σ E ω over its texels, in closed form from summed-area tables; being
-    /// taken on the sphere it knows of no seam and no pole.
+    /// M₀ − |M₁|²/M₀ with M₀ = Σ E and M₁ = Σ E ω over its texels, in closed form from summed-area tables; it is
+    /// taken on the sphere, where the map has neither seam nor poles.
     Variance,
 }
 
-/// How the longer side of a region is told.
+/// How the sides of a region are measured, of which the longer one is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SideRule {
     /// In texels of the map, as in Debevec's paper.
@@ -41,6 +43,7 @@ pub enum SideRule {
 /// A region and the light that stands for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
+    /// Its texels.
     pub block: Block,
     /// Energy centroid, continuous texel coordinates.
     pub centroid: (f64, f64),
@@ -53,37 +56,16 @@ pub struct Region {
     pub energy: f64,
 }
 
-/// A region waiting to be split: the heap gives the largest priority first, then the larger, then the earlier one.
-struct Candidate {
-    priority: f64,
-    solid_angle: f64,
-    block: Block,
-}
+/// A region to be split. The order is by priority, then by solid angle, then by place, the earlier one first.
+type Candidate = (Ordered, Ordered, Reverse<(usize, usize)>, Block);
 
-impl Candidate {
-    fn order(&self, other: &Self) -> std::cmp::Ordering {
-        self.priority
-            .total_cmp(&other.priority)
-            .then(self.solid_angle.total_cmp(&other.solid_angle))
-            .then((other.block.y0, other.block.x0).cmp(&(self.block.y0, self.block.x0)))
-    }
-}
+/// A number in its total order ([`f64::total_cmp`]), as an integer.
+type Ordered = i64;
 
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.order(other).is_eq()
-    }
-}
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.order(other)
-    }
+fn ordered(x: f64) -> Ordered {
+    let bits = x.to_bits().cast_signed();
+    // Of negative numbers those with larger bits are smaller.
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
 /// The summed-area tables of a map, from which any number of cuts can be made.
@@ -92,7 +74,7 @@ pub struct MedianCut<'a> {
     energy: SummedArea,
     /// First moments Σ E ω, one table per axis; only the variance rule needs them.
     moments: Option<[SummedArea; 3]>,
-    /// Of the energy rule; the variance rule tries cuts along both sides.
+    /// Used by the energy rule; the variance rule tries cuts along both sides.
     sides: SideRule,
 }
 
@@ -103,6 +85,7 @@ impl<'a> MedianCut<'a> {
         size_of::<f64>() * if matches!(split, Split::Variance) { 4 } else { 1 }
     }
 
+    /// Tabulates the energies of `map`, and for [`Split::Variance`] their first moments.
     #[must_use]
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();
@@ -114,12 +97,16 @@ impl<'a> MedianCut<'a> {
     }
 
     /// Divides the map into exactly `n` regions, in reading order of their corners.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] unless 1 ≤ `n` ≤ number of texels; [`Error::Interrupted`] after Ctrl-C.
     pub fn regions(&self, n: usize) -> Result<Vec<Region>> {
         let (width, height) = (self.map.geometry().width(), self.map.geometry().height());
         if n == 0 || n > width * height {
             return Err(Error::parameter("n", format!("{n} regions out of {width}x{height} texels"))
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
+        // Cut level by level where the number allows that, then the region of highest priority until there are `n`.
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
         let level_by_level = self.moments.is_none() && n.is_power_of_two();
         let blocks = self.levels(whole, if level_by_level { n.ilog2() } else { 0 });
@@ -127,13 +114,13 @@ impl<'a> MedianCut<'a> {
         let mut heap: BinaryHeap<Candidate> = blocks.into_iter().map(|block| self.candidate(block)).collect();
         while done.len() + heap.len() < n {
             interrupt::check()?;
-            let Some(Candidate { block, .. }) = heap.pop() else { break };
+            let Some((.., block)) = heap.pop() else { break };
             match self.cut(block) {
                 Some(halves) => heap.extend(halves.map(|r| self.candidate(r))),
                 None => done.push(block),
             }
         }
-        done.extend(heap.into_iter().map(|c| c.block));
+        done.extend(heap.into_iter().map(|(.., block)| block));
         done.sort_by_key(|r| (r.y0, r.x0));
         Ok(done.into_iter().map(|block| self.region(block)).collect())
     }
@@ -148,7 +135,8 @@ impl<'a> MedianCut<'a> {
         let g = self.map.geometry();
         let column: f64 = (block.y0..block.y1).map(|y| g.solid_angle(y)).sum();
         let priority = if self.moments.is_some() { self.variance(block) } else { self.energy.sum(block) };
-        Candidate { priority, solid_angle: column * (block.x1 - block.x0) as f64, block }
+        let solid_angle = column * (block.x1 - block.x0) as f64;
+        (ordered(priority), ordered(solid_angle), Reverse((block.y0, block.x0)), block)
     }
 
     /// The two halves of a region; `None` for a single texel.
@@ -164,6 +152,7 @@ impl<'a> MedianCut<'a> {
         if places.is_empty() {
             return None;
         }
+        // Without light cut in the middle.
         let total = self.energy.sum(block);
         if total <= 0.0 {
             return Some(axis.split(block, (first + last).div_ceil(2)));
@@ -186,7 +175,7 @@ impl<'a> MedianCut<'a> {
             .into_iter()
             .flat_map(|axis| axis.candidates(block).map(move |at| axis.split(block, at)))
             .min_by(|a, b| worse(a).total_cmp(&worse(b)))?;
-        // Without light every cut is as good as any other: take the middle.
+        // Without light all cuts are equal: take the middle.
         if self.energy.sum(block) <= 0.0 { self.cut_by_energy(block, SideRule::Sphere) } else { Some(best) }
     }
 

@@ -1,17 +1,20 @@
 //! What a map holds: size, range, mean, flux, contrast, and how concentrated its light is.
 
-use super::latlong::EnvMap;
+use super::map::EnvMap;
 use crate::math::mean_rgb;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Statistics of a map. "Intensity" is the mean of R, G, B; sums run over the cleaned texels in f64.
+/// Statistics of a map. mean_rgb is (R + G + B)/3; sums run over the cleaned texels in f64.
 #[derive(Debug, Clone, Serialize)]
 pub struct Info {
+    /// Texels in a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
-    /// Smallest and largest finite channel value, as stored; `None` when there is none.
+    /// Smallest finite channel value, as stored; `None` when there is none.
     pub min: Option<f32>,
+    /// Largest finite channel value, as stored.
     pub max: Option<f32>,
     /// Mean over texels.
     pub mean_rgb: [f64; 3],
@@ -23,12 +26,12 @@ pub struct Info {
     pub nonfinite: usize,
     /// Texels with a negative channel (taken as 0).
     pub negative: usize,
-    /// Largest intensity over the solid-angle mean of intensity; 0 for a black map.
+    /// Largest mean_rgb over its solid-angle mean; 0 for a black map.
     pub peak_to_mean: f64,
-    /// (Σ E)² / Σ E² over the texels' energies E = intensity × solid angle: how many equally bright texels would
-    /// hold the light as concentrated as it is.
+    /// (Σ E)² / Σ E² over the texels' energies E = mean_rgb × solid angle: the number of equally bright texels in
+    /// which light would be as concentrated.
     pub effective_texels: f64,
-    /// Texel with the largest intensity (the first in reading order).
+    /// Texel with the largest mean_rgb (the first in reading order).
     pub peak: (usize, usize),
     /// Elevation of that texel's centre above the horizon, degrees.
     pub peak_elevation_deg: f64,
@@ -39,6 +42,7 @@ pub struct Info {
 }
 
 impl Info {
+    /// The statistics of a map, in one pass over its texels.
     #[must_use]
     pub fn of(map: &EnvMap) -> Self {
         let g = map.geometry();
@@ -88,11 +92,10 @@ impl Info {
         }
     }
 
-    /// Why this map is probably stored upside-down, where that can be told.
+    /// Why this map is probably stored upside-down, if it seems to be.
     ///
-    /// Pixels alone do not tell a floor from a ceiling. Two cases are known: a map whose size, flux and peak are those
-    /// of a probe that is known to be distributed with row 0 as the floor, and an outdoor map whose sun (more than a
-    /// tenth of all light within 2°) stands below the horizon.
+    /// Two cases are detected: a map whose size, flux and peak are those of a probe that is distributed with the floor in
+    /// row 0, and an outdoor map whose sun (more than a tenth of all light within 2°) is below the horizon.
     #[must_use]
     pub fn upside_down(&self) -> Option<String> {
         if self.is_grace() && self.peak.1 >= self.height / 2 {
@@ -100,7 +103,7 @@ impl Info {
                 "this is the Grace Cathedral probe as distributed in EXR form, with the floor in row 0".into(),
             );
         }
-        // On a coarse map a single texel is no sun.
+        // On a coarse map a single bright texel need not be the sun.
         (self.height >= 32 && self.peak_share > 0.1 && self.peak_elevation_deg < -5.0).then(|| {
             format!(
                 "{:.0} % of the light comes from one spot {:.0}° below the horizon, where no sun stands",
@@ -167,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn black_maps_and_maps_of_nothing_finite_have_numbers_too() {
+    fn black_maps_and_maps_of_nothing_finite_have_statistics() {
         let black = Info::of(&EnvMap::new(Image::new(2, 1)));
         assert_eq!((black.peak_to_mean, black.effective_texels, black.upper_share), (0.0, 0.0, 0.0));
         let nan = Info::of(&EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::NAN])));

@@ -1,16 +1,17 @@
 //! Exact irradiance from a map: E(n) = ∫ L(ω) max(n·ω, 0) dω, with a bound on its error.
 //!
 //! A block of texels wholly above the horizon of n contributes n·M₁, where M₁ = ∫ L ω dω over the block is known in
-//! closed form; one wholly below contributes nothing. Only blocks on the horizon are opened, down to texels. One of
-//! flux F and angular radius ρ that is left unopened there contributes between max(n·M₁, 0) and Fρ/2 more; it is
-//! estimated as if its cosines were uniform, and what is unknown adds up to a bound. In fact the errors are of
-//! either sign and small: a few 10⁻⁶ of the whole, see the tests.
+//! closed form; one wholly below contributes nothing. Only blocks on the horizon are subdivided, down to texels. One of
+//! flux F and angular radius ρ that is not subdivided contributes between max(n·M₁, 0) and Fρ/2 more; it is estimated as if
+//! its cosines were uniform, and the uncertainties add up to a bound. The actual errors have either sign and are a few 10⁻⁶
+//! of the whole; see the tests.
 
-use super::latlong::{Block, EnvMap, LatLong};
+use super::latlong::{Block, LatLong};
+use super::map::EnvMap;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// An irradiance and how far from the truth it can be.
+/// An irradiance with a bound of its error.
 #[derive(Debug, Clone, Copy)]
 pub struct Irradiance {
     /// ∫ L max(n·ω, 0) dω per channel.
@@ -26,11 +27,12 @@ const PARTS: usize = 8;
 pub struct IrradianceTree {
     geometry: LatLong,
     nodes: Vec<Node>,
-    /// A block on the horizon is opened only while its bound exceeds this share of the whole flux.
+    /// A block on the horizon is subdivided only while its bound exceeds this share of the whole flux.
     tolerance: f64,
     total: DVec3,
 }
 
+#[derive(Default)]
 struct Node {
     /// ∫ L ω dω, one vector per channel.
     moments: [DVec3; 3],
@@ -52,7 +54,7 @@ impl IrradianceTree {
         let mut tree =
             Self { geometry: map.geometry().clone(), nodes: Vec::new(), tolerance: 1e-7, total: DVec3::ZERO };
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
-        tree.nodes.push(Node::empty());
+        tree.nodes.push(Node::default());
         tree.nodes[0] = tree.build(map, whole);
         tree.total = tree.nodes[0].flux;
         tree
@@ -68,6 +70,7 @@ impl IrradianceTree {
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i as usize];
             let height = n.dot(node.axis);
+            // Wholly below the horizon, or wholly above it?
             if height <= -node.sin_radius {
                 continue;
             }
@@ -76,12 +79,13 @@ impl IrradianceTree {
                 value += linear;
                 continue;
             }
+            // On the horizon: subdivide it while the bound of its error is too large.
             let bound = 0.5 * node.radius * node.flux;
             if bound.element_sum() > limit && node.count == 0 {
                 value += self.texel_on_horizon(node, n);
                 error += bound / (PARTS * PARTS) as f64;
             } else if bound.element_sum() <= limit {
-                // A square of that radius has the variance of an even spread over ± its half side.
+                // Assume cosines uniform over ± the half side of a square of that radius, which has the same variance.
                 let reach = node.flux * (node.sin_radius.min(1.0) * std::f64::consts::FRAC_1_SQRT_2);
                 let x = (linear / reach.max(DVec3::splat(f64::MIN_POSITIVE))).clamp(DVec3::NEG_ONE, DVec3::ONE);
                 value += reach * (DVec3::ONE + x) * (DVec3::ONE + x) * 0.25;
@@ -93,7 +97,7 @@ impl IrradianceTree {
         Irradiance { value, error }
     }
 
-    /// ∫ L max(n·ω, 0) dω over one texel, by its parts' middles.
+    /// ∫ L max(n·ω, 0) dω over one texel by the midpoint rule.
     fn texel_on_horizon(&self, node: &Node, n: DVec3) -> DVec3 {
         let (x, y) = (node.first as usize % self.geometry.width(), node.first as usize / self.geometry.width());
         let at = |i: usize| (i as f64 + 0.5) / PARTS as f64;
@@ -112,14 +116,10 @@ impl IrradianceTree {
         let (w, h) = (x1 - x0, y1 - y0);
         let xs = if 2 * w >= h && w > 1 { vec![x0, x0 + w / 2, x1] } else { vec![x0, x1] };
         let ys = if 2 * h >= w && h > 1 { vec![y0, y0 + h / 2, y1] } else { vec![y0, y1] };
-        let mut children = Vec::with_capacity(4);
-        for y in ys.windows(2) {
-            for x in xs.windows(2) {
-                children.push(Block { x0: x[0], y0: y[0], x1: x[1], y1: y[1] });
-            }
-        }
+        let block_at = |x: &[usize], y: &[usize]| Block { x0: x[0], y0: y[0], x1: x[1], y1: y[1] };
+        let children: Vec<Block> = ys.windows(2).flat_map(|y| xs.windows(2).map(move |x| block_at(x, y))).collect();
         let first = self.nodes.len();
-        self.nodes.extend(children.iter().map(|_| Node::empty()));
+        self.nodes.resize_with(first + children.len(), Node::default);
         for (i, &child) in children.iter().enumerate() {
             self.nodes[first + i] = self.build(map, child);
         }
@@ -128,18 +128,6 @@ impl IrradianceTree {
 }
 
 impl Node {
-    fn empty() -> Self {
-        Self {
-            moments: [DVec3::ZERO; 3],
-            flux: DVec3::ZERO,
-            axis: DVec3::Y,
-            sin_radius: 2.0,
-            radius: PI,
-            first: 0,
-            count: 0,
-        }
-    }
-
     fn with_cone(mut self, (axis, radius): (DVec3, f64)) -> Self {
         self.axis = axis;
         self.radius = radius;
@@ -154,13 +142,13 @@ impl Node {
             moments: [moment * radiance.x, moment * radiance.y, moment * radiance.z],
             flux: radiance * map.geometry().solid_angle(y),
             first: (y * map.geometry().width() + x) as u32,
-            ..Self::empty()
+            ..Self::default()
         }
         .with_cone(map.geometry().cone(Block { x0: x, y0: y, x1: x + 1, y1: y + 1 }))
     }
 
     fn parent(children: &[Node], count: usize, first: usize, cone: (DVec3, f64)) -> Self {
-        let mut node = Self { first: first as u32, count: count as u32, ..Self::empty() }.with_cone(cone);
+        let mut node = Self { first: first as u32, count: count as u32, ..Self::default() }.with_cone(cone);
         for child in &children[..count] {
             node.flux += child.flux;
             for c in 0..3 {
@@ -198,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn it_agrees_with_brute_force_within_its_bound() {
+    fn irradiance_agrees_with_brute_force_within_its_bound() {
         let value =
             |x: usize, y: usize| Rgb::new(((x * 7 + y * 5) % 9) as f32, if (x, y) == (20, 6) { 1e4 } else { 0.0 }, 1.0);
         let map = EnvMap::new(Image::from_fn(32, 16, value));
@@ -222,9 +210,9 @@ mod tests {
     }
 
     #[test]
-    fn its_error_is_below_one_in_a_hundred_thousand() {
-        let lamps = |x: usize, y: usize| if x % 97 == 5 && y % 61 == 20 { 300.0 } else { 0.1 + (x % 7) as f32 * 0.05 };
-        let mut tree = IrradianceTree::new(&EnvMap::new(Image::from_fn(512, 256, |x, y| Rgb::splat(lamps(x, y)))));
+    fn the_relative_error_is_below_1e_5() {
+        let lights = |x: usize, y: usize| if x % 97 == 5 && y % 61 == 20 { 300.0 } else { 0.1 + (x % 7) as f32 * 0.05 };
+        let mut tree = IrradianceTree::new(&EnvMap::new(Image::from_fn(512, 256, |x, y| Rgb::splat(lights(x, y)))));
         for n in normals() {
             let quick = tree.irradiance(n).value.x;
             tree.tolerance = 0.0;

@@ -1,4 +1,4 @@
-//! The lat-long map and its geometry: the one place that knows which texel looks where.
+//! The geometry of lat-long maps: which texel belongs to which direction.
 //!
 //! Row 0 is the zenith (+y) and texel centres lie at +½. With v = y/H and u = x/W:
 //!
@@ -9,8 +9,6 @@
 //! (cos θ₀ − cos θ₁) Δφ.
 
 use crate::math::circular::{sin_cos_turns, turns};
-use crate::math::{Rgb, mean_rgb};
-use crate::raster::Image;
 use crate::sampling::batch::{BATCH, Batch};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -30,12 +28,13 @@ struct Row {
     start: f64,
     extent: f64,
     pole: f64,
-    /// Solid angle of one texel, and one over it.
+    /// Solid angle of one texel, in steradian.
     solid_angle: f64,
-    density: f64,
+    inverse_solid_angle: f64,
 }
 
 impl LatLong {
+    /// The geometry of a map of `width` × `height` texels, at least one each.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         let row = |y: usize| {
@@ -46,17 +45,19 @@ impl LatLong {
             let north = 2 * y < height;
             let half = if north { libm::sin(0.5 * t0) } else { libm::cos(0.5 * t0) };
             let (pole, extent) = if north { (1.0, extent) } else { (-1.0, -extent) };
-            Row { start: 2.0 * half * half, extent, pole, solid_angle, density: 1.0 / solid_angle }
+            Row { start: 2.0 * half * half, extent, pole, solid_angle, inverse_solid_angle: 1.0 / solid_angle }
         };
         Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
 
+    /// Texels in a row.
     #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Rows of texels.
     #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
@@ -74,7 +75,7 @@ impl LatLong {
     #[inline]
     #[must_use]
     pub fn inverse_solid_angle(&self, y: usize) -> f64 {
-        self.rows[y].density
+        self.rows[y].inverse_solid_angle
     }
 
     /// The direction at `fx`, `fy` in (0, 1) inside texel (x, y); `fy` is uniform in solid angle, that is in cos θ.
@@ -85,21 +86,22 @@ impl LatLong {
         direction((x as f64 + fx) * self.per_width, row.start + fy * row.extent, row.pole)
     }
 
-    /// [`LatLong::direction_in_texel`] for the first draws of a batch, as many as `out` has room for, to the same bits;
-    /// and their densities per solid angle.
+    /// [`LatLong::direction_in_texel`] for the first samples of a batch, as many as `out` has room for, to the same bits;
+    /// and their pdfs per solid angle.
     ///
-    /// What depends on the row is gathered first, so that the arithmetic runs over plain arrays and vectorizes.
+    /// Values that depend on the row are copied first, so that the arithmetic runs over plain arrays and vectorizes.
     #[inline(always)]
-    pub fn directions_in_texels(&self, draws: &Batch, out: [&mut [f64]; 4]) {
+    pub fn directions_in_texels(&self, samples: &Batch, out: [&mut [f64]; 4]) {
         let [dx, dy, dz, pdf] = out;
         let n = dx.len().min(BATCH);
         let (dx, dy, dz, pdf) = (&mut dx[..n], &mut dy[..n], &mut dz[..n], &mut pdf[..n]);
-        let (x, y, fx, fy, p) = (&draws.x[..n], &draws.y[..n], &draws.fx[..n], &draws.fy[..n], &draws.probability[..n]);
+        let (x, y, fx, fy, p) =
+            (&samples.x[..n], &samples.y[..n], &samples.fx[..n], &samples.fy[..n], &samples.probability[..n]);
         for i in 0..n {
             let row = &self.rows[y[i] as usize];
             dx[i] = row.start + fy[i] * row.extent;
             dy[i] = row.pole;
-            pdf[i] = p[i] * row.density;
+            pdf[i] = p[i] * row.inverse_solid_angle;
         }
         for i in 0..n {
             let turns = (f64::from(x[i]) + fx[i]) * self.per_width;
@@ -115,7 +117,7 @@ impl LatLong {
         let (x, y) = self.texel(direction);
         let row = &self.rows[y];
         let sin2 = direction.x * direction.x + direction.z * direction.z;
-        // 1 − |cos θ| = sin² θ / (1 + |cos θ|); on the far side of the equator it is 2 less that.
+        // 1 − |cos θ| = sin² θ / (1 + |cos θ|); beyond the equator w is 2 minus that.
         let near = sin2 / (1.0 + direction.y.abs());
         let w = if direction.y * row.pole >= 0.0 { near } else { 2.0 - near };
         (x, y, (px - x as f64).clamp(0.0, 1.0), ((w - row.start) / row.extent).clamp(0.0, 1.0))
@@ -136,7 +138,7 @@ impl LatLong {
         DVec3::new(across * chord * cos_phi, along * 2.0 * half_phi, across * chord * sin_phi)
     }
 
-    /// A cone around a block: its middle direction and the largest angle to it, π if that exceeds a right angle.
+    /// A bounding cone of a block: its middle direction and the largest angle to it, or π where that may exceed 90°.
     ///
     /// With θₘ, φₘ the middle, cos d = cos θ cos θₘ + sin θ sin θₘ cos(φ − φₘ) falls with |φ − φₘ| up to 180°, and as
     /// a function of θ it is concave wherever it is positive. So within 90° of the middle the corners are farthest.
@@ -150,7 +152,7 @@ impl LatLong {
         (axis, if narrow { reach * (1.0 + 1e-9) + 1e-12 } else { PI })
     }
 
-    /// The direction that the continuous map position (x, y), in texels from the top left corner, looks at.
+    /// The direction at the continuous map position (x, y), in texels from the top left corner.
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let (sin_theta, cos_theta) = (PI * y / self.height() as f64).sin_cos();
@@ -188,11 +190,15 @@ impl LatLong {
 }
 
 /// A block of texels, \[x0, x1) × \[y0, y1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Block {
+    /// First column.
     pub x0: usize,
+    /// First row.
     pub y0: usize,
+    /// Column after the last.
     pub x1: usize,
+    /// Row after the last.
     pub y1: usize,
 }
 
@@ -202,98 +208,6 @@ fn direction(turns: f64, w: f64, pole: f64) -> DVec3 {
     let sin_theta = (w * (2.0 - w)).max(0.0).sqrt();
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
     DVec3::new(sin_theta * cos_phi, pole * (1.0 - w), sin_theta * sin_phi)
-}
-
-/// A lat-long map of radiance, clean for use: finite and not negative.
-#[derive(Debug, Clone)]
-pub struct EnvMap {
-    image: Image,
-    geometry: LatLong,
-    found: Found,
-}
-
-/// What a map's file held before it was cleaned.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
-    /// Smallest and largest finite value of any channel.
-    pub min: f32,
-    pub max: f32,
-    /// Texels with a channel that is NaN or infinite; such values count as 0.
-    pub nonfinite: usize,
-    /// Texels with a negative channel; such values count as 0.
-    pub negative: usize,
-}
-
-impl EnvMap {
-    /// Takes an image (row 0 the zenith) and sets its non-finite and negative values to 0, counting them.
-    #[must_use]
-    pub fn new(mut image: Image) -> Self {
-        let mut found = Found { min: f32::INFINITY, max: f32::NEG_INFINITY, nonfinite: 0, negative: 0 };
-        for p in image.pixels_mut() {
-            found.nonfinite += usize::from(!p.is_finite());
-            found.negative += usize::from(p.to_array().iter().any(|c| c.is_finite() && *c < 0.0));
-            *p = Rgb::from_array(p.to_array().map(|c| {
-                if !c.is_finite() {
-                    return 0.0;
-                }
-                found.min = found.min.min(c);
-                found.max = found.max.max(c);
-                c.max(0.0)
-            }));
-        }
-        if found.min > found.max {
-            (found.min, found.max) = (f32::NAN, f32::NAN);
-        }
-        let geometry = LatLong::new(image.width(), image.height());
-        Self { image, geometry, found }
-    }
-
-    #[inline]
-    #[must_use]
-    pub fn geometry(&self) -> &LatLong {
-        &self.geometry
-    }
-
-    /// The cleaned texels.
-    #[must_use]
-    pub fn image(&self) -> &Image {
-        &self.image
-    }
-
-    /// What was found in the file and what had to be cleaned.
-    #[must_use]
-    pub fn found(&self) -> Found {
-        self.found
-    }
-
-    /// Radiance of texel (x, y).
-    #[inline]
-    #[must_use]
-    pub fn texel(&self, x: usize, y: usize) -> Rgb {
-        self.image.get(x, y)
-    }
-
-    /// Radiance from a direction: that of its texel, without interpolation, which is what the samplers assume.
-    #[inline]
-    #[must_use]
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let (x, y) = self.geometry.texel(direction);
-        self.texel(x, y)
-    }
-
-    /// The scalar that importance follows, (R + G + B) / 3.
-    #[inline]
-    #[must_use]
-    pub fn mean_rgb(&self, x: usize, y: usize) -> f64 {
-        mean_rgb(self.texel(x, y))
-    }
-
-    /// Mean of R, G, B of texel (x, y) times its solid angle.
-    #[inline]
-    #[must_use]
-    pub fn energy(&self, x: usize, y: usize) -> f64 {
-        self.mean_rgb(x, y) * self.geometry.solid_angle(y)
-    }
 }
 
 #[cfg(test)]
@@ -314,23 +228,6 @@ mod tests {
             assert_eq!(g.position(d), (x, y));
         }
         assert_eq!(g.texel(DVec3::NEG_Y), (0, 3), "the nadir belongs to the last row");
-    }
-
-    #[test]
-    fn one_hot_maps_shine_from_one_direction_only() {
-        for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (16, 8)] {
-            for hot in 0..w * h {
-                let (hx, hy) = (hot % w, hot / w);
-                let map =
-                    EnvMap::new(Image::from_fn(w, h, |x, y| if (x, y) == (hx, hy) { Rgb::ONE } else { Rgb::ZERO }));
-                for y in 0..h {
-                    for x in 0..w {
-                        let d = map.geometry().direction_in_texel(x, y, 0.5, 0.5);
-                        assert_eq!(map.radiance(d) == Rgb::ONE, (x, y) == (hx, hy), "{w}x{h} hot {hot} texel {x},{y}");
-                    }
-                }
-            }
-        }
     }
 
     #[test]
@@ -390,15 +287,5 @@ mod tests {
         let (left, right) = (g.direction(0.001, 200.0), g.direction(1023.999, 200.0));
         assert!(left.distance(right) < 2e-5);
         assert_eq!((g.texel(left).0, g.texel(right).0), (0, 1023));
-    }
-
-    #[test]
-    fn bad_values_are_counted_and_set_to_zero() {
-        let pixels = vec![Rgb::new(1.0, f32::NAN, 2.0), Rgb::new(-1.0, 3.0, 0.0), Rgb::splat(f32::INFINITY), Rgb::ONE];
-        let map = EnvMap::new(Image::from_pixels(2, 2, pixels));
-        assert_eq!(map.found(), Found { min: -1.0, max: 3.0, nonfinite: 2, negative: 1 });
-        assert_eq!(map.texel(0, 0), Rgb::new(1.0, 0.0, 2.0));
-        assert_eq!(map.texel(1, 0), Rgb::new(0.0, 3.0, 0.0));
-        assert_eq!(map.texel(0, 1), Rgb::ZERO);
     }
 }

@@ -4,13 +4,12 @@ pub mod cut;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;
-mod named;
+mod map;
 mod range;
-mod request;
 pub mod samplers;
 pub(crate) mod sat;
 pub mod synthetic;
 
-pub use latlong::{Block, EnvMap, LatLong};
-pub use named::NamedMap;
+pub use latlong::{Block, LatLong};
+pub use map::{EnvMap, Found, NamedMap};
 pub use range::{MAX_RADIANCE, check_range};

@@ -9,8 +9,7 @@ use std::path::Path;
 /// the largest radiance, times the scale that a scene applies (8 in sphere-env): 10^18 at this limit.
 pub const MAX_RADIANCE: f32 = 1e16;
 
-/// Refuses an image with a finite value above [`MAX_RADIANCE`]; infinite ones are the business of
-/// [`EnvMap::new`](super::EnvMap::new).
+/// Refuses an image with a finite value above [`MAX_RADIANCE`]; [`EnvMap::new`](super::EnvMap::new) handles infinite ones.
 ///
 /// # Errors
 /// [`Error::Limit`] with the row and column of the first such value.

@@ -2,7 +2,7 @@
 
 use super::latlong::Block;
 
-/// Prefix sums in f64. In f32 an 8×8 block beyond one texel of 10⁶ would be off by up to 2 %.
+/// Prefix sums in f64. In f32 the error of an 8×8 block beyond one texel of 10⁶ would be up to 2 %.
 pub struct SummedArea {
     stride: usize,
     sums: Vec<f64>,

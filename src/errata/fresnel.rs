@@ -7,7 +7,7 @@ use crate::optics::schlick::{normal_reflectance, polynomial};
 ///
 /// Right is the cosine on the less dense side ([`crate::optics::schlick::schlick`]). Leaving glass of index 1.5 this one
 /// gives 0.040 at 30° (right: 0.055), 0.041 at 40° (0.245) and at 41.5° (0.542): it knows no total internal reflection.
-/// Of uniform light from inside it reflects 0.573, where 0.596 is right, if total reflection is added.
+/// With total internal reflection added it reflects 0.573 of uniform light from inside; 0.596 is correct.
 #[must_use]
 pub fn schlick_incident_cosine<T: Real>(cos_i: T, eta: T) -> T {
     polynomial(normal_reflectance(eta), cos_i)
@@ -25,9 +25,9 @@ mod tests {
             if dielectric::eta_cos_t(c, eta).is_some() { schlick_incident_cosine(c, eta) } else { 1.0 }
         };
         let exact = |c: f64| dielectric::fresnel(c, eta).unpolarized();
-        for (degrees, drawn, truth) in [(30f64, 0.040, 0.055), (40.0, 0.041, 0.245), (41.5, 0.041, 0.542)] {
+        for (degrees, wrong_value, truth) in [(30f64, 0.040, 0.055), (40.0, 0.041, 0.245), (41.5, 0.041, 0.542)] {
             let c = degrees.to_radians().cos();
-            assert!((wrong(c) - drawn).abs() < 5e-4 && (exact(c) - truth).abs() < 5e-4, "{degrees}");
+            assert!((wrong(c) - wrong_value).abs() < 5e-4 && (exact(c) - truth).abs() < 5e-4, "{degrees}");
         }
         // Of uniform light from inside: ∫ F 2c dc.
         let mean = |f: &dyn Fn(f64) -> f64| {

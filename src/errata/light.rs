@@ -2,7 +2,8 @@
 
 use crate::math::Real;
 
-/// What the light of a rectangle at that distance is multiplied by: the distance, so that it falls off with 1/d, not 1/d².
+/// The factor by which the light of a rectangle at that distance is wrong: the distance itself, so that light falls off
+/// with 1/d, not 1/d².
 ///
 /// In the second report's Cornell box that is 0.9 to 1.8 times the light.
 #[inline(always)]

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 /// The first report's weight of row h of H, sin(hπ/(H−1)), with the exact zero at both ends that the formula means.
 ///
-/// Right is the row's solid angle, cos(hπ/H) − cos((h+1)π/H). The first and the last row are never sampled, whatever
-/// shines there, and every other weight has an error of up to 1/(2h+1).
+/// Right is the row's solid angle, cos(hπ/H) − cos((h+1)π/H). The first and the last row are never sampled, however
+/// bright they are, and every other weight has an error of up to 1/(2h+1).
 #[must_use]
 pub fn row_weight(row: usize, rows: usize) -> f64 {
     if row == 0 || row + 1 == rows { 0.0 } else { (row as f64 * PI / (rows - 1) as f64).sin() }

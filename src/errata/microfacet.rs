@@ -1,7 +1,6 @@
-//! Microfacets: the second report's shadowing and densities of Beckmann's distribution.
+//! Microfacets: the second report's shadowing and pdfs of Beckmann's distribution.
 
 use crate::math::Real;
-use crate::math::error_function::erf;
 
 /// The second report's Λ for Beckmann's distribution, a = 1/(α tan θ): ½ (erf a − 1 + exp(−a²)/(a π)).
 ///
@@ -11,21 +10,21 @@ use crate::math::error_function::erf;
 #[must_use]
 pub fn lambda_with_pi<T: Real>(a: T) -> T {
     let gauss = if a.is_infinite() { T::zero() } else { (-a * a).exp() / (a * T::PI()) };
-    T::from_f64(0.5) * (erf(a) - T::one() + gauss)
+    T::from_f64(0.5) * (a.error_function() - T::one() + gauss)
 }
 
-/// The density that the second report prints for its sampled direction, D(m)/(4 wo·m), of D and the cosine wo·m.
+/// The pdf that the second report prints for its sampled direction, D(m)/(4 wo·m), of D and the cosine wo·m.
 ///
-/// Right is D(m) cos θₘ/(4 wo·m). It is not the density of the report's own routine: at α = 0.5 from above it integrates to
-/// 1.086.
+/// Correct is D(m) cos θₘ/(4 wo·m), which is also what the report's own routine samples. The printed pdf integrates to 1.086
+/// for α = 0.5 and `wo` along the normal.
 #[inline]
 #[must_use]
 pub fn direction_pdf_without_cosine<T: Real>(d: T, cos: T) -> T {
     T::from_f64(0.25) * d / cos
 }
 
-/// Density of the normal as the second report's course forms it, p_θ p_φ / sin θ with p_θ = 2 sin θ/(α² cos³θ) exp(−tan²θ/α²) and
-/// p_φ = 1/2π: D cos θ, but 0/0 for the normal that u = 0.
+/// The pdf of the normal as the second report's course computes it, p_θ p_φ / sin θ with p_θ = 2 sin θ/(α² cos³θ) exp(−tan²θ/α²) and
+/// p_φ = 1/2π: D cos θ, but 0/0 for u = 0, where θ = 0.
 #[must_use]
 pub fn normal_pdf_by_angles(alpha: f32, theta: f32) -> f32 {
     let (sin, cos) = theta.sin_cos();
@@ -59,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn the_density_by_angles_is_not_a_number_at_the_pole() {
+    fn the_pdf_by_angles_is_not_a_number_at_the_pole() {
         assert!(normal_pdf_by_angles(0.3, 0.0).is_nan());
         let (alpha, theta) = (0.3f32, 0.2f32);
         let wm = [theta.sin(), 0.0, theta.cos()];

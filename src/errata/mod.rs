@@ -1,4 +1,4 @@
-//! Errata: formulas that the two course reports print or their renderers compute wrongly, kept to show what the mistakes do.
+//! Errata: formulas that the two course reports print or their renderers compute wrongly, to show what the mistakes do.
 //!
 //! Nothing outside uses them unless [`Conventions`] asks for it: tone mapping, environment maps, BSDFs and the renderer take
 //! that struct as a parameter, and [`Conventions::CORRECT`] is its default. Here are only the formulas: scalars in, scalars
@@ -27,7 +27,7 @@ pub struct Conventions {
     pub approximate_fresnel: bool,
     /// Metal: [`microfacet::lambda_with_pi`] in the shadowing term, which may then exceed 1.
     pub lambda_with_pi: bool,
-    /// Glass: [`fresnel::schlick_incident_cosine`], the cosine on `wo`'s side whichever that is, and 1 under total internal
+    /// Glass: [`fresnel::schlick_incident_cosine`], of the cosine on `wo`'s side, dense or not, and 1 under total internal
     /// reflection.
     pub single_cosine_schlick: bool,
     /// Rectangular area lights: their light falls off with the distance, not its square ([`light::falloff_error`]).
@@ -49,11 +49,11 @@ impl Conventions {
         truncated_tone: false,
     };
 
-    /// Everything as in the first report (Fresnel curves, environment maps).
+    /// The conventions of the first report (Fresnel curves, environment maps).
     pub const FIRST_REPORT: Self =
         Self { rows_without_poles: true, texel_corners: true, single_cosine_schlick: true, ..Self::CORRECT };
 
-    /// Everything as in the second report (a path tracer).
+    /// The conventions of the second report (a path tracer).
     pub const SECOND_REPORT: Self = Self {
         fresnel_at_normal: true,
         approximate_fresnel: true,
@@ -64,7 +64,7 @@ impl Conventions {
         ..Self::CORRECT
     };
 
-    /// Whether metal is not the correct one.
+    /// Whether any formula of metal departs from the correct one.
     #[must_use]
     pub fn change_metal(&self) -> bool {
         self.fresnel_at_normal || self.approximate_fresnel || self.lambda_with_pi

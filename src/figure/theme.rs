@@ -51,7 +51,7 @@ pub const INTERVAL: Colour = SKY_BLUE;
 /// The same over bars in the colour of [`OBSERVED`].
 pub const INTERVAL_OVER_BARS: Colour = ORANGE;
 /// A formula as a report printed it.
-pub const AS_PRINTED: Colour = VERMILION;
+pub const ERRATUM: Colour = VERMILION;
 /// The corrected formula.
 pub const CORRECTED: Colour = BLUE;
 
@@ -73,7 +73,7 @@ pub const STABLE_VARIANT: Colour = BLUE;
 /// The formula as textbooks give it.
 pub const TEXTBOOK_VARIANT: Colour = VERMILION;
 /// The formula as a report gives it.
-pub const REPORT_VARIANT: Colour = PURPLE;
+pub const ERRATUM_VARIANT: Colour = PURPLE;
 
 // Roles over environment maps.
 

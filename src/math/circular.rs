@@ -1,7 +1,7 @@
 //! Circular functions as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same bits.
 
 use super::Real;
-use super::error_function::polynomial;
+use super::polynomial::polynomial;
 pub use etalon_stats::warp::turns;
 use std::f32::consts::PI as PI32;
 use std::f64::consts::PI;
@@ -29,6 +29,7 @@ impl Circular for f32 {
         // Taylor series, |x| ≤ π/4; the first terms left out are below 4 · 10⁻⁸.
         let sin = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0)))));
         let cos = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * (1.0 / 40_320.0))));
+        // Rotate by the quarter turns: swap sine and cosine in odd quarters, then set the signs.
         let swap = 0u32.wrapping_sub(quarter & 1);
         let (s, c) = (sin.to_bits(), cos.to_bits());
         let (s, c) = ((s & !swap) | (c & swap), (c & !swap) | (s & swap));
@@ -38,6 +39,7 @@ impl Circular for f32 {
     /// Relative error below 4 · 10⁻⁷.
     #[inline(always)]
     fn angle(y: f32, x: f32) -> f32 {
+        // Reduce to the first octant, then undo the reflections.
         let ax = x.abs();
         let (low, high) = if y <= ax { (y, ax) } else { (ax, y) };
         let ratio = if high > 0.0 { low / high } else { 0.0 };
@@ -86,8 +88,8 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     let rounded = 4.0 * turns + ROUND;
     let quarter = rounded.to_bits();
     let x = (turns - 0.25 * (rounded - ROUND)) * (2.0 * PI);
-    // Taylor series, |x| ≤ π/4; the first terms left out are below 10⁻¹⁶. Summed by halves (Estrin's scheme), which
-    // leaves the processor more to do at once than Horner's chain.
+    // Taylor series, |x| ≤ π/4; the first terms left out are below 10⁻¹⁶. Estrin's scheme gives the processor more
+    // independent operations than Horner's.
     let x2 = x * x;
     let x4 = x2 * x2;
     let x8 = x4 * x4;
@@ -98,7 +100,7 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     let cos = (term(1.0, -2.0) + x4 * term(24.0, -720.0))
         + x8 * (term(40_320.0, -3_628_800.0)
             + x4 * (term(479_001_600.0, -87_178_291_200.0) + x4 * (1.0 / 20_922_789_888_000.0)));
-    // Turn by the quarters: swap the two in odd ones, change the signs as they go round.
+    // Rotate by the quarter turns: swap sine and cosine in odd quarters, then set the signs.
     let swap = 0u64.wrapping_sub(quarter & 1);
     let (s, c) = (sin.to_bits(), cos.to_bits());
     let (s, c) = ((s & !swap) | (c & swap), (c & !swap) | (s & swap));
@@ -112,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sines_and_cosines_are_good_to_the_last_bits() {
+    fn single_precision_sines_and_cosines_err_by_less_than_1e_7() {
         for i in 0..=1_000_000 {
             let turns = i as f32 / 1e6;
             let (s, c) = f32::sin_cos_turns(turns);
@@ -122,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_all_around_the_upper_half() {
+    fn single_precision_angles_err_by_less_than_4e_7() {
         for i in 0..=1_000_000 {
             let angle = f64::from(i) / 1e6 * std::f64::consts::PI;
             let (y, x) = (angle.sin().max(0.0) as f32, angle.cos() as f32);
@@ -136,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn sin_cos_is_exact_to_rounding() {
+    fn double_precision_sines_and_cosines_err_by_rounding() {
         for i in 0..=100_000 {
             let t = f64::from(i) / 100_000.0;
             let (s, c) = sin_cos_turns(t);

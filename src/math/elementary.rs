@@ -1,7 +1,7 @@
 //! Exponential and logarithm as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same
-//! bits, which the system's own functions do not promise.
+//! bits, which the system's own functions do not guarantee.
 
-use super::error_function::polynomial;
+use super::polynomial::polynomial;
 use std::f64::consts::{LN_2, LOG2_E};
 
 /// exp(x) for −708 ≤ x ≤ 709, to 2 units of the last place. Source of the scheme: Cody & Waite, *Software Manual for the
@@ -14,11 +14,13 @@ pub fn exp_f64(x: f64) -> f64 {
     // ln 2 in two parts, the first with zeros at the end, so that the product is exact.
     const HIGH: f64 = 0.693_147_180_369_123_8;
     const LOW: f64 = 1.908_214_929_270_587_7e-10;
+    // Reduce the argument: x = n ln 2 + r.
     let shifted = x * LOG2_E + ROUND;
     let n = shifted - ROUND;
     let r = (x - n * HIGH) - n * LOW;
     // Taylor series, |r| ≤ 0.3466; the first term left out is below 10⁻¹⁷.
     const TERMS: [f64; 16] = factorials();
+    // Add n to the exponent of exp r.
     f64::from_bits(polynomial(&TERMS, r).to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
@@ -41,7 +43,7 @@ pub fn exp_f32(x: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn ln_f64(x: f64) -> f64 {
-    // x = 2ⁿ m with m from √½ to √2: subtracting the bits of √½ borrows from the exponent where m would be less.
+    // x = 2ⁿ m with m from √½ to √2: subtracting the bits of √½ borrows from the exponent where m would be smaller.
     const ROOT: u64 = 0x3fe6_a09e_667f_3bcd;
     const MANTISSA: u64 = (1 << 52) - 1;
     let offset = x.to_bits().wrapping_sub(ROOT);
@@ -61,7 +63,7 @@ pub fn ln_f64(x: f64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn ln_f32(x: f32) -> f32 {
-    // As above, but that the exponent comes with its sign.
+    // As above, but the exponent keeps its sign.
     const ROOT: u32 = 0x3f35_04f3;
     const MANTISSA: u32 = (1 << 23) - 1;
     let offset = x.to_bits().wrapping_sub(ROOT);
@@ -72,6 +74,7 @@ pub fn ln_f32(x: f32) -> f32 {
     n * std::f32::consts::LN_2 + 2.0 * s * polynomial(&TERMS, s * s)
 }
 
+/// 1/i! for i from 0 to 15.
 const fn factorials() -> [f64; 16] {
     let mut terms = [1.0; 16];
     let mut i = 1;
@@ -82,6 +85,7 @@ const fn factorials() -> [f64; 16] {
     terms
 }
 
+/// 1/(2i + 1) for i from 0 to 11.
 const fn odd_reciprocals() -> [f64; 12] {
     let mut terms = [1.0; 12];
     let mut i = 1;

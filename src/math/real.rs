@@ -21,6 +21,13 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
 
     /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`error_function`].
     fn erfcx(self) -> Self;
+
+    /// erf(x) for x ≥ 0, to a few units of the last place of 1.
+    #[inline]
+    #[must_use]
+    fn error_function(self) -> Self {
+        Self::one() - (-self * self).exp() * self.erfcx()
+    }
 }
 
 impl Real for f32 {

@@ -1,4 +1,4 @@
-//! Fresnel reflectance of a conductor: exact, and the approximation of old renderers.
+//! Fresnel reflectance of a conductor: exact, and an approximation that older renderers use.
 
 use super::dielectric;
 use crate::math::Real;
@@ -31,6 +31,7 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     let one = T::one();
     let c = cos_i;
     let sin2 = (one - c) * (one + c);
+    // z = a + ib = η cos θ_t by Snell's law.
     let (a, b) = root(c, eta, k);
     // r⊥ = (c − z)/(c + z); c − z = −(n² − 1)/(c + z) with n² = (η + ik)², which does not cancel as n → 1.
     let (re, im) = ((eta - one) * (eta + one) - k * k, (eta + eta) * k);
@@ -39,7 +40,7 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
         // Only for c = 0 and n = 1 exactly: no interface.
         return ConductorReflectance { parallel: T::zero(), perpendicular: T::zero() };
     }
-    // Where c − z keeps its digits it is the better, and never gives more than 1.
+    // |c − z|²/|c + z|² is more precise where c − z does not cancel, and never exceeds 1.
     let difference2 = (c - a) * (c - a) + b * b;
     let r = re.hypot(im) / sum2;
     let perpendicular = if difference2 * T::from_f64(4.0) >= sum2 { difference2 / sum2 } else { r * r };
@@ -66,8 +67,8 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
 /// The approximation of pbrt-v2 and of the second report, which drops s² against η² + k²:
 /// R⊥ = (q − 2ηc + c²) / (q + 2ηc + c²), R∥ = (q c² − 2ηc + 1) / (q c² + 2ηc + 1), q = η² + k².
 ///
-/// Its error is below 0.007 (unpolarized) for gold and copper; for q < 5 it is unusable: fed with glass (k = 0,
-/// η = 1.5) it errs by 0.099.
+/// Its error is below 0.007 (unpolarized) for gold and copper. It is unusable for q < 5: its error for glass (k = 0,
+/// η = 1.5) is 0.099.
 #[must_use]
 pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     let c = cos_i;
@@ -89,15 +90,16 @@ pub fn normal_reflectance<T: Real>(eta: T, k: T) -> T {
 /// The pseudo-Brewster angle in radians: where R∥ is smallest.
 ///
 /// It solves a cubic; minimizing the exact R∥ by golden sections is as good and exact to about 10⁻⁸ rad, the root of the
-/// precision at which a minimum can be told. The search starts around the best of 900 angles, because R∥ is almost
+/// precision to which a minimum can be located. The search starts around the best of 900 angles, because R∥ is almost
 /// flat where a weak absorber of η < 1 reflects all light.
 #[must_use]
 pub fn pseudo_brewster(eta: f64, k: f64) -> f64 {
-    use std::f64::consts::FRAC_PI_2;
     let parallel = |theta: f64| fresnel(theta.cos().max(0.0), eta, k).parallel;
+    // Bracket the minimum by the best of equidistant angles.
     const PLACES: usize = 900;
-    let at = |i: usize| FRAC_PI_2 * i as f64 / PLACES as f64;
+    let at = |i: usize| std::f64::consts::FRAC_PI_2 * i as f64 / PLACES as f64;
     let best = (0..=PLACES).min_by(|&a, &b| parallel(at(a)).total_cmp(&parallel(at(b)))).unwrap_or(0);
+    // Narrow the bracket by golden sections.
     let section = (5f64.sqrt() - 1.0) / 2.0;
     let (mut low, mut high) = (at(best.saturating_sub(1)), at((best + 1).min(PLACES)));
     let (mut x1, mut x2) = (high - section * (high - low), low + section * (high - low));

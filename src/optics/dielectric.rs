@@ -1,13 +1,13 @@
-//! Fresnel reflectance of a smooth dielectric, in the factored form that loses nothing near eta = 1.
+//! Fresnel reflectance of a smooth dielectric, in a factored form without cancellation near eta = 1.
 //!
 //! With c = cos θᵢ, q = (η−1)(η+1) and g = η cos θₜ = √(q + c²):
 //!
-//! * r⊥ = −q / (c+g)² = (c−g) / (c+g), whichever keeps more digits
+//! * r⊥ = −q / (c+g)² = (c−g) / (c+g), whichever is more precise
 //! * r∥ / r⊥ = (c g − s²) / (c g + s²) in modulus, s² = 1 − c²
 //! * F = r⊥² (1 + (r∥/r⊥)²) / 2
 //!
-//! The textbook form (g − c)/(g + c) subtracts nearly equal numbers as η → 1: at η = 1.0003 it is off by 5·10⁻⁴ in
-//! f32, this one by less than 10⁻⁶ for every η. Near the critical angle dF/dc is infinite, so no formula can be
+//! The textbook form (g − c)/(g + c) subtracts nearly equal numbers as η → 1: at η = 1.0003 its error is 5·10⁻⁴ in
+//! f32; that of this form is below 10⁻⁶ for every η. Near the critical angle dF/dc is infinite, so no formula can be
 //! accurate in terms of the rounded cosine; g is returned so that callers need not compute it again.
 
 use crate::math::Real;
@@ -41,8 +41,9 @@ impl<T: Real> Reflectance<T> {
 
 /// Exact Fresnel reflectance for a ray that meets the interface at `cos_i` (in \[0, 1\]) from the near side.
 ///
-/// `eta` > 0 is the far index over the near one; in f32 it must be from 10⁻¹⁸ to 10¹⁸, where its square is a number. Total internal reflection gives R∥ = R⊥ = 1.
-/// Source: Born & Wolf, *Principles of Optics*, 7th ed., 1.5.2, rearranged as said above.
+/// `eta` > 0 is the far index over the near one, from 10⁻¹⁸ to 10¹⁸ in f32, so that its square neither overflows nor
+/// vanishes. Total internal reflection gives R∥ = R⊥ = 1.
+/// Source: Born & Wolf, *Principles of Optics*, 7th ed., 1.5.2, rearranged as the module describes.
 #[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
     let one = T::one();
@@ -51,15 +52,16 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
     if q == T::zero() {
         return Reflectance { parallel: T::zero(), perpendicular: T::zero(), cos_t: Some(c) };
     }
+    // Compute g = η cos θ_t by Snell's law.
     let Some(g) = eta_cos_t(c, eta) else {
         return Reflectance { parallel: one, perpendicular: one, cos_t: None };
     };
     let sin2 = (one - c) * (one + c);
     let (sum, difference) = (c + g, c - g);
-    // −q/(c+g)² is (c−g)/(c+g) without the difference. It multiplies the rounding of g by four, so that where the
-    // difference keeps its digits, towards grazing and critical angles, that is better, and never above 1.
-    let kept = difference.abs() + difference.abs() >= sum;
-    let (above, below) = if kept { (difference, sum) } else { (-q, sum * sum) };
+    // r⊥ = −q/(c+g)² avoids the difference c − g but multiplies the rounding of g by four. Use (c−g)/(c+g), which never
+    // exceeds 1, where c − g does not cancel: towards grazing and critical angles.
+    let precise = difference.abs() + difference.abs() >= sum;
+    let (above, below) = if precise { (difference, sum) } else { (-q, sum * sum) };
     let r_perpendicular = above / below;
     let ratio = (c * g - sin2) / (c * g + sin2);
     let perpendicular = r_perpendicular * r_perpendicular;
@@ -76,8 +78,8 @@ pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
 /// g² = η² − s² = q + c², negative under total internal reflection.
 ///
 /// For q = η² − 1 < 0 it cancels near the critical angle. It is factored as (c − c_c)(c + c_c), c_c = √−q being the
-/// critical cosine, or as (η − s)(η + s), whichever has the smaller and hence finer numbers there; and in f64, so that
-/// f32 loses nothing but what its input has lost.
+/// critical cosine, or as (η − s)(η + s), whichever has the smaller terms, which are rounded less there. It is computed in f64,
+/// so that in f32 only the rounding of the input matters.
 pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
     let (c, eta) = (c.to_f64(), eta.to_f64());
     let q = (eta - 1.0) * (eta + 1.0);

@@ -1,4 +1,4 @@
-//! Light at an interface: scalars in, scalars out, generic over the float type.
+//! Reflection and refraction at an interface: scalars in, scalars out, generic over the float type.
 //!
 //! Cosines are of the angle between the normal and a direction; `eta` is the index on the far side over the
 //! index on the near side (the side of `wo`), `k` the extinction coefficient relative to the near side's index.

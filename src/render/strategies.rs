@@ -2,7 +2,6 @@
 
 use super::needs::Needs;
 use super::settings::{Sampling, Settings};
-use crate::bsdf::diffuse;
 use crate::envmap::samplers::SurfaceSampler;
 use crate::error::{Error, Result};
 use crate::sampling::warp;
@@ -35,7 +34,7 @@ impl BsdfOnly {
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
-            BsdfOnly::Bsdf => diffuse::sample(u),
+            BsdfOnly::Bsdf => warp::cosine_hemisphere(u),
             BsdfOnly::Hemisphere => warp::uniform_hemisphere(u),
         }
     }
@@ -44,7 +43,7 @@ impl BsdfOnly {
     #[inline]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            BsdfOnly::Bsdf => diffuse::pdf(cos),
+            BsdfOnly::Bsdf => warp::cosine_hemisphere_pdf(cos),
             BsdfOnly::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
         }
     }

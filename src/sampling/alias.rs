@@ -2,9 +2,9 @@
 
 use super::batch::{BATCH, Batch};
 use super::prefetch::prefetch;
-use super::table::{Draw, inside};
+use super::table::{CellSample, inside};
 
-/// Constant time per draw, but neither monotone nor invertible, which spoils stratified numbers.
+/// An alias table: constant time per sample, but neither monotone nor invertible, so that stratification is lost.
 ///
 /// Source: Walker 1977; built as in Vose, "A linear algorithm for generating random numbers with a given
 /// distribution", IEEE Trans. Softw. Eng. 17(9), 1991.
@@ -61,6 +61,7 @@ impl AliasTable {
             entries[i].probability = scaled;
             push(&mut entries, if scaled < 1.0 { &mut small } else { &mut large }, i as u32);
         }
+        // Fill up each small entry from a large one, which may become small thereby.
         while small != END && large != END {
             let (s, l) = (small, large as usize);
             small = entries[s as usize].other;
@@ -72,7 +73,7 @@ impl AliasTable {
                 push(&mut entries, &mut small, l as u32);
             }
         }
-        // What is left over is 1 but for rounding, unless its weight is 0: such a cell must never be sampled.
+        // Entries that remain are 1 up to rounding, unless their weight is 0: such a cell must never be sampled.
         let heaviest = (0..n).max_by(|&a, &b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
         for mut next in [small, large] {
             while next != END {
@@ -82,6 +83,7 @@ impl AliasTable {
                 entries[i] = AliasEntry { keep, other: other as u32, probability: 0.0 };
             }
         }
+        // Compute the probabilities that the finished table realizes.
         for i in 0..n {
             let AliasEntry { keep, other, .. } = entries[i];
             entries[i].probability += f64::from(keep) / n as f64;
@@ -105,8 +107,8 @@ impl AliasTable {
         (bucket, scaled - bucket as f64)
     }
 
-    /// The cell that owns this place of a bucket, and the position inside the cell. Which of the two it is cannot be
-    /// predicted, so it is chosen without a branch.
+    /// The cell that owns this place of a bucket, and the position inside the cell. The processor cannot predict which of
+    /// the two cells it is, so the choice has no branch.
     #[inline]
     fn owner(&self, bucket: usize, rest: f64) -> (usize, f64) {
         let AliasEntry { keep, other, .. } = self.entries[bucket];
@@ -118,22 +120,22 @@ impl AliasTable {
     /// The cell for `u` in \[0, 1), and what is left of `u` as the position inside it; `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn draw(&self, u: f64) -> Option<Draw> {
+    pub fn sample(&self, u: f64) -> Option<CellSample> {
         if self.total <= 0.0 {
             return None;
         }
         let (bucket, rest) = self.bucket(u);
         let (cell, offset) = self.owner(bucket, rest);
-        Some(Draw { cell, offset, probability: self.probability(cell) })
+        Some(CellSample { cell, offset, probability: self.probability(cell) })
     }
 
-    /// [`AliasTable::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
-    /// cells are those of a grid with `width` columns; the second number of a pair is the position across the rows.
+    /// [`AliasTable::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
+    /// cells are those of a grid with `width` columns; the second random number of a pair is the position across the rows.
     /// `values` has one value per cell; those of the sampled cells are prefetched.
     ///
-    /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::draw_batch`] does.
+    /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::sample_batch`] does.
     #[inline(always)]
-    pub fn draw_batch<T>(&self, u: &[[f64; 2]], width: usize, values: &[T], out: &mut Batch) {
+    pub fn sample_batch<T>(&self, u: &[[f64; 2]], width: usize, values: &[T], out: &mut Batch) {
         let n = u.len().min(BATCH);
         let (u, cell, x, y) = (&u[..n], &mut out.cell[..n], &mut out.x[..n], &mut out.y[..n]);
         let (fx, fy, probability) = (&mut out.fx[..n], &mut out.fy[..n], &mut out.probability[..n]);
@@ -164,7 +166,7 @@ impl AliasTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::table::tests::weights;
+    use crate::sampling::table::weights;
 
     #[test]
     fn probabilities_are_the_weights() {
@@ -178,18 +180,18 @@ mod tests {
     }
 
     #[test]
-    fn nothing_can_be_drawn_from_nothing() {
-        assert_eq!(AliasTable::new(&[0.0]).draw(0.5), None);
+    fn weights_of_zero_give_no_sample() {
+        assert_eq!(AliasTable::new(&[0.0]).sample(0.5), None);
     }
 
     #[test]
-    fn alias_draws_its_own_probabilities() {
+    fn cells_are_sampled_with_their_probabilities() {
         let w = [1.0, 0.0, 3.0, 0.5, 0.5];
         let table = AliasTable::new(&w);
         let n = 100_000u32;
         let mut counts = [0u32; 5];
         for i in 0..n {
-            counts[table.draw((f64::from(i) + 0.5) / f64::from(n)).unwrap().cell] += 1;
+            counts[table.sample((f64::from(i) + 0.5) / f64::from(n)).unwrap().cell] += 1;
         }
         for (i, &c) in counts.iter().enumerate() {
             assert!((f64::from(c) / f64::from(n) - table.probability(i)).abs() < 5.0 / f64::from(n), "{counts:?}");

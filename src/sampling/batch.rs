@@ -1,22 +1,26 @@
-//! Draws of several cells at once, component by component.
+//! Samples of several cells at once, component by component.
 
-/// How many draws are made at once: enough to overlap their memory accesses, and their arrays fit the nearest cache.
+/// Samples per batch: enough to overlap their memory accesses, few enough for the nearest cache.
 pub const BATCH: usize = 64;
 
-/// Draws of up to [`BATCH`] cells of a grid.
+/// Samples of up to [`BATCH`] cells of a grid.
 #[derive(Debug, Clone)]
 pub struct Batch {
     /// Number of the cell, counted row by row.
     pub cell: [usize; BATCH],
+    /// Its column.
     pub x: [u32; BATCH],
+    /// Its row.
     pub y: [u32; BATCH],
-    /// Position inside the cell, in (0, 1)².
+    /// Position inside the cell along x, in (0, 1).
     pub fx: [f64; BATCH],
+    /// Position inside the cell along y, in (0, 1).
     pub fy: [f64; BATCH],
     /// Probability of the cell.
     pub probability: [f64; BATCH],
-    /// Between two steps of a draw: the cells in question, and the probability of the column in its row.
+    /// Between two steps: the first and the last cell of the row that the sample may be in.
     pub(super) bracket: [[u16; 2]; BATCH],
+    /// Between two steps: the probability of the column in its row.
     pub(super) column: [f64; BATCH],
 }
 

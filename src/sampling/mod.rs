@@ -1,4 +1,4 @@
-//! Random numbers and what they are turned into: streams, warps, tables.
+//! Sampling: random number streams, warps, tables, normals of microfacets, rectangles.
 
 pub mod alias;
 pub mod batch;

@@ -1,13 +1,13 @@
-//! Uniform sampling of the solid angle that a rectangle fills, seen from a point.
+//! Uniform sampling of the solid angle that a rectangle subtends at a point.
 //!
 //! Source: Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical Rectangles", CGF 32(4), 2013. The
-//! solid angle itself is not the sum of four angles less 2π, whose error drowns small rectangles, but the argument of a
-//! product of two complex numbers, one for each of the rectangle's triangles (Van Oosterom & Strackee, "The Solid Angle
+//! solid angle itself is not computed as the sum of four angles minus 2π, which cancels for small rectangles, but as the
+//! argument of a product of two complex numbers, one for each of the rectangle's triangles (Van Oosterom & Strackee, "The Solid Angle
 //! of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983), whose relative error does not grow as it shrinks.
 
 use crate::math::circular::Circular;
 
-/// A rectangle seen from a point, which is the origin: x in \[`x0`, `x1`\], y in \[`y0`, `y1`\], z = −`depth` ≤ 0.
+/// A rectangle in front of a point, which is the origin: x in \[`x0`, `x1`\], y in \[`y0`, `y1`\], z = −`depth` ≤ 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalRectangle<T> {
     x0: T,
@@ -19,7 +19,7 @@ pub struct SphericalRectangle<T> {
     /// z components of the inward normals of the planes through the origin and the sides y = y0 and y = y1.
     b0: T,
     b1: T,
-    /// 2π less the sum of the spherical angles at the side x = x0.
+    /// 2π minus the sum of the spherical angles at the side x = x0.
     k: T,
 }
 
@@ -35,7 +35,7 @@ impl<T: Circular> SphericalRectangle<T> {
         let normal = |side: T| side / (z2 + side * side).sqrt();
         let (b0, b1) = (-normal(y0), normal(y1));
         let left = -normal(x0);
-        // The angles at that side have the cosines −p q; their sum is the argument of a product of complex numbers.
+        // Compute k from the spherical angles at the side x = x0. They have the cosines −p q; their sum is the argument of a product of complex numbers.
         let (zero, one) = (T::zero(), T::one());
         let corner = |p: T, q: T| {
             let cos = -p * q;
@@ -43,7 +43,7 @@ impl<T: Circular> SphericalRectangle<T> {
         };
         let ((c2, s2), (c3, s3)) = (corner(b1, left), corner(left, b0));
         let (cos, sin) = (c2 * c3 - s2 * s3, s2 * c3 + c2 * s3);
-        // 2π less that sum, which lies anywhere from 0 to 2π.
+        // k is 2π minus that sum, which lies between 0 and 2π.
         let half = T::angle(sin.abs(), cos);
         let k = if sin < zero { half } else { T::from_f64(std::f64::consts::TAU) - half };
         Self { x0, x1, y0, y1, depth, solid_angle: solid_angle([x0, x1], [y0, y1], depth), b0, b1, k }
@@ -59,22 +59,25 @@ impl<T: Circular> SphericalRectangle<T> {
     #[inline(always)]
     pub fn sample(&self, u: [T; 2]) -> [T; 2] {
         let (zero, one) = (T::zero(), T::one());
+        // Sample x by the solid angle of the part left of it, as Ureña et al. do in their section 4.1.
         let turns = (u[0] * self.solid_angle + self.k) * T::from_f64(0.5 / std::f64::consts::PI);
         let (sin, cos) = T::sin_cos_turns(turns);
         let fu = (cos * self.b0 - self.b1) / sin;
         let cu = (one / (fu * fu + self.b0 * self.b0).sqrt()).min(one);
         let cu = if fu > zero { cu } else { -cu };
         let x = -(cu * -self.depth) / (one - cu * cu).max(T::min_positive_value()).sqrt();
+        // For a small solid angle, sample x along the middle line instead.
         let middle = T::from_f64(0.5) * (self.y0 + self.y1);
         let depth2 = self.depth * self.depth;
-        let narrow = between([self.x0, self.x1], depth2 + middle * middle, u[0]);
-        let small = self.solid_angle < T::from_f64(SMALL) * T::epsilon();
-        let x = if small { narrow } else { x.max(self.x0).min(self.x1) };
+        let on_line = between([self.x0, self.x1], depth2 + middle * middle, u[0]);
+        let is_small = self.solid_angle < T::from_f64(SMALL) * T::epsilon();
+        let x = if is_small { on_line } else { x.max(self.x0).min(self.x1) };
+        // Sample y given x.
         [x, between([self.y0, self.y1], depth2 + x * x, u[1])]
     }
 }
 
-/// A number from `a` to `b` of density ∝ (d² + t²)^(−3/2).
+/// A number t from `a` to `b` with pdf ∝ (d² + t²)^(−3/2).
 ///
 /// The sine h = t/√(d² + t²) is sampled uniformly. Its difference over the interval and 1 − h², from the nearer end, are written
 /// without cancellation: h may be close to 1, and both ends to each other.
@@ -83,10 +86,10 @@ fn between<T: Circular>([a, b]: [T; 2], d2: T, u: T) -> T {
     let (one, two) = (T::one(), T::from_f64(2.0));
     let (ra2, rb2) = (d2 + a * a, d2 + b * b);
     let (ha, hb) = (a / ra2.sqrt(), b / rb2.sqrt());
-    let apart = if a * b > T::zero() { d2 * (b - a) * (b + a) / (ra2 * rb2 * (ha + hb)) } else { hb - ha };
+    let range = if a * b > T::zero() { d2 * (b - a) * (b + a) / (ra2 * rb2 * (ha + hb)) } else { hb - ha };
     let near_a = u < T::from_f64(0.5);
     let (h, r2, part) = if near_a { (ha, ra2, u) } else { (hb, rb2, u - one) };
-    let step = part * apart;
+    let step = part * range;
     let cos2 = (d2 / r2 - step * (two * h + step)).max(T::min_positive_value());
     let t = (h + step) * (d2 / cos2).sqrt();
     t.max(a).min(b)
@@ -157,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_shares_of_the_numbers_are_equal_shares_of_solid_angle() {
+    fn equal_shares_of_u_are_equal_shares_of_solid_angle() {
         for (x, y, z) in CASES {
             let r = SphericalRectangle::new(x, y, z);
             for (u, v) in [(0.25, 0.5), (0.5, 0.25), (0.8, 0.9), (0.01, 0.99)] {
@@ -171,8 +174,8 @@ mod tests {
                 assert!((below - v).abs() < 1e-4, "{x:?} {y:?} {z} {v}: {below}");
                 let narrow = |a: [f64; 2]| a.map(|v| v as f32);
                 let single = SphericalRectangle::new(narrow(x), narrow(y), z as f32).sample([u as f32, v as f32]);
-                let off = [(f64::from(single[0]) - px) / (x[1] - x[0]), (f64::from(single[1]) - py) / (y[1] - y[0])];
-                assert!(off[0].abs() < 3e-3 && off[1].abs() < 1e-4, "{x:?} {y:?} {z} {u} {v}: {off:?}");
+                let error = [(f64::from(single[0]) - px) / (x[1] - x[0]), (f64::from(single[1]) - py) / (y[1] - y[0])];
+                assert!(error[0].abs() < 3e-3 && error[1].abs() < 1e-4, "{x:?} {y:?} {z} {u} {v}: {error:?}");
             }
         }
     }

@@ -62,7 +62,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
             if i % POLL == 0 {
                 interrupt::check()?;
             }
-            if let Some(draw) = table.draw(number()) {
+            if let Some(draw) = table.sample(number()) {
                 counts[draw.cell] += 1;
             }
         }

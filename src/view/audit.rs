@@ -14,7 +14,7 @@ const EDGE: f64 = 12.0;
 /// What stands right of a panel's frame.
 const MARGIN: f64 = 14.0;
 /// The formula as printed, and the corrected one.
-const PRINTED: Stroke = Stroke { colour: theme::AS_PRINTED, width: theme::LINE, dash: theme::DASHED };
+const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, dash: theme::DASHED };
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
 /// A panel for each erratum, with the verdicts and the error of an image below it.

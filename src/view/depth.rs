@@ -7,11 +7,11 @@ use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
 #[must_use]
-pub fn as_the_report(image: &Image) -> Rgb8 {
+pub fn by_conventions(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
-/// How [`as_the_report`] shows radiance, for captions.
+/// How [`by_conventions`] shows radiance, for captions.
 pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
 
 /// One depth.
@@ -24,7 +24,7 @@ pub fn image(result: &Depths, place: usize) -> Drawing {
         n => format!("at most {n} scatterings"),
     };
     let caption = format!("/{{m}} = {depth}: {what}; mean radiance {:.3}; {SHOWN}", result.mean(depth));
-    contact_sheet("", 1, &[(caption, as_the_report(&result.images[place]))])
+    contact_sheet("", 1, &[(caption, by_conventions(&result.images[place]))])
 }
 
 /// By how much differences are brightened, all alike.
@@ -41,7 +41,7 @@ pub fn differences(result: &Depths) -> Drawing {
         .zip(DEPTHS.windows(2))
         .map(|(image, pair)| {
             let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
-            (caption(result, pair[0], pair[1]), as_the_report(&brighter))
+            (caption(result, pair[0], pair[1]), by_conventions(&brighter))
         })
         .collect();
     contact_sheet(

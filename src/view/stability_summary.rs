@@ -51,7 +51,7 @@ pub fn worst_cases(rows: &[Row]) -> Drawing {
 
 fn colour(variant: &str) -> Colour {
     match variant {
-        REPORT => theme::REPORT_VARIANT,
+        REPORT => theme::ERRATUM_VARIANT,
         _ if variant.starts_with(STABLE) => theme::STABLE_VARIANT,
         _ => theme::TEXTBOOK_VARIANT,
     }

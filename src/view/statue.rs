@@ -1,6 +1,6 @@
 //! Images of metal statues, and the comparison of two sampling strategies on one.
 
-use super::depth::{SHOWN, as_the_report};
+use super::depth::{SHOWN, by_conventions};
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, contact_sheet, theme};
 use crate::study::roughness::Shot;
@@ -14,7 +14,7 @@ pub fn image(shot: &Shot, metal: &str) -> Drawing {
         "{metal}, /{{α}} = {}; {} samples per pixel; mean radiance of the statue {:.3}, {:.3}, {:.3}; {SHOWN}",
         row.alpha, row.spp, row.statue_r, row.statue_g, row.statue_b
     );
-    contact_sheet("", 1, &[(caption, as_the_report(&shot.rendered.image))])
+    contact_sheet("", 1, &[(caption, by_conventions(&shot.rendered.image))])
 }
 
 /// A copper statue by one sampling strategy.
@@ -25,7 +25,7 @@ pub fn strategy(shot: &Shot, how: &str) -> Drawing {
         "{how}; {} samples per pixel, one light sample each; standard error on the statue {:.3}; {SHOWN}",
         row.spp, row.noise
     );
-    contact_sheet("", 1, &[(caption, as_the_report(&shot.rendered.image))])
+    contact_sheet("", 1, &[(caption, by_conventions(&shot.rendered.image))])
 }
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.

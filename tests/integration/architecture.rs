@@ -411,3 +411,25 @@ fn only_figures_define_colours() {
     });
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
+
+/// Names of code that tell of the reports, in lower case.
+fn speaks_of_reports(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let allowed = ["first_report", "second_report", "reported"];
+    (name.contains("report") || name.contains("printed")) && !allowed.contains(&name.as_str())
+}
+
+#[test]
+fn only_errata_and_what_shows_them_name_the_reports() {
+    // The audit and the stability study compare what the reports print; their views, the figures and the command line show it.
+    let allowed = ["errata", "study::audit", "study::stability", "view::audit", "view::stability", "gallery", "cli"];
+    let found: BTreeSet<String> = modules()
+        .iter()
+        .filter(|module| !allowed.iter().any(|prefix| module.name().starts_with(prefix)))
+        .flat_map(|module| {
+            let names = tokens(&module.code).into_iter().filter(|name| speaks_of_reports(name));
+            names.map(|name| format!("{}: {name}", module.file.display())).collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(found.is_empty(), "{}", Vec::from_iter(found).join("\n"));
+}

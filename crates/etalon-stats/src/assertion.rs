@@ -7,6 +7,7 @@ use crate::grid::Cell;
 use crate::outcome::{Counts, Outcome};
 use crate::power::POWER;
 use crate::sampler::Sampler;
+use crate::text::count;
 use std::fmt::Write;
 
 /// Regions that [`explain`] lists.
@@ -73,11 +74,12 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
     if let Some(p) = outcome.continuous_p() {
         let _ = write!(
             text,
-            ", chi-square = {:.1} with {} degrees of freedom, p = {p:.2e}",
-            outcome.statistic, outcome.dof
+            ", chi-square = {:.1} with {}, p = {p:.2e}",
+            outcome.statistic,
+            count(outcome.dof, "degree of freedom", "degrees of freedom")
         );
     }
-    let _ = writeln!(text, ", {} samples", outcome.samples);
+    let _ = writeln!(text, ", {}", count(outcome.samples, "sample", "samples"));
     if let Some(remark) = outcome.remark() {
         let _ = writeln!(text, "reason: {remark}");
     }

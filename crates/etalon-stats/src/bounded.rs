@@ -35,8 +35,8 @@ mod tests {
     use crate::stream::{Independent, Stream};
 
     #[test]
-    fn by_hand() {
-        // Nothing seen in n: (1 - h)^n = risk/2.
+    fn intervals_are_those_computed_by_hand() {
+        // Nothing observed in n: (1 - h)^n = risk/2.
         let [low, high] = mean_interval(0.0, 1000, 0.02);
         assert!(low == 0.0 && ((1.0 - high).powi(1000) - 0.01).abs() < 1e-12, "{high}");
         let [low, high] = mean_interval(0.5, 10_000, 0.02);

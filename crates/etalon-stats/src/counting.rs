@@ -15,9 +15,9 @@ const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
 /// moves by 0.025 standard deviations.
 const SLACK: f64 = 0.0025;
-/// Share of the pdf that samples may find above what the nodes lead to expect before it is integrated again.
-const UNSEEN: f64 = 1e-4;
-/// Standard errors that chance explains of a measured difference.
+/// Share of the pdf that samples may find above what the nodes predict before it is integrated again.
+const MISSED: f64 = 1e-4;
+/// Standard errors of a measured difference that count as chance.
 const CHANCE: f64 = 2.0;
 /// Attempts at counting, each with fresh samples.
 const ATTEMPTS: u64 = 3;
@@ -30,9 +30,13 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 
 /// What is to be counted.
 pub struct Counting<'a, D: Domain> {
+    /// Sampler, density and domain.
     pub source: &'a Source<'a, D>,
+    /// The cells that samples are counted in.
     pub grid: &'a Grid,
+    /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
+    /// How many samples to count.
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
@@ -50,6 +54,7 @@ pub struct Counted<P> {
     pub uncertain: bool,
     /// The first value that no pdf can have.
     pub invalid: Option<InvalidPdf<P>>,
+    /// What was counted.
     pub tally: Tally,
 }
 
@@ -60,8 +65,8 @@ impl<D: Domain> Counting<'_, D> {
     /// Integrates and counts.
     ///
     /// Where the first samples show that the integrals are too uncertain, the density is integrated again with the probes
-    /// that they found. Where the second samples still do, what the integrals lack is estimated from them and added. Counts
-    /// are always of fresh samples that had no part in the integrals that they are compared with.
+    /// that they found. Where the second samples still show it, the missing part of the integrals is estimated from them and
+    /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
     pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted<D::Point>> {
         let Source { domain, sampler, density, seed, cancelled } = *self.source;
         let mut integration = Integration::new(domain, density, self.grid, pilot, cancelled)?;
@@ -86,19 +91,19 @@ impl<D: Domain> Counting<'_, D> {
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
             let invalid = integrals.invalid.or(check.invalid);
 
-            let unseen = |cell: usize| tally.unseen_in[cell].sum() / self.samples as f64;
+            let missed = |cell: usize| tally.missed_in[cell].sum() / self.samples as f64;
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
-                (difference.abs() - CHANCE * error).max(0.0) + unseen(cell)
+                (difference.abs() - CHANCE * error).max(0.0) + missed(cell)
             };
             let error = |cell: usize| match &corrections {
                 Some(corrections) => corrections[cell][1],
                 None => integrals.errors[cell] + found(cell),
             };
             let uncertain = self.is_uncertain(&integrals.values, error);
-            // Good enough, out of attempts, or hopeless: add what was estimated and be done.
-            let is_good = !uncertain && (corrections.is_some() || tally.unseen.sum() <= UNSEEN * self.samples as f64);
+            // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf; apply corrections.
+            let is_good = !uncertain && (corrections.is_some() || tally.missed.sum() <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
@@ -111,8 +116,8 @@ impl<D: Domain> Counting<'_, D> {
                 refinement.learn(&[check.found, tally.found].concat())?;
             } else {
                 let correction = |cell: usize| {
-                    let ([within_reach, error], unseen) = (check.difference(cell), unseen(cell));
-                    [within_reach + unseen, error.hypot((unseen / self.samples as f64).sqrt())]
+                    let ([within_reach, error], missed) = (check.difference(cell), missed(cell));
+                    [within_reach + missed, error.hypot((missed / self.samples as f64).sqrt())]
                 };
                 corrections = Some((0..self.grid.len()).map(correction).collect());
             }

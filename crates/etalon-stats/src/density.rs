@@ -1,8 +1,8 @@
-//! What the samples are said to follow: the pdf under test.
+//! Densities: the pdf that samples are tested against.
 
 use crate::error::Result;
 
-/// What a density, its atoms included, is declared to integrate to. What it lacks of 1 is the probability of "no sample".
+/// What a density, its atoms included, is declared to integrate to. 1 minus this is the probability of "no sample".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mass {
     /// This value; a density that integrates to another one is rejected.

@@ -57,22 +57,27 @@ pub struct Discrete {
 impl Domain for Discrete {
     type Point = usize;
 
+    #[inline]
     fn measure(&self) -> f64 {
         self.outcomes as f64
     }
 
+    #[inline]
     fn to_chart(&self, point: usize) -> Option<[f64; 2]> {
         (point < self.outcomes).then(|| [(point as f64 + 0.5) / self.outcomes as f64, 0.5])
     }
 
+    #[inline]
     fn point_at(&self, [x, _]: [f64; 2]) -> usize {
         ((x * self.outcomes as f64) as usize).min(self.outcomes.saturating_sub(1))
     }
 
+    #[inline]
     fn same(&self, a: usize, b: usize) -> bool {
         a == b
     }
 
+    #[inline]
     fn is_plane(&self) -> bool {
         false
     }
@@ -109,6 +114,7 @@ impl Line {
 }
 
 /// `x` itself if it is in \[0, 1\], with 1 moved just inside.
+#[inline]
 fn within(x: f64) -> Option<f64> {
     (0.0..=1.0).contains(&x).then(|| x.min(1f64.next_down()))
 }
@@ -116,22 +122,27 @@ fn within(x: f64) -> Option<f64> {
 impl Domain for Line {
     type Point = f64;
 
+    #[inline]
     fn measure(&self) -> f64 {
         self.to - self.from
     }
 
+    #[inline]
     fn to_chart(&self, point: f64) -> Option<[f64; 2]> {
         Some([within((point - self.from) / (self.to - self.from))?, 0.5])
     }
 
+    #[inline]
     fn point_at(&self, [x, _]: [f64; 2]) -> f64 {
         self.from + x * (self.to - self.from)
     }
 
+    #[inline]
     fn same(&self, a: f64, b: f64) -> bool {
         (a - b).abs() <= ATOM * (self.to - self.from)
     }
 
+    #[inline]
     fn is_plane(&self) -> bool {
         false
     }
@@ -153,18 +164,22 @@ pub struct Square;
 impl Domain for Square {
     type Point = [f64; 2];
 
+    #[inline]
     fn measure(&self) -> f64 {
         1.0
     }
 
+    #[inline]
     fn to_chart(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         Some([within(x)?, within(y)?])
     }
 
+    #[inline]
     fn point_at(&self, chart: [f64; 2]) -> [f64; 2] {
         chart
     }
 
+    #[inline]
     fn same(&self, a: [f64; 2], b: [f64; 2]) -> bool {
         (a[0] - b[0]).abs() <= ATOM && (a[1] - b[1]).abs() <= ATOM
     }
@@ -187,7 +202,7 @@ pub enum Pole {
 ///
 /// The chart is ((1 − cos θ)/2 or 1 − cos θ, φ/2π) with θ from the pole. Both coordinates keep their relative precision at
 /// the pole, and rectangles follow the plane of incidence, so that lobes that are 10⁴ times as high as wide at grazing angles
-/// still fit their cells. This is why cells adapt in this chart instead of turning it towards the lobe.
+/// still fit their cells. This is why cells adapt in this chart and the chart is not rotated towards the lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Directions {
     /// The axis of the chart.
@@ -213,6 +228,7 @@ impl Directions {
 /// How far from 1 the length of a unit vector may be: rounding of f32, and little more.
 const UNIT: f64 = 1e-5;
 
+#[inline]
 fn length([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
@@ -220,10 +236,12 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
 impl Domain for Directions {
     type Point = [f64; 3];
 
+    #[inline]
     fn measure(&self) -> f64 {
         if self.half { TAU } else { 2.0 * TAU }
     }
 
+    #[inline]
     fn to_chart(&self, point: [f64; 3]) -> Option<[f64; 2]> {
         let norm = length(point);
         if norm.is_nan() || (norm - 1.0).abs() > UNIT {
@@ -245,6 +263,7 @@ impl Domain for Directions {
         Some([below.min(1f64.next_down()), turns(y, x)])
     }
 
+    #[inline]
     fn point_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
         let below = if self.half { below } else { 2.0 * below };
         let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
@@ -256,6 +275,7 @@ impl Domain for Directions {
         }
     }
 
+    #[inline]
     fn same(&self, a: [f64; 3], b: [f64; 3]) -> bool {
         length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) <= ATOM * PI
     }
@@ -275,7 +295,7 @@ impl Domain for Directions {
     }
 }
 
-/// Degrees with two decimals, or three significant digits where those would show nothing.
+/// Degrees with two decimals, or three significant digits where those would be 0.00.
 fn degrees(x: f64) -> String {
     if x == 0.0 || x >= 0.1 { format!("{x:.2}") } else { format!("{x:.2e}") }
 }

@@ -18,14 +18,14 @@ pub enum Error {
         /// Which values can be used.
         hint: Option<&'static str>,
     },
-    /// A sampler or pdf that is computed elsewhere (in another process, from a file) failed with this error.
+    /// A sampler or pdf that is computed in another process or read from a file failed with this error.
     External(Box<dyn std::error::Error + Send + Sync>),
     /// [`Protocol::cancelled`](crate::Protocol::cancelled) returned true.
     Cancelled,
 }
 
 impl Error {
-    /// Wraps the error of a sampler or pdf that is computed elsewhere.
+    /// Wraps the error of a sampler or pdf that is computed in another process or read from a file.
     pub fn external(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         Self::External(error.into())
     }

@@ -1,26 +1,28 @@
-//! Deterministic checks: what must hold for every single sample and value of the pdf, whatever their statistics.
+//! Deterministic checks: what must hold for every sample and every value of the pdf.
 
 use crate::cubature::Probe;
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::sampler::{Sample, Sampler};
+use crate::text::tuple;
 use std::fmt::Debug;
 
 /// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
 /// carries another one.
 pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64) -> Option<String> {
     if !(pdf.is_finite() && pdf >= 0.0) {
-        return Some(format!("the pdf at the sample {:?} is {pdf}", sample.point));
+        return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
     }
     let claimed = sample.pdf?;
-    (claimed.to_bits() != pdf.to_bits())
-        .then(|| format!("the sample {:?} carries the pdf {claimed:e}, but pdf says {pdf:e}", sample.point))
+    (claimed.to_bits() != pdf.to_bits()).then(|| {
+        format!("the sample {} carries the pdf {claimed:e}, but the density says {pdf:e}", tuple(&sample.point))
+    })
 }
 
 /// What is wrong with a sample that has no chart coordinates.
 pub fn outside<P: Debug>(sample: &Sample<P>) -> String {
-    format!("the sample {:?} is outside of the domain", sample.point)
+    format!("the sample {} is outside of the domain", tuple(&sample.point))
 }
 
 /// Tests the sampler with random numbers at the edges of \[0, 1), which a generator hardly ever returns.
@@ -57,7 +59,7 @@ pub fn corners<D: Domain>(
             Some(_) if sample.atom => None,
             Some(_) => pdf_violation(sample, pdf),
         };
-        violation.map(|violation| format!("{violation} (sampled from {u:?})"))
+        violation.map(|violation| format!("{violation} (sampled from u = {})", tuple(u)))
     }))
 }
 
@@ -72,7 +74,9 @@ pub fn repeatable<D: Domain>(domain: &D, density: &dyn Density<D::Point>, probes
     let (first, second) = (ask()?, ask()?);
     let differ = |a: f64, b: f64| a.to_bits() != b.to_bits() && !(a.is_nan() && b.is_nan());
     let found = points.iter().zip(first.iter().zip(&second)).find(|(_, (a, b))| differ(**a, **b));
-    Ok(found.map(|(point, (a, b))| format!("the pdf at {point:?} is not the same when asked again: {a:e}, then {b:e}")))
+    Ok(found.map(|(point, (a, b))| {
+        format!("the pdf at {} is not the same when asked again: {a:e}, then {b:e}", tuple(point))
+    }))
 }
 
 /// Finds a sampler of a continuous domain that returns the same few points again and again.

@@ -13,6 +13,7 @@ use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{POWER, chi_square_below, detectable, samples_for};
 use crate::sampler::Sampler;
 use crate::tally::{Source, Tally};
+use crate::text::tuple;
 use std::time::Instant;
 
 /// How many samples a test takes.
@@ -116,7 +117,7 @@ impl Protocol {
 ///
 /// # Errors
 /// [`Error::Parameter`] for an impossible `protocol`; [`Error::External`] from a sampler or density that is computed
-/// elsewhere; [`Error::Cancelled`].
+/// in another process; [`Error::Cancelled`].
 pub fn validate<D: Domain>(
     domain: &D,
     sampler: &dyn Sampler<D::Point>,
@@ -144,12 +145,12 @@ pub fn examine<D: Domain>(
     let start = Instant::now();
     let source = Source { domain, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
 
-    // Exact checks. Finitely many samples leave none for the corners, and few for a pilot.
+    // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();
     let corner_violation = if finite.is_none() { exact::corners(domain, sampler, density)? } else { None };
     let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
     let pilot = source.probes(streams(round, 0)[0], pilots)?;
-    // Nothing can be said of integrals and counts of a density that changes.
+    // Integrals and counts of a density that changes are meaningless.
     if let Some(violation) = exact::repeatable(domain, density, &pilot)? {
         let seconds = start.elapsed().as_secs_f64();
         return Ok(Outcome { violation: Some(violation), seconds, ..Outcome::open(pilots) });
@@ -183,7 +184,7 @@ pub fn examine<D: Domain>(
         Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
         Mass::AtMostOne => format!("the pdf integrates to {mass}, more than 1"),
     });
-    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {point:?} is {value}"));
+    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
     // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
     let none_expected = n * none_expected.max(0.0);
@@ -199,7 +200,7 @@ pub fn examine<D: Domain>(
     // No sample where there must always be one is as impossible as a sample of pdf 0.
     let impossible = outside_support + if none_expected == 0.0 { none } else { 0 };
 
-    // A distribution without chance (a mirror, a black map): only impossible samples can show that it is wrong.
+    // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
     let certain =
         expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
     let test = chi_square(&observed, &expected);
@@ -217,7 +218,7 @@ pub fn examine<D: Domain>(
         match detectable {
             None => Some("too few samples: all cells had to be pooled".to_owned()),
             Some(w) if w > protocol.coarsest() => {
-                Some(format!("too few samples: an error of the pdf below {:.0} % would go unnoticed", 100.0 * w))
+                Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))
             }
             Some(_) => None,
         }
@@ -256,11 +257,11 @@ fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
 /// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
 fn cells<D: Domain>(domain: &D, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
     let equal = Grid::equal(shape, domain.outcomes());
-    let mut seen = vec![0u64; equal.len()];
+    let mut counts = vec![0u64; equal.len()];
     let pilot: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
-    pilot.iter().for_each(|&at| seen[equal.find(at)] += 1);
+    pilot.iter().for_each(|&at| counts[equal.find(at)] += 1);
     let enough = FEWEST * pilot.len() as f64 / samples as f64;
-    let filled = seen.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
+    let filled = counts.iter().filter(|&&n| n > 0 && n as f64 >= enough).count();
     if 2 * filled >= equal.len() { equal } else { Grid::adapted(&pilot, shape, Cell::WHOLE, domain.outcomes()) }
 }
 

@@ -81,7 +81,7 @@ impl Grid {
         self.columns.iter().map(|edges| edges.len() - 1).sum()
     }
 
-    /// Whether there are no cells, which never is.
+    /// Always false: a grid has at least one cell.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -158,8 +158,8 @@ fn quantiles(sorted: &[f64], parts: usize) -> impl Iterator<Item = f64> + '_ {
 
 /// Splits each interval that is far wider than a neighbour at geometrically growing distances from it.
 ///
-/// What made the neighbour narrow reaches over the edge, at the neighbour's scale: a rule that only knows the wide
-/// interval would step over it.
+/// The density that made the neighbour narrow extends beyond the edge at the neighbour's scale, which the nodes of a wide
+/// interval would miss.
 fn graded(edges: &[f64]) -> Vec<Vec<f64>> {
     const RATIO: f64 = 4.0;
     let widths: Vec<f64> = edges.windows(2).map(|e| e[1] - e[0]).collect();

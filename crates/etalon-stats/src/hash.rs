@@ -1,4 +1,4 @@
-//! Bit mixers behind the counter-based streams.
+//! Hash functions of the counter-based random streams.
 
 /// SplitMix64's output function: a bijection of 64-bit words in which every input bit reaches every output bit.
 ///
@@ -43,6 +43,6 @@ pub fn unit_f64(x: u64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn unit_f32(x: u32) -> f32 {
-    // By way of i32, for which there is a vector instruction.
+    // Convert through i32, for which there is a vector instruction.
     (x >> 8) as i32 as f32 * (1.0 / (1 << 24) as f32)
 }

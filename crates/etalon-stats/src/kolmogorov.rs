@@ -1,20 +1,20 @@
-//! Whether numbers are uniform over \[0, 1\]: the test of Kolmogorov and Smirnov.
+//! The Kolmogorov–Smirnov test of uniformity over \[0, 1\].
 
 /// The outcome of a test for uniformity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Uniformity {
-    /// The largest difference between the share of numbers up to x and x.
+    /// The largest difference between the share of values up to x and x.
     pub distance: f64,
-    /// Probability of a distance at least this large if the numbers are independent and uniform.
+    /// Probability of a distance at least this large if the values are independent and uniform.
     pub p: f64,
-    /// The number of numbers.
+    /// The number of values.
     pub count: usize,
 }
 
 /// Tests whether `values` are independent and uniform over \[0, 1\].
 ///
-/// The p-value is Kolmogorov's limit with Stephens's correction for finite counts, good to a few 10⁻³ from 5 numbers on.
+/// The p-value is Kolmogorov's limit with Stephens's correction for finite counts, precise to a few 10⁻³ from 5 values on.
 /// Source: Stephens, "EDF Statistics for Goodness of Fit and Some Comparisons", JASA 69, 1974.
 #[must_use]
 pub fn uniformity(values: &[f64]) -> Uniformity {

@@ -64,7 +64,7 @@
 //! The pdf must also integrate to its declared mass. The [`Integral`] has a bound of its error. The bound is rigorous where
 //! the density is declared piecewise constant. Otherwise it is statistical: quadrature alone has no bound, because any rule
 //! misses a lobe between its nodes. Random points show what quadrature misses where the pdf is about as high as its nodes
-//! say. The samples themselves fall into every narrow lobe and show the rest.
+//! predict. The samples themselves fall into every narrow lobe and show the rest.
 //!
 //! [`decide`] gives the verdicts on many tests of one run at a common level ([`multiple`]). [`welch`] compares noisy images
 //! tile by tile, [`kolmogorov`] tests uniformity, [`estimate`] has confidence intervals of means.
@@ -96,6 +96,7 @@ pub mod prelude;
 mod sampler;
 pub mod stream;
 mod tally;
+mod text;
 pub mod warp;
 pub mod welch;
 

@@ -46,11 +46,11 @@ impl Integral {
         Self { value: integrals.values.iter().sum(), error: 0.0, bound: Bound::Rigorous }
     }
 
-    /// The integral of a density that the cubature does not see whole; its bound fails with probability `risk` at most.
+    /// The integral of a density that the cubature may partly miss; its bound fails with probability `risk` at most.
     ///
-    /// Let q be the density p cut off at what each piece of the cells is expected to reach. The polynomials that the rules
-    /// integrate exactly have the integral of q but for the mean difference at random points (`check`). For samples x of p,
-    /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike as often as its mass says, however narrow it is.
+    /// Let q be the density p clamped to what each piece of the cells is expected to reach. The polynomials that the rules
+    /// integrate exactly have the integral of q minus the mean difference at random points (`check`). For samples x of p,
+    /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike with the probability of its mass, however narrow it is.
     #[must_use]
     pub(crate) fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
         let polynomials: f64 = integrals.values.iter().sum();
@@ -63,11 +63,11 @@ impl Integral {
         };
         let above = interval(check.above.sum(), check.count);
         let below = interval(check.below.sum(), check.count);
-        let unseen = interval(tally.unseen.sum(), samples);
-        // The three ends that make the integral least, the three means, the three ends that make it largest.
+        let missed = interval(tally.missed.sum(), samples);
+        // The lower ends, the means and the upper ends of the three intervals, as they affect the integral.
         let [least, value, most] = [0, 1, 2].map(|i| {
             let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).max(0.0);
-            if within_reach > 0.0 { within_reach / (1.0 - unseen[i]) } else { 0.0 }
+            if within_reach > 0.0 { within_reach / (1.0 - missed[i]) } else { 0.0 }
         });
         Self { value, error: (most - value).max(value - least), bound: Bound::Statistical }
     }

@@ -3,6 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
+use crate::text::count;
 use std::fmt;
 
 /// The decision on a test.
@@ -13,7 +14,7 @@ pub enum Verdict {
     Accept,
     /// An exact check failed, or the counts do not follow the pdf.
     Reject,
-    /// Too few samples, or an integral too uncertain, for either. Never to be taken for a pass.
+    /// Too few samples, or an integral too uncertain, for either. It is not a pass.
     Inconclusive,
 }
 
@@ -48,7 +49,7 @@ pub struct Counts {
 pub struct Outcome {
     /// The decision; open (inconclusive) until [`decide`] has been called.
     pub verdict: Verdict,
-    /// Pearson's Σ (O − E)²/E, or whatever else `p` belongs to.
+    /// Pearson's Σ (O − E)²/E, or the other statistic that `p` belongs to.
     pub statistic: f64,
     /// Degrees of freedom of `statistic`.
     pub dof: usize,
@@ -72,7 +73,7 @@ pub struct Outcome {
     pub none: u64,
     /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
-    /// What an exact check found wrong: a reason to reject, whatever `p` says.
+    /// What an exact check found wrong: a reason to reject, independent of `p`.
     #[cfg_attr(feature = "serde", serde(rename = "fault"))]
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
@@ -121,7 +122,7 @@ impl Outcome {
         self.verdict == Verdict::Accept
     }
 
-    /// The p-value, if it has a continuous distribution: not where the density leaves nothing to chance.
+    /// The p-value, if it has a continuous distribution, which that of a deterministic density has not.
     #[must_use]
     pub fn continuous_p(&self) -> Option<f64> {
         self.p.filter(|_| self.dof > 0)
@@ -151,9 +152,10 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.verdict)?;
         if let Some(p) = self.p {
-            write!(f, ": chi² = {:.1}, {} degrees of freedom, p = {p:.3e}", self.statistic, self.dof)?;
+            let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
+            write!(f, ": chi² = {:.1}, {freedom}, p = {p:.3e}", self.statistic)?;
         }
-        write!(f, ", {} samples", self.samples)?;
+        write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
             write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
         }

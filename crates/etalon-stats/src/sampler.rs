@@ -1,4 +1,4 @@
-//! What generates samples: the code under test.
+//! Samplers, the code under test, and their samples.
 
 use crate::error::{Error, Result};
 
@@ -51,12 +51,12 @@ pub trait Sampler<P>: Sync {
     /// # Errors
     /// [`Error::External`] as in [`sample`](Self::sample); [`Error::Parameter`] unless implemented.
     fn sample_seeded(&self, _count: usize, _seed: u32, _out: &mut Vec<Option<Sample<P>>>) -> Result<()> {
-        let message = "a sampler without uniform numbers has to implement sample_seeded".to_owned();
+        let message = "a sampler without uniform random numbers has to implement sample_seeded".to_owned();
         Err(Error::Parameter { name: "dimension", message, hint: None })
     }
 
     /// The number of samples left, of a sampler that has finitely many: a file. The test then uses each of them once,
-    /// whatever the protocol says, and the random numbers mean nothing.
+    /// independent of the protocol, and the random numbers have no meaning.
     fn finite_len(&self) -> Option<u64> {
         None
     }

@@ -154,7 +154,7 @@ fn with_low_bits(high: u32, low: u32) -> f64 {
 }
 
 /// Owen's nested uniform scramble of a number whose bits are given in reverse (the most significant one lowest):
-/// each bit is flipped by a hash of the bits below it, which multiplication and addition do by nature.
+/// each bit is flipped by a hash of the bits below it, as carries of multiplication and addition do.
 ///
 /// The constants are those of Laine & Karras as searched by Vegdahl (see Burley 2020, section 3).
 #[inline(always)]

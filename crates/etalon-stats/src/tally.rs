@@ -1,4 +1,4 @@
-//! Samples taken batch by batch, checked one by one, and counted.
+//! Generates samples in batches, checks each of them, and counts them.
 
 use crate::cubature::{Integration, Probe};
 use crate::density::{Atom, Density};
@@ -10,12 +10,13 @@ use crate::grid::Grid;
 use crate::hash::{mix32, mix64};
 use crate::sampler::{Sample, Sampler};
 use crate::stream::CounterRng;
+use crate::text::tuple;
 use rand::RngExt;
 use rayon::prelude::*;
 
 /// Samples taken at a time: many enough for a program in another process, few enough to stay in the cache.
 pub const BATCH: u64 = 1 << 13;
-/// Most probes that are kept because the pdf there is not what the cubature leads to expect.
+/// Most probes that are remembered because the pdf there is not what the cubature predicts.
 pub const FOUND: usize = 1 << 12;
 /// Samples of every round whose inverse is tried.
 const INVERTED: usize = 256;
@@ -24,14 +25,19 @@ const INVERSE: f64 = 1e-6;
 
 /// Where samples come from.
 pub struct Source<'a, D: Domain> {
+    /// Where the samples lie.
     pub domain: &'a D,
+    /// What generates them.
     pub sampler: &'a dyn Sampler<D::Point>,
+    /// What they are said to follow.
     pub density: &'a dyn Density<D::Point>,
+    /// Seed of the random numbers.
     pub seed: u64,
+    /// Asked between batches whether to stop.
     pub cancelled: Cancelled,
 }
 
-/// What became of samples.
+/// Counts of samples, and the findings of the checks.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     /// Counts of the grid's cells, then of the atoms.
@@ -40,10 +46,11 @@ pub struct Tally {
     pub none: u64,
     /// Samples where the pdf is 0.
     pub outside_support: u64,
-    /// The share of the pdf at each sample that the cubature did not see, summed over all samples and over those in each
-    /// cell; and some of the samples where it is not 0.
-    pub unseen: Share,
-    pub unseen_in: Vec<Share>,
+    /// The share of the pdf at each sample that the cubature misses, summed over all samples.
+    pub missed: Share,
+    /// The same for each cell.
+    pub missed_in: Vec<Share>,
+    /// Some of the places where the nodes do not predict the pdf, at most [`FOUND`].
     pub found: Vec<Probe>,
     /// What is wrong with the first sample that fails an exact check.
     pub violation: Option<String>,
@@ -54,8 +61,8 @@ impl Tally {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.none += other.none;
         self.outside_support += other.outside_support;
-        self.unseen += other.unseen;
-        add(&mut self.unseen_in, &other.unseen_in);
+        self.missed += other.missed;
+        add(&mut self.missed_in, &other.missed_in);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
         self.violation = self.violation.or(other.violation);
@@ -100,7 +107,7 @@ impl<D: Domain> Source<'_, D> {
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Counts samples in the cells of `grid` and at `atoms`, and what `integration` does not see at them.
+    /// Counts samples in the cells of `grid` and at `atoms`, and what `integration` misses at them.
     pub fn tally(
         &self,
         stream: u64,
@@ -111,7 +118,7 @@ impl<D: Domain> Source<'_, D> {
     ) -> Result<Tally> {
         let empty = || Tally {
             observed: vec![0; grid.len() + atoms.len()],
-            unseen_in: vec![Share::default(); grid.len()],
+            missed_in: vec![Share::default(); grid.len()],
             ..Tally::default()
         };
         let of_batch = |batch| {
@@ -123,7 +130,7 @@ impl<D: Domain> Source<'_, D> {
             }
             Ok(tally)
         };
-        // Reduced as they come, so that memory does not grow with the number of samples.
+        // Reduce batches one by one, so that memory does not grow with the number of samples.
         (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
@@ -155,13 +162,13 @@ impl<D: Domain> Source<'_, D> {
             tally.outside_support += u64::from(pdf == 0.0);
             let (cell, probe) = (grid.find(at), Probe { at, pdf });
             tally.observed[cell] += 1;
-            let seen = match integration {
+            let within = match integration {
                 Integration::Exact(_) => 1.0,
-                Integration::Refined(refinement) => refinement.seen(&probe),
+                Integration::Refined(refinement) => refinement.share_within(&probe),
             };
-            if seen < 1.0 {
-                tally.unseen += Share::new(1.0 - seen);
-                tally.unseen_in[cell] += Share::new(1.0 - seen);
+            if within < 1.0 {
+                tally.missed += Share::new(1.0 - within);
+                tally.missed_in[cell] += Share::new(1.0 - within);
                 if tally.found.len() < FOUND {
                     tally.found.push(probe);
                 }
@@ -173,7 +180,7 @@ impl<D: Domain> Source<'_, D> {
             match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
                 Some(i) => tally.observed[grid.len() + i] += 1,
                 None => {
-                    let violation = || format!("the sample {:?} is at none of the density's atoms", sample.point);
+                    let violation = || format!("the sample {} is at none of the density's atoms", tuple(&sample.point));
                     tally.violation.get_or_insert_with(violation);
                 }
             }
@@ -188,7 +195,12 @@ impl<D: Domain> Source<'_, D> {
             let Some(back) = self.sampler.invert(*point)? else { continue };
             let far = back.len() != u.len() || back.iter().zip(u).any(|(a, b)| a.is_nan() || (a - b).abs() > INVERSE);
             if far {
-                return Ok(Some(format!("{point:?} was sampled from {u:?}, but its inverse is {back:?}")));
+                return Ok(Some(format!(
+                    "{} was sampled from u = {}, but its inverse is {}",
+                    tuple(point),
+                    tuple(&u),
+                    tuple(&back)
+                )));
             }
         }
         Ok(None)

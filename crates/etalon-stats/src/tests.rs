@@ -227,7 +227,7 @@ fn samples_that_are_used_up_are_used_once() -> Result<()> {
 }
 
 #[test]
-fn what_leaves_nothing_to_chance_is_tested_exactly() -> Result<()> {
+fn deterministic_samplers_are_tested_exactly() -> Result<()> {
     let half = Directions::hemisphere(Pole::Z);
     let mirror = density(|_: Vector| 0.0).with_atoms(vec![Atom { point: [0.0, 0.0, 1.0], probability: 1.0 }]);
     let outcome = validate(&half, &sampler(1, |_: &[f64]| Some(Sample::atom([0.0, 0.0, 1.0]))), &mirror, &protocol())?;
@@ -278,7 +278,7 @@ impl Sampler<f64> for Seeded {
 }
 
 #[test]
-fn samplers_with_numbers_of_their_own_get_a_seed_for_each_batch() -> Result<()> {
+fn samplers_with_their_own_generator_get_a_seed_for_each_batch() -> Result<()> {
     let run = |seed| -> Result<(Outcome, Vec<u32>)> {
         let sampler = Seeded::default();
         let many = Protocol { seed, samples: SampleCount::Fixed(3_000_000), ..protocol() };
@@ -298,7 +298,7 @@ fn samplers_with_numbers_of_their_own_get_a_seed_for_each_batch() -> Result<()> 
 }
 
 #[test]
-fn a_sampler_that_takes_no_numbers_and_has_none_is_an_error() {
+fn a_sampler_without_random_numbers_must_implement_sample_seeded() {
     let constant = sampler(0, |_: &[f64]| Some(Sample::new(0.5)));
     assert!(validate(&Line::UNIT, &constant, &density(|_: f64| 1.0), &protocol()).is_err());
 }
@@ -321,7 +321,7 @@ impl Density<f64> for Unreachable {
 }
 
 #[test]
-fn errors_of_samplers_and_pdfs_elsewhere_pass_through() {
+fn errors_of_external_samplers_and_pdfs_are_returned() {
     let uniform = sampler(1, |u: &[f64]| Some(Sample::new(u[0])));
     let error = validate(&Line::UNIT, &uniform, &Unreachable, &protocol()).unwrap_err();
     assert_eq!(error.to_string(), "no answer");

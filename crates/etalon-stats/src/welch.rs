@@ -1,8 +1,8 @@
-//! ImageComparison with noise compared tile by tile, with each other or with what they should show: Welch's t-test.
+//! Noisy images compared tile by tile, with each other or with a reference: Welch's t-test.
 //!
 //! Samples of light have heavy tails, so that single pixels are far from normal; the means of tiles are closer, by the
-//! central limit theorem. There is no floor under the variances: it would hide any bias below it. Where there is no noise
-//! at all the values themselves must agree. Source: Welch, "The generalization of 'Student's' problem when several
+//! central limit theorem. Variances have no lower limit, which would hide any bias below it. Where there is no noise
+//! the values themselves must agree. Source: Welch, "The generalization of 'Student's' problem when several
 //! different population variances are involved", Biometrika 34, 1947; for images Jung, Hanika & Dachsbacher, "Detecting
 //! Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020.
 
@@ -51,7 +51,7 @@ fn joint_dof(means: &[Mean], variance: f64) -> f64 {
     if squares > 0.0 { variance * variance / squares } else { f64::INFINITY }
 }
 
-/// Means of the square tiles of a image, row by row: those at the right and lower edge may be smaller, pixels that
+/// Means of the square tiles of an image, row by row: those at the right and lower edge may be smaller, pixels that
 /// are `None` do not count, and a tile without pixels is left out together with its partner in `other`.
 #[must_use]
 pub fn tiles([width, height]: [usize; 2], side: usize, pixel: impl Fn(usize) -> Option<[Mean; 2]>) -> Vec<[Mean; 2]> {
@@ -83,7 +83,7 @@ pub struct ImageComparison {
     /// p-values of the tiles with noise, uniform if the images agree.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub tiles: Vec<f64>,
-    /// Σ (value/standard error)²: how far the whole image stands out of its noise.
+    /// Σ (value/standard error)²: the squared signal-to-noise ratio of the whole image.
     #[cfg_attr(feature = "serde", serde(skip))]
     signal: f64,
 }
@@ -202,8 +202,8 @@ mod tests {
 
     #[test]
     fn without_noise_the_values_are_compared() {
-        let even = |value: f64| vec![Mean::exact(value); 24 * 24];
-        let found = test(&even(1.0), &even(1.0 + 1e-9));
+        let uniform = |value: f64| vec![Mean::exact(value); 24 * 24];
+        let found = test(&uniform(1.0), &uniform(1.0 + 1e-9));
         assert_eq!((found.dof, found.p), (0, 1.0));
         assert!((found.exact_difference - 1e-9).abs() < 1e-15 && found.detectable(0.01).is_none());
     }

@@ -73,13 +73,13 @@ fn a_constant_map_is_cut_in_the_middle() {
 
 #[test]
 fn the_variance_rule_does_not_slice_a_lamp_in_two() {
-    // A large lamp beside a small one: equal energies are to be had only by cutting through the large one.
-    let lamp = |x: usize, y: usize| {
+    // A large light beside a small one: equal energies need a cut through the large one.
+    let light = |x: usize, y: usize| {
         let large = (20..24).contains(&x) && (7..9).contains(&y);
         let small = (40..41).contains(&x) && (7..9).contains(&y);
         if large || small { 1.0 } else { 0.0 }
     };
-    let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(lamp(x, y))));
+    let map = EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::splat(light(x, y))));
     let pieces = |split| {
         let regions = MedianCut::new(&map, split, SideRule::Sphere).regions(2).unwrap();
         regions.iter().filter(|r| r.block.x0 < 24 && r.block.x1 > 20).count()

@@ -1,7 +1,7 @@
 //! Radiance by an alias table.
 
-use super::batch::{self, Batched, EnvSamples};
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::batch::{self, Batched};
+use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::batch::Batch;
@@ -20,7 +20,7 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, _| Ok(Box::new(AliasSampler::new(map)))),
 };
 
-/// One alias table over all texels: constant time, but not monotone in the numbers, so that stratification is lost.
+/// One alias table over all texels: constant time, but not monotone in the random numbers, so that stratification is lost.
 #[derive(Debug, Clone)]
 pub struct AliasSampler {
     map: Arc<EnvMap>,
@@ -53,18 +53,18 @@ impl Batched for AliasSampler {
     }
 
     #[inline(always)]
-    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
-        self.table.draw_batch(u, self.map.geometry().width(), self.map.image().pixels(), draws);
+    fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch) {
+        self.table.sample_batch(u, self.map.geometry().width(), self.map.image().pixels(), samples);
     }
 }
 
 impl DirectionSampler for AliasSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.table.draw(u[0])?;
+        let at = self.table.sample(u[0])?;
         let g = self.map.geometry();
-        let (x, y) = (draw.cell % g.width(), draw.cell / g.width());
-        let wi = g.direction_in_texel(x, y, draw.offset, u[1].clamp(1e-9, 1.0 - 1e-9));
+        let (x, y) = (at.cell % g.width(), at.cell / g.width());
+        let wi = g.direction_in_texel(x, y, at.offset, u[1].clamp(1e-9, 1.0 - 1e-9));
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }
 

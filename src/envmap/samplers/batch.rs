@@ -1,63 +1,8 @@
 //! Many samples at once: in small batches whose memory accesses overlap and whose arithmetic vectorizes.
 
-use super::EnvSample;
+use super::contract::EnvSamples;
 use crate::envmap::EnvMap;
-use crate::math::Rgb;
 use crate::sampling::batch::{BATCH, Batch};
-use glam::DVec3;
-
-/// Samples of a map, component by component; all parts have the same length.
-#[derive(Debug, Clone, Default)]
-pub struct EnvSamples {
-    /// Components of the unit directions towards the light.
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    pub z: Vec<f64>,
-    /// Densities per solid angle.
-    pub pdf: Vec<f64>,
-    /// The map's radiance from there.
-    pub radiance: Vec<Rgb>,
-}
-
-impl EnvSamples {
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.pdf.len()
-    }
-
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.pdf.is_empty()
-    }
-
-    pub fn clear(&mut self) {
-        self.resize(0);
-    }
-
-    pub fn push(&mut self, sample: EnvSample) {
-        self.x.push(sample.wi.x);
-        self.y.push(sample.wi.y);
-        self.z.push(sample.wi.z);
-        self.pdf.push(sample.pdf);
-        self.radiance.push(sample.radiance);
-    }
-
-    /// All samples in turn.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = EnvSample> + '_ {
-        (0..self.len()).map(|i| EnvSample {
-            wi: DVec3::new(self.x[i], self.y[i], self.z[i]),
-            pdf: self.pdf[i],
-            radiance: self.radiance[i],
-        })
-    }
-
-    fn resize(&mut self, len: usize) {
-        for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
-            part.resize(len, 0.0);
-        }
-        self.radiance.resize(len, Rgb::ZERO);
-    }
-}
 
 /// A sampler of texels by a table.
 pub(super) trait Batched {
@@ -66,9 +11,9 @@ pub(super) trait Batched {
     /// Sum of the table's weights; 0 when nothing can be sampled.
     fn total(&self) -> f64;
 
-    /// Samples a texel for each of up to [`BATCH`] pairs. Implementations are inlined into [`fill`]'s code for each
-    /// instruction set.
-    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch);
+    /// Samples a texel for each of up to [`BATCH`] pairs of random numbers. It must be inlined into [`fill`], which is
+    /// compiled for each instruction set.
+    fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch);
 }
 
 /// Replaces `out` by the samples for all of `u`; by none when nothing can be sampled.
@@ -97,13 +42,13 @@ impl<S: Batched> pulp::WithSimd for Fill<'_, S> {
     fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
         let Self { sampler, u, out } = self;
         let (geometry, pixels) = (sampler.map().geometry(), sampler.map().image().pixels());
-        let mut draws = Batch::default();
+        let mut samples = Batch::default();
         for (i, u) in u.chunks(BATCH).enumerate() {
             let part = i * BATCH..i * BATCH + u.len();
-            sampler.draw_batch(u, &mut draws);
+            sampler.sample_batch(u, &mut samples);
             let [x, y, z, pdf] = [&mut out.x, &mut out.y, &mut out.z, &mut out.pdf].map(|v| &mut v[part.clone()]);
-            geometry.directions_in_texels(&draws, [x, y, z, pdf]);
-            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&draws.cell) {
+            geometry.directions_in_texels(&samples, [x, y, z, pdf]);
+            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&samples.cell) {
                 *radiance = pixels[cell];
             }
         }

@@ -1,7 +1,7 @@
 //! Radiance by inversion: the row by its marginal distribution, then the column by the row's own.
 
-use super::batch::{self, Batched, EnvSamples};
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::batch::{self, Batched};
+use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::batch::Batch;
 use crate::sampling::table::Table2;
@@ -20,11 +20,13 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::Directions(|map, _| Ok(Box::new(CdfSampler::new(map)))),
 };
 
-/// Inversion: the row by the marginal table, the column by the row's own, a uniform position
-/// inside the texel. Monotone in both numbers, hence invertible and safe for stratified ones.
+/// Inversion: the row by the marginal table, the column by the row's own, a uniform position inside the texel. It is monotone
+/// in both random numbers, hence invertible and suited to stratified ones.
 #[derive(Debug, Clone)]
 pub struct CdfSampler {
+    /// The map that is sampled.
     pub(super) map: Arc<EnvMap>,
+    /// Its rows and columns, by energy.
     pub(super) table: Table2,
 }
 
@@ -53,19 +55,19 @@ impl Batched for CdfSampler {
     }
 
     #[inline(always)]
-    fn draw_batch(&self, u: &[[f64; 2]], draws: &mut Batch) {
-        self.table.draw_batch(u, self.map.image().pixels(), draws);
+    fn sample_batch(&self, u: &[[f64; 2]], samples: &mut Batch) {
+        self.table.sample_batch(u, self.map.image().pixels(), samples);
     }
 }
 
 impl DirectionSampler for CdfSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.table.draw(u)?;
-        let (x, y) = (draw.x.cell, draw.y.cell);
+        let at = self.table.sample(u)?;
+        let (x, y) = (at.x.cell, at.y.cell);
         let g = self.map.geometry();
-        let wi = g.direction_in_texel(x, y, draw.x.offset, draw.y.offset);
-        Some(EnvSample { wi, pdf: draw.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
+        let wi = g.direction_in_texel(x, y, at.x.offset, at.y.offset);
+        Some(EnvSample { wi, pdf: at.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
     }
 
     fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {

@@ -1,63 +1,39 @@
-//! MIS compensation: radiance less its mean, for use beside BSDF sampling.
+//! MIS compensation: radiance minus its mean, for use beside BSDF sampling.
 
-use super::batch::EnvSamples;
 use super::cdf::CdfSampler;
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::contract::{Entry, Method};
 use crate::envmap::EnvMap;
 use crate::sampling::table::Table2;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Its entry in the registry.
 pub const ENTRY: &Entry = &Entry {
     name: "compensated",
     density: "compensated",
-    doc: "radiance less its mean (0 where the map is dimmer: for MIS only)",
+    doc: "radiance minus its mean (0 where the map is dimmer: for MIS only)",
     has_regions: false,
     complete: false,
-    invertible: false,
+    invertible: true,
     bytes_per_texel: Table2::BYTES,
-    method: Method::Directions(|map, _| Ok(Box::new(CompensatedSampler::new(map)))),
+    method: Method::Directions(|map, _| Ok(Box::new(compensated(map)))),
 };
 
-/// MIS compensation: the density with its solid-angle mean taken away, which leaves to BSDF sampling what BSDF
-/// sampling does well. It is 0 where the map is dimmer than its mean, so it is not complete: it must be combined with
-/// another strategy.
+/// The sampler of MIS compensation: by inversion of radiance minus its solid-angle mean, because BSDF sampling covers the
+/// uniform part well. The pdf is 0 where the map is dimmer than its mean, so that it must be combined with another strategy.
+/// A map without contrast is sampled by its radiance, because the difference would vanish.
 ///
 /// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
-#[derive(Debug, Clone)]
-pub struct CompensatedSampler(CdfSampler);
-
-impl CompensatedSampler {
-    /// A map without contrast, whose compensated density would vanish, keeps its plain one.
-    #[must_use]
-    pub fn new(map: Arc<EnvMap>) -> Self {
-        let g = map.geometry();
-        let (width, height) = (g.width(), g.height());
-        let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
-        let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
-        // Rounding leaves values of a constant map above its mean; that is no contrast.
-        let floor = mean * (1.0 + 1e-6);
-        let table = Table2::new(width, height, |x, y| {
-            let above = map.mean_rgb(x, y) - mean;
-            if map.mean_rgb(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
-        });
-        if table.total() > 0.0 { Self(CdfSampler { map, table }) } else { Self(CdfSampler::new(map)) }
-    }
-}
-
-impl DirectionSampler for CompensatedSampler {
-    #[inline]
-    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        self.0.sample(u)
-    }
-
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
-        self.0.sample_many(u, out);
-    }
-
-    #[inline]
-    fn pdf(&self, wi: DVec3) -> f64 {
-        self.0.pdf(wi)
-    }
+#[must_use]
+pub fn compensated(map: Arc<EnvMap>) -> CdfSampler {
+    let g = map.geometry();
+    let (width, height) = (g.width(), g.height());
+    let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
+    let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
+    // In a constant map rounding leaves texels slightly above the mean; they do not count.
+    let floor = mean * (1.0 + 1e-6);
+    let table = Table2::new(width, height, |x, y| {
+        let above = map.mean_rgb(x, y) - mean;
+        if map.mean_rgb(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
+    });
+    if table.total() > 0.0 { CdfSampler { map, table } } else { CdfSampler::new(map) }
 }

@@ -1,8 +1,8 @@
-//! Radiance by inversion, by whichever [`Conventions`]: to show and test what the first report's do.
+//! Radiance by inversion with given [`Conventions`], to show and test those of the first report.
 //!
-//! It is not in the registry: with the report's conventions it is wrong, and with the correct ones slower than `cdf`.
+//! It is not in the registry: with the report's conventions it is wrong, with the correct ones slower than `cdf`.
 
-use super::{DirectionSampler, EnvSample};
+use super::contract::{DirectionSampler, EnvSample};
 use crate::envmap::EnvMap;
 use crate::errata::{Conventions, maps};
 use crate::sampling::table::Table2;
@@ -34,7 +34,7 @@ impl ConventionalSampler {
         Self { map, table, conventions }
     }
 
-    /// The density that goes with the conventions, per solid angle as they have it.
+    /// The pdf per solid angle, as the conventions compute it.
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
         let (probability, g) = (self.table.probability(x, y), self.map.geometry());
         if self.conventions.rows_without_poles {
@@ -47,13 +47,13 @@ impl ConventionalSampler {
 
 impl DirectionSampler for ConventionalSampler {
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.table.draw(u)?;
-        let (x, y) = (draw.x.cell, draw.y.cell);
+        let at = self.table.sample(u)?;
+        let (x, y) = (at.x.cell, at.y.cell);
         let wi = if self.conventions.texel_corners {
             let [fx, fy] = maps::PLACE_IN_TEXEL;
             self.map.geometry().direction(x as f64 + fx, y as f64 + fy)
         } else {
-            self.map.geometry().direction_in_texel(x, y, draw.x.offset, draw.y.offset)
+            self.map.geometry().direction_in_texel(x, y, at.x.offset, at.y.offset)
         };
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }
@@ -72,7 +72,7 @@ mod tests {
     use crate::raster::Image;
 
     #[test]
-    fn pole_rows_are_never_drawn_and_positions_are_corners() {
+    fn pole_rows_are_never_sampled_and_positions_are_corners() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |_, y| Rgb::splat(if y == 0 { 1e6 } else { 1.0 }))));
         let sampler = ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT);
         for i in 0..1000 {
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_of_two_rows_have_nothing_to_draw() {
+    fn maps_of_two_rows_have_no_samples() {
         let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
         assert_eq!(ConventionalSampler::new(map, Conventions::FIRST_REPORT).sample([0.5, 0.5]), None);
     }

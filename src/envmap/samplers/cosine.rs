@@ -1,16 +1,15 @@
 //! Sampling a map in proportion to radiance × cosine: the directions that light a surface of a given normal.
 //!
-//! The map is a pyramid of blocks. Each block knows its flux F = ∫ I dω and its first moment M = ∫ I ω dω, so the
-//! share that it sends to a surface of normal n is n·M exactly where it is wholly above the horizon, 0 where it is
-//! wholly below, and close to F r (1 + x)²/4 with x = n·M / (F r) where the horizon cuts it (r the sine of its angular
+//! The map is a pyramid of blocks. Each block stores its flux F = ∫ I dω and its first moment M = ∫ I ω dω. The light that
+//! it sends to a surface of normal n is exactly n·M if it is wholly above the horizon, 0 if it is wholly below, and close to F r (1 + x)²/4 with x = n·M / (F r) if the horizon cuts it (r the sine of its angular
 //! radius; exact if cosines are uniform over ±r). A sample descends from the whole map to a block of the finest
 //! level, choosing at each step between two halves twice, and takes a texel of that block by its flux. For a diffuse
 //! surface that sees the whole map nearly every sample then has the same weight, the irradiance itself.
 //!
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
-//! moments in place of wavelet products are this project's own.
+//! moments in place of wavelet products are new here.
 
-use super::{Entry, EnvSample, Method, SurfaceSampler};
+use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use rayon::prelude::*;
@@ -31,11 +30,11 @@ pub const ENTRY: &Entry = &Entry {
 /// The finest level has at most so many blocks; in larger maps they are of several texels.
 const FINEST: usize = 1 << 19;
 
-/// Least share of F r that a block on the horizon is given, so that no light above it is ever missed.
+/// Smallest weight of a block on the horizon, as a share of F r, so that no light above the horizon is missed.
 const FLOOR: f32 = 1e-3;
 
-/// A sample starts by weighing this many quads at most. Larger blocks are not used: they reach so far around the sphere
-/// that what they send to a surface is badly known, and samples would be lost below the horizon.
+/// Most quads of the coarsest level. Larger blocks extend so far around the sphere that their light on a surface is poorly
+/// estimated, and samples would be lost below the horizon.
 const ROOT: usize = 8;
 
 /// Samples directions for a normal.
@@ -50,7 +49,7 @@ pub struct CosineSampler {
     levels: Vec<Level>,
 }
 
-/// The four children of a block, component by component, so that they are weighed together: upper left, upper right,
+/// The four children of a block, component by component, so that their weights are computed together: upper left, upper right,
 /// lower left, lower right. A child beyond the map's edge is dark.
 #[derive(Debug, Clone, Copy, Default)]
 struct Quad {
@@ -87,6 +86,7 @@ impl Level {
             }
             quad.flux[child] = block.w;
         }
+        // Directions and angular radii of the blocks, shared by all of a column or a row.
         let column = |x: usize| {
             let (x0, x1) = (x * side, ((x + 1) * side).min(g.width()));
             (std::f64::consts::PI * (x0 + x1) as f64 / g.width() as f64).sin_cos()
@@ -116,14 +116,16 @@ impl Level {
         }
     }
 
-    /// About the shares of the children's light that a surface of normal `n` receives; 0 only where it receives none.
+    /// Estimates the light that a surface of normal `n` receives from each child; 0 only where it receives none.
     #[inline]
     fn weights(&self, x: usize, y: usize, n: Vec3) -> Vec4 {
         let Quad { moment, flux } = self.quads[y * self.width + x];
         let ([cos_phi, sin_phi], [sin_theta, cos_theta, r]) = (self.columns[x], self.rows[y]);
+        // Cosine of the middle direction, light if all of the block is above the horizon, and F r.
         let height = n.y * cos_theta + sin_theta * (n.x * cos_phi + n.z * sin_phi);
         let received = n.x * moment[0] + n.y * moment[1] + n.z * moment[2];
         let reach = flux * r;
+        // F r (1 + x)²/4 on the horizon, n·M above it, 0 below it.
         let t = Vec4::ONE + (received / reach.max(Vec4::splat(f32::MIN_POSITIVE))).clamp(Vec4::NEG_ONE, Vec4::ONE);
         let on_horizon = reach * (0.25 * t * t).max(Vec4::splat(FLOOR));
         let weight = Vec4::select(height.cmpge(r), received.max(Vec4::ZERO), on_horizon);
@@ -131,8 +133,8 @@ impl Level {
     }
 }
 
-/// Samples an index in proportion to a few weights, and stretches what is left of `u` to \[0, 1) again. Returns the
-/// index and its probability, [`share`]; `None` when all weights are 0.
+/// Samples an index in proportion to a few weights, and rescales the rest of `u` to \[0, 1). Returns the index and its
+/// probability, [`share`]; `None` when all weights are 0.
 #[inline]
 fn pick(u: &mut f64, weights: &[f64]) -> Option<(usize, f64)> {
     let mut left = *u * weights.iter().sum::<f64>();
@@ -189,6 +191,7 @@ fn pairs(weights: Vec4) -> ([f64; 2], [[f64; 2]; 2]) {
 }
 
 impl CosineSampler {
+    /// Builds the pyramid of a map, from the finest level up.
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
@@ -233,10 +236,12 @@ impl SurfaceSampler for CosineSampler {
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
         let n = normal.as_vec3();
         let [mut u, mut v] = u;
+        // Sample a quad of the coarsest level.
         let root = Root::new(&self.levels[0], n);
         let (mut y, row_probability) = pick(&mut v, &root.rows)?;
         let (mut x, quad_probability) = pick(&mut u, root.row(y))?;
         let mut probability = row_probability * quad_probability;
+        // Descend: at each level choose between upper and lower pair, then between left and right.
         for level in &self.levels {
             let (vertical, horizontal) = pairs(level.weights(x, y, n));
             let (lower, p_vertical) = pick(&mut v, &vertical)?;
@@ -244,6 +249,7 @@ impl SurfaceSampler for CosineSampler {
             probability *= p_vertical * p_horizontal;
             (x, y) = (2 * x + right, 2 * y + lower);
         }
+        // Sample a texel of the block by its energy.
         if self.side > 1 {
             let energies: Vec<f64> = self.texels(x, y).map(|(_, _, energy)| energy).collect();
             let (i, p) = pick(&mut u, &energies)?;
@@ -260,6 +266,7 @@ impl SurfaceSampler for CosineSampler {
         let g = self.map.geometry();
         let (tx, ty) = g.texel(wi);
         let (bx, by) = (tx / self.side, ty / self.side);
+        // The product of the probabilities of the choices that lead to the texel.
         let root = Root::new(&self.levels[0], n);
         let (x, y) = (bx >> self.levels.len(), by >> self.levels.len());
         let mut probability = share(&root.rows, y) * share(root.row(y), x);
@@ -341,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn the_density_has_mass_one_and_covers_all_light_above_the_horizon() {
+    fn the_pdf_covers_all_light_above_the_horizon() {
         for map in maps().into_iter().take(5) {
             let sampler = CosineSampler::new(map.clone());
             let g = map.geometry();
@@ -384,12 +391,5 @@ mod tests {
             // A sampler of the map alone has 1.67 for a constant map.
             assert!(mean2 / (mean * mean) - 1.0 < 0.1, "relative variance {}", mean2 / (mean * mean) - 1.0);
         }
-    }
-
-    #[test]
-    fn a_black_map_has_no_samples() {
-        let sampler = CosineSampler::new(Arc::new(EnvMap::new(Image::new(4, 2))));
-        assert_eq!(sampler.sample_for([0.5, 0.5], DVec3::Y), None);
-        assert_eq!(sampler.pdf_for(DVec3::Y, DVec3::Y), 0.0);
     }
 }

@@ -1,10 +1,10 @@
-//! No sampling at all: one fixed directional light for each region of a median cut.
+//! Fixed directional lights in place of sampling, one for each region of a median cut.
 //!
-//! The lights miss part of the image for good (bias), but have no noise. Source: Debevec, "A Median Cut Algorithm for Light
+//! The estimate has bias but no noise. Source: Debevec, "A Median Cut Algorithm for Light
 //! Probe Sampling", SIGGRAPH 2005 posters; by variance: Viriyothai & Debevec, "Variance Minimization Light Probe
 //! Sampling", SIGGRAPH 2009 posters.
 
-use super::{Entry, FixedLight, Method};
+use super::contract::{Entry, FixedLight, Method};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::error::Result;
@@ -26,11 +26,9 @@ pub const VARIANCE_CUT: &Entry = &Entry {
     name: "variance-cut",
     density: "variance-cut",
     doc: "fixed lights in place of the map, one for each region of a cut by variance: with bias",
-    has_regions: true,
-    complete: false,
-    invertible: false,
     bytes_per_texel: MedianCut::bytes(Split::Variance),
     method: Method::FixedLights(|map, regions| lights(map, Split::Variance, regions)),
+    ..*MEDIAN_CUT
 };
 
 fn lights(map: &EnvMap, split: Split, regions: u32) -> Result<Vec<FixedLight>> {

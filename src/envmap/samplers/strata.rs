@@ -1,9 +1,9 @@
 //! Regions of a cut as strata: a region in proportion to its energy, then a direction uniformly within it.
 //!
 //! Unlike the lights of a cut, which stand at fixed places, such directions reach all of the map, so the estimate has
-//! no bias. Regions of equal energy are chosen equally often: with stratified numbers every one of them in turn.
+//! no bias. Regions of equal energy are chosen equally often; with stratified random numbers each gets its share exactly.
 
-use super::{DirectionSampler, Entry, EnvSample, Method};
+use super::contract::{DirectionSampler, Entry, EnvSample, Method};
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::envmap::{Block, EnvMap};
 use crate::error::Result;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Its entry in the registry. It is complete: a region of no energy is never sampled, and has no light.
+/// Its entry in the registry. It is complete: a region that is never sampled has no light.
 pub const ENTRY: &Entry = &Entry {
     name: "strata",
     density: "strata",
@@ -36,10 +36,11 @@ pub struct StrataSampler {
 /// A region between two meridians and two parallels.
 struct Stratum {
     block: Block,
-    /// cos θ of its upper edge, less that of its lower one.
+    /// cos θ of its upper edge.
     top: f64,
+    /// `top` minus cos θ of its lower edge.
     height: f64,
-    /// Density per solid angle.
+    /// Pdf per solid angle of its directions.
     pdf: f64,
 }
 
@@ -72,11 +73,12 @@ impl StrataSampler {
 impl DirectionSampler for StrataSampler {
     #[inline]
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
-        let draw = self.regions.draw(u[0])?;
-        let Stratum { block, top, height, .. } = &self.strata[draw.cell];
+        let at = self.regions.sample(u[0])?;
+        // Sample cos θ and φ uniformly between the edges of the region.
+        let Stratum { block, top, height, .. } = &self.strata[at.cell];
         let cos_theta = (top - u[1] * height).clamp(-1.0, 1.0);
         let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
-        let x = block.x0 as f64 + draw.offset * (block.x1 - block.x0) as f64;
+        let x = block.x0 as f64 + at.offset * (block.x1 - block.x0) as f64;
         let (sin_phi, cos_phi) = (2.0 * PI * x / self.map.geometry().width() as f64).sin_cos();
         let wi = DVec3::new(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi);
         Some(EnvSample { wi, pdf: self.pdf(wi), radiance: self.map.radiance(wi) })
@@ -97,7 +99,7 @@ mod tests {
     use crate::sampling::stream::{Independent, Stream};
 
     #[test]
-    fn the_density_integrates_to_one_and_the_flux_is_the_maps() {
+    fn the_pdf_integrates_to_one_and_the_estimated_flux_is_that_of_the_map() {
         for synthetic in [Synthetic::Sun, Synthetic::Constant] {
             let map = Arc::new(EnvMap::new(synthetic.make()));
             let flux = Info::of(&map).flux_rgb.iter().sum::<f64>() / 3.0;

@@ -1,7 +1,9 @@
 //! What every sampler of the registry must do, and its entry say.
 
 use super::*;
+use crate::math::Rgb;
 use crate::raster::Image;
+use glam::DVec3;
 
 /// Maps with dark texels, strong contrast and every size of trouble.
 fn maps() -> Vec<Arc<EnvMap>> {
@@ -109,7 +111,7 @@ fn densities_integrate_to_one_and_are_complete_where_they_say_so() {
 }
 
 #[test]
-fn inverses_give_the_numbers_back_where_there_are_any() {
+fn inverses_return_the_random_numbers() {
     for map in maps() {
         for (entry, sampler) in samplers(&map) {
             for u in grid(40) {

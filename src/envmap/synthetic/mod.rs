@@ -3,7 +3,7 @@
 //! Lat-long images, row 0 at the zenith (+y), columns from +x (u = 0) over +z (0.25), −x (0.5) and −z (0.75). Every
 //! value is a half float, so that an EXR file of halves keeps it exactly, and every machine computes the same bits:
 //! elementary functions come from `libm`, sums have a fixed order. The default map, `nave`, is a file of the repository
-//! that is embedded in the program; the package under `envmaps/generate` makes it again.
+//! that is embedded in the program; the package under `envmaps/generate` generates it.
 
 mod stress;
 mod sun;
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn any_number_of_threads_makes_the_same_bits() {
+    fn the_bits_do_not_depend_on_the_number_of_threads() {
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
             pool.install(|| Synthetic::Sun.make())
@@ -185,7 +185,7 @@ mod tests {
 
     /// A hash of all bits, so that a machine that computes other bits is noticed.
     #[test]
-    fn every_machine_makes_the_same_bits() {
+    fn the_bits_do_not_depend_on_the_machine() {
         for (map, expected) in [(Synthetic::Nave, NAVE_HASH), (Synthetic::Sun, SUN_HASH)] {
             let hash = map.make().pixels().iter().flat_map(|p| p.to_array()).fold(0_u64, |hash, v| {
                 hash.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(half::f16::from_f32(v).to_bits()))

@@ -6,21 +6,24 @@ use crate::raster::Image;
 const WIDTH: usize = 64;
 const HEIGHT: usize = 32;
 
-/// Column and row of the one bright texel of `onehot`: off the axes, the poles and the seam, on no symmetry.
+/// Column and row of the one bright texel of `onehot`: away from the axes, the poles and the seam, without symmetry.
 pub const ONE_HOT_TEXEL: (usize, usize) = (21, 11);
 /// Its radiance: three different values, so that swapped channels show.
 pub const ONE_HOT_RADIANCE: Rgb = Rgb::new(1000.0, 500.0, 250.0);
 
+/// Radiance 1 from everywhere.
 pub fn constant() -> Image {
     black().map(|_| Rgb::ONE)
 }
 
+/// Black but for [`ONE_HOT_TEXEL`].
 pub fn one_hot() -> Image {
     let mut image = black();
     image.set(ONE_HOT_TEXEL.0, ONE_HOT_TEXEL.1, ONE_HOT_RADIANCE);
     image
 }
 
+/// No light.
 pub fn black() -> Image {
     Image::new(WIDTH, HEIGHT)
 }

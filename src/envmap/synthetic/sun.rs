@@ -1,7 +1,7 @@
 //! `sun`: a clear sky over bare ground, and a sun of about a dozen texels.
 //!
 //! Not a model of the atmosphere, but smooth and of the right order: the sky is pale at the horizon and deep blue
-//! above, brighter around the sun; the ground is lit and fades into the haze of the horizon.
+//! above, brighter around the sun; the ground reflects and fades into the haze of the horizon.
 
 use std::f64::consts::PI;
 
@@ -27,6 +27,7 @@ const HORIZON: DVec3 = DVec3::new(0.52, 0.60, 0.68);
 const GROUND: DVec3 = DVec3::new(0.17, 0.14, 0.105);
 const GLOW: DVec3 = DVec3::new(1.0, 0.90, 0.74);
 
+/// The map, in f32; see the module.
 pub fn make() -> Image {
     let (se, ce) = libm::sincos(ELEVATION);
     let (sa, ca) = libm::sincos(AZIMUTH);
@@ -73,9 +74,9 @@ fn disc(x: usize, y: usize, centre: DVec3, sun: DVec3) -> f64 {
     for k in 0..SIDE * SIDE {
         let at = |k: usize| (k as f64 + 0.5) / SIDE as f64;
         let d = direction(x as f64 + at(k % SIDE), y as f64 + at(k / SIDE));
-        let off = (d - sun).length() / RADIUS;
-        if off < 1.0 {
-            sum += 1.0 - 0.6 * (1.0 - (1.0 - off * off).sqrt());
+        let r = (d - sun).length() / RADIUS;
+        if r < 1.0 {
+            sum += 1.0 - 0.6 * (1.0 - (1.0 - r * r).sqrt());
         }
     }
     sum / (SIDE * SIDE) as f64

@@ -1,6 +1,6 @@
 //! Beckmann's distribution: normally distributed slopes.
 
-use super::{Microfacet, sin2};
+use super::smith::{Microfacet, sin2};
 use crate::math::Real;
 
 /// Slopes of the facets are normally distributed with variance α²/2 in x and in y.
@@ -12,6 +12,7 @@ use crate::math::Real;
 /// Surfaces", EGSR 2007, eq. 26 (the exact one, not their rational fit).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beckmann<T> {
+    /// Roughness α > 0: √2 times the root mean square slope.
     pub alpha: T,
 }
 
@@ -24,21 +25,21 @@ impl<T: Real> Beckmann<T> {
 }
 
 impl<T: Real> Microfacet<T> for Beckmann<T> {
-    /// The square of exp(−tan²/2α²)/(√π α cos²). Squaring last keeps clear of two traps: the exponential does not
-    /// vanish before D does, and cos⁴ is never formed, which vanishes first and would leave 0/0.
+    /// The square of exp(−tan²/2α²)/(√π α cos²). Squaring last has two advantages: the exponential does not underflow
+    /// before D does, and cos⁴, which underflows first and would give 0/0, is not needed.
     #[inline(always)]
     fn d(&self, wm: [T; 3]) -> T {
         let z = wm[2];
         let az = self.alpha * z;
-        // A last place of the exponent is up to 100 of D: it is computed in f64, and what of it does not fit is one of
-        // the factors.
+        // One unit of the exponent's last place is up to 100 of D's. So compute the exponent in f64, and apply what is
+        // lost in rounding it to T as a factor 1 + rest.
         let wide_az = self.alpha.to_f64() * z.to_f64();
         let wide = -0.5 * sin2(wm.map(Real::to_f64)) / (wide_az * wide_az);
         let exponent = T::from_f64(wide);
         let rest = T::one() + T::from_f64(wide - exponent.to_f64());
         let e = exponent.max(T::LEAST_EXPONENT).exponential() * rest;
         let root = e * T::FRAC_2_SQRT_PI() * T::from_f64(0.5) / (az * z);
-        // Normals so near the horizon that the division fails are no exception: −∞ and NaN end here too.
+        // D is 0 as well where the exponent is −∞ or NaN: for normals so near the horizon that the division fails.
         if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root } else { T::zero() }
     }
 

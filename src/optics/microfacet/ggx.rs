@@ -1,6 +1,6 @@
 //! The GGX distribution: the normals of an ellipsoid, with wide tails.
 
-use super::{Microfacet, sin2};
+use super::smith::{Microfacet, sin2};
 use crate::math::Real;
 
 /// Normals are distributed as on an ellipsoid flattened to height α.
@@ -11,6 +11,7 @@ use crate::math::Real;
 /// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eq. 33 and 34.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx<T> {
+    /// Roughness α > 0: the height of the ellipsoid over its width.
     pub alpha: T,
 }
 

@@ -1,4 +1,4 @@
-//! Distributions of microfacet normals: D, and the shadowing that goes with it, in forms that hold at grazing angles.
+//! Distributions of microfacet normals, D, and their shadowing, in forms that stay precise at grazing angles.
 //!
 //! Directions are unit vectors in the local frame, the mean normal at +z; `alpha` is the root mean square slope times
 //! √2 (Beckmann) or the width of the same name (GGX). sin² is x² + y² and never 1 − z², which at α = 10⁻³ would leave
@@ -10,67 +10,21 @@
 
 mod beckmann;
 mod ggx;
+mod smith;
 pub mod variants;
 
 pub use beckmann::Beckmann;
 pub use ggx::Ggx;
-
-use crate::math::Real;
+pub use smith::Microfacet;
 
 /// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Distribution {
+    /// [`Beckmann`].
     #[default]
     Beckmann,
+    /// [`Ggx`].
     Ggx,
-}
-
-/// An isotropic distribution of normals under Smith's model of shadowing.
-pub trait Microfacet<T: Real>: Copy {
-    /// Area of the facets with normal `wm`, per unit area of the surface and per solid angle (1/sr).
-    ///
-    /// ∫ D cos θₘ dωₘ = 1. Zero for normals on or below the horizon.
-    fn d(&self, wm: [T; 3]) -> T;
-
-    /// |z| Λ(w): the facets' hidden part of the projected area, for a direction of either side.
-    fn cos_lambda(&self, w: [T; 3]) -> T;
-
-    /// Smith's Λ(w), hidden over visible projected area; infinite on the horizon.
-    #[inline(always)]
-    fn lambda(&self, w: [T; 3]) -> T {
-        self.cos_lambda(w) / w[2].abs()
-    }
-
-    /// Share of the facets seen from `w`, 1/(1 + Λ); 0 on the horizon.
-    #[inline(always)]
-    fn g1(&self, w: [T; 3]) -> T {
-        w[2].abs() * self.g1_over_cos(w)
-    }
-
-    /// G₁(w)/|z|, finite on the horizon.
-    #[inline(always)]
-    fn g1_over_cos(&self, w: [T; 3]) -> T {
-        (w[2].abs() + self.cos_lambda(w)).recip()
-    }
-
-    /// Share of the facets seen from both directions, 1/(1 + Λₒ + Λᵢ): the form for heights that correlate.
-    #[inline(always)]
-    fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
-        (wo[2] * wi[2]).abs() * self.g2_over_cosines(wo, wi)
-    }
-
-    /// G₂(wo, wi)/|zₒ zᵢ|; infinite only with both directions on the horizon.
-    #[inline(always)]
-    fn g2_over_cosines(&self, wo: [T; 3], wi: [T; 3]) -> T {
-        let (o, i) = (wo[2].abs(), wi[2].abs());
-        (i * (o + self.cos_lambda(wo)) + o * self.cos_lambda(wi)).recip()
-    }
-}
-
-/// sin² of the angle with the mean normal.
-#[inline(always)]
-fn sin2<T: Real>(w: [T; 3]) -> T {
-    w[0] * w[0] + w[1] * w[1]
 }
 
 #[cfg(test)]

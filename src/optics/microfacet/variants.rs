@@ -1,11 +1,11 @@
-//! A shadowing term in use elsewhere, kept for comparison; no BSDF uses it.
+//! A shadowing term that other renderers use, for comparison; no BSDF here uses it.
 
 use crate::math::Real;
 
 /// Walter's rational fit of Smith's G₁ for Beckmann's distribution, a = 1/(α tan θ).
 ///
-/// (3.535a + 2.181a²)/(1 + 2.276a + 2.577a²) for a < 1.6, else 1. It is off by up to 0.32 % (at a = 1.34) and exceeds
-/// 1 by 6·10⁻⁵ just below a = 1.6, so that a density built on it does not integrate to 1. Source: Walter et al., EGSR
+/// (3.535a + 2.181a²)/(1 + 2.276a + 2.577a²) for a < 1.6, else 1. Its error is up to 0.32 % (at a = 1.34), and it exceeds
+/// 1 by 6·10⁻⁵ just below a = 1.6, so that a pdf built on it does not integrate to 1. Source: Walter et al., EGSR
 /// 2007, eq. 27.
 #[must_use]
 pub fn g1_rational<T: Real>(a: T) -> T {
@@ -27,7 +27,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rational_fit_is_off_by_a_third_of_a_percent() {
+    fn the_error_of_the_rational_fit_is_a_third_of_a_percent() {
         let error = |i: u32| (g1_rational(f64::from(i) * 1e-3) / exact(f64::from(i) * 1e-3) - 1.0).abs();
         let worst = (1..3000).max_by(|&a, &b| error(a).total_cmp(&error(b))).unwrap();
         assert!((error(worst) - 0.003_13).abs() < 5e-5 && (1330..1350).contains(&worst));

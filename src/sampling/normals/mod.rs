@@ -1,5 +1,5 @@
-//! Microfacet normals, sampled by the full distribution (NDF) or as visible from a direction (VNDF), each with its density
-//! per solid angle of the normal.
+//! Microfacet normals, sampled by the full distribution (NDF) or as visible from a direction (VNDF), each with its pdf per
+//! solid angle of the normal.
 
 mod slope;
 
@@ -7,23 +7,23 @@ use crate::math::Real;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
-/// A distribution that normals can be sampled from. `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
+/// A distribution that normals can be sampled from: `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
 pub trait SampleNormals<T: Real>: Microfacet<T> {
-    /// A normal with density D(m) cos θₘ: the full distribution of normals (NDF).
+    /// A normal with pdf D(m) cos θₘ: the full distribution of normals (NDF).
     fn sample_ndf(&self, u: [T; 2]) -> [T; 3];
 
-    /// A normal with density D(m) max(0, wo·m) G₁(wo)/cos θₒ: the distribution of visible normals (VNDF), which has z ≥ 0.
+    /// A normal with pdf D(m) max(0, wo·m) G₁(wo)/cos θₒ: the distribution of visible normals (VNDF), which has z ≥ 0.
     ///
     /// Every normal sampled faces `wo`, and the weight of a reflection is F G₂/G₁ ≤ 1.
     fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3];
 
-    /// Density of [`sample_ndf`](Self::sample_ndf).
+    /// Pdf of [`sample_ndf`](Self::sample_ndf).
     #[inline(always)]
     fn pdf_ndf(&self, wm: [T; 3]) -> T {
         self.d(wm) * wm[2]
     }
 
-    /// Density of [`sample_vndf`](Self::sample_vndf).
+    /// Pdf of [`sample_vndf`](Self::sample_vndf).
     #[inline(always)]
     fn pdf_vndf(&self, wo: [T; 3], wm: [T; 3]) -> T {
         let facing = wo[0] * wm[0] + wo[1] * wm[1] + wo[2] * wm[2];
@@ -35,21 +35,23 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
     #[inline(always)]
     fn sample_ndf(&self, u: [T; 2]) -> [T; 3] {
         let alpha = self.alpha.to_f64();
-        // 1 − u is exact in f64, and u = 1 is kept from the logarithm.
+        // Invert the distribution of tan² θ, 1 − exp(−tan²/α²). 1 − u is exact in f64; the bound avoids the logarithm of 0.
         polar_normal(-alpha * alpha * (1.0 - u[0].to_f64()).max(slope::LEAST).ln(), u[1])
     }
 
     /// Slopes of the surface stretched to α = 1 are independent along and across `wo`: the one across is normally
-    /// distributed, the one along weighted by what is seen of it. Source: Heitz & d'Eon, "Importance Sampling
+    /// distributed, the one along `wo` weighted by its visibility. Source: Heitz & d'Eon, "Importance Sampling
     /// Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014.
     #[inline(always)]
     fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
+        // Rotate to the azimuth of `wo`, and sample the slopes of the stretched surface.
         let alpha = self.alpha.to_f64();
         let [x, y, z] = wo.map(Real::to_f64);
         let sin = (x * x + y * y).sqrt();
         let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
         let along = alpha * slope::visible(z, alpha * sin, u[0].to_f64());
         let across = alpha * slope::normal(u[1]).to_f64();
+        // Rotate back, and turn slopes into a normal.
         let (sx, sy) = (along * cos_phi - across * sin_phi, along * sin_phi + across * cos_phi);
         let inverse = 1.0 / (sx * sx + sy * sy + 1.0).sqrt();
         [T::from_f64(-sx * inverse), T::from_f64(-sy * inverse), T::from_f64(inverse)]
@@ -59,24 +61,28 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
 impl<T: Real> SampleNormals<T> for Ggx<T> {
     #[inline(always)]
     fn sample_ndf(&self, u: [T; 2]) -> [T; 3] {
+        // Invert the distribution of tan² θ, tan²/(α² + tan²).
         let (alpha, u0) = (self.alpha.to_f64(), u[0].to_f64());
         polar_normal(alpha * alpha * u0 / (1.0 - u0).max(slope::LEAST), u[1])
     }
 
     /// A point of the spherical cap that reflects towards `wo` on the surface stretched to α = 1.
     ///
-    /// With v the stretched `wo` and h = c + v for a point c of the cap z ≥ −v_z: 1 − c_z = u (1 + v_z) is what is
-    /// drawn, and both sin θ_c and h_z follow from it without a difference. Source: Dupuy & Benyoub, "Sampling Visible
+    /// Let v be the stretched `wo` and h = c + v for a point c of the cap z ≥ −v_z. Then 1 − c_z = u (1 + v_z) is sampled,
+    /// and both sin θ_c and h_z follow from it without cancellation. Source: Dupuy & Benyoub, "Sampling Visible
     /// GGX Normals with Spherical Caps", HPG 2023.
     #[inline(always)]
     fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         let one = T::one();
+        // Stretch `wo` to the hemisphere configuration.
         let v = normalize([self.alpha * wo[0], self.alpha * wo[1], wo[2]]);
+        // Sample a point of the spherical cap, and add v to it.
         let (sin_phi, cos_phi) = sin_cos_turns(u[1].to_f64());
         let below_pole = u[0] * (one + v[2]);
         let sin = (below_pole * (one + one - below_pole)).max(T::zero()).sqrt();
         let x = sin * T::from_f64(cos_phi) + v[0];
         let y = sin * T::from_f64(sin_phi) + v[1];
+        // Unstretch the normal.
         normalize([self.alpha * x, self.alpha * y, (one - u[0]) * (one + v[2])])
     }
 }
@@ -101,14 +107,14 @@ mod tests {
     use super::*;
 
     /// A grid over the unit square, its lower edges included.
-    fn numbers() -> impl Iterator<Item = [f32; 2]> {
+    fn random_numbers() -> impl Iterator<Item = [f32; 2]> {
         (0..32 * 32).map(|i| [(i / 32) as f32 / 32.0, (i % 32) as f32 / 32.0])
     }
 
     fn single_and_double_agree<S: SampleNormals<f32>, D: SampleNormals<f64>>(single: S, double: D, alpha: f64) {
         for z in [1.0f32, 0.8, 0.1, 1e-4, 0.0] {
             let wo = [0.6 * (1.0 - z * z).sqrt(), 0.8 * (1.0 - z * z).sqrt(), z];
-            for u in numbers() {
+            for u in random_numbers() {
                 let (wide_wo, wide_u) = (wo.map(f64::from), u.map(f64::from));
                 let pairs = [
                     (single.sample_vndf(wo, u), double.sample_vndf(wide_wo, wide_u)),
@@ -123,13 +129,13 @@ mod tests {
                     }
                 }
                 let facing: f64 = double.sample_vndf(wide_wo, wide_u).iter().zip(wide_wo).map(|(m, o)| m * o).sum();
-                assert!(facing > -1e-9, "{alpha} {wo:?} {u:?}: a facet that is not seen");
+                assert!(facing > -1e-9, "{alpha} {wo:?} {u:?}: a facet that is not visible");
             }
         }
     }
 
     #[test]
-    fn f32_draws_the_normals_of_f64() {
+    fn f32_samples_the_normals_of_f64() {
         for alpha in [1e-4f32, 0.005, 0.25, 1.0] {
             let wide = f64::from(alpha);
             single_and_double_agree(Beckmann::new(alpha), Beckmann::new(wide), wide);
@@ -138,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn any_normals_invert_their_distribution() {
+    fn sampled_normals_invert_their_distribution() {
         // The share of normals up to tan θ is 1 − exp(−tan²/α²) for Beckmann, tan²/(α² + tan²) for GGX.
         for u in [0.0, 0.1, 0.5, 0.999] {
             let tan2 = |w: [f64; 3]| (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2]);

@@ -1,10 +1,10 @@
-//! Slopes of a Beckmann surface of α = 1, by inversion: across the view, and along it as seen.
+//! Slopes of a Beckmann surface of α = 1, sampled by inversion: across the view, and along it by visibility.
 
 use crate::math::Real;
-use crate::math::error_function::polynomial;
+use crate::math::polynomial::polynomial;
 use std::f64::consts::FRAC_2_SQRT_PI;
 
-/// What u and 1 − u are kept from falling below: less than any number of 53 bits but 0 itself.
+/// Lower bound of u and 1 − u in logarithms, smaller than every random number of 53 bits except 0.
 pub(super) const LEAST: f64 = 1e-30;
 
 /// erf⁻¹(2u − 1): a normally distributed slope of variance ½, in f64 to 2·10⁻⁸ of its value.
@@ -14,24 +14,26 @@ pub(super) const LEAST: f64 = 1e-30;
 /// function", GPU Computing Gems 2, 2012.
 #[inline(always)]
 pub(super) fn normal<T: Real>(u: T) -> T {
-    let lit = T::from_f64;
-    let (below, above) = (u.max(lit(LEAST)), (T::one() - u).max(lit(LEAST)));
-    let w = -(lit(4.0) * below * above).logarithm();
+    let real = T::from_f64;
+    // w of both branches, from the smaller of u and 1 − u without cancellation.
+    let (below, above) = (u.max(real(LEAST)), (T::one() - u).max(real(LEAST)));
+    let w = -(real(4.0) * below * above).logarithm();
     let x = below - above;
-    let centre = polynomial(&CENTRE.map(lit), w * lit(1.0 / 3.0) - T::one());
-    let root = w.max(lit(6.0)).sqrt();
+    // Evaluate both branches and select, so that a loop vectorizes.
+    let centre = polynomial(&CENTRE.map(real), w * real(1.0 / 3.0) - T::one());
+    let root = w.max(real(6.0)).sqrt();
     const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
-    let place = (lit(2.0) / root - lit(ENDS[0] + ENDS[1])) * lit(1.0 / (ENDS[1] - ENDS[0]));
-    let tails = root * polynomial(&TAILS.map(lit), place);
-    x * if w < lit(6.0) { centre } else { tails }
+    let place = (real(2.0) / root - real(ENDS[0] + ENDS[1])) * real(1.0 / (ENDS[1] - ENDS[0]));
+    let tails = root * polynomial(&TAILS.map(real), place);
+    x * if w < real(6.0) { centre } else { tails }
 }
 
-/// Beyond ±9 there is less than [`LEAST`] of a normal distribution.
+/// Slopes beyond ±9 have a probability below [`LEAST`].
 const STEEPEST: f64 = 9.0;
 
-/// The slope s along the view, with density ∝ exp(−s²) max(0, cos − s·slope): the facets as seen from the stretched
-/// direction (slope, cos), of any length, both ≥ 0 and not both 0. Its share of what is seen is `u` to 10⁻⁷, in the far tail
-/// to 10⁻⁵ of `u`.
+/// The slope s along the view, with density ∝ exp(−s²) max(0, cos − s·slope): the facets visible from the stretched
+/// direction (slope, cos), of any length, both ≥ 0 and not both 0. The cumulative probability of the result is `u` to 10⁻⁷,
+/// in the far tail to 10⁻⁵ of `u`.
 ///
 /// Solves K(s) = u K(cos/slope) for K(s) = cos (1 + erf s) + slope exp(−s²)/√π by Halley's steps. Their number is fixed
 /// and nothing branches, so that a loop over views vectorizes; the last one alone is in f64.
@@ -39,9 +41,9 @@ const STEEPEST: f64 = 9.0;
 pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     let u = u.max(LEAST);
     let half = 0.5 * FRAC_2_SQRT_PI * slope;
-    // The steepest slope that is seen at all; infinite for a view along the normal.
+    // The steepest visible slope; infinite for a view along the normal.
     let limit = cos / slope;
-    // Kept from underflow, which is slow.
+    // Compute the normalization K(limit). The exponent is bounded because underflow is slow.
     let e = (-(limit * limit).min(600.0)).exponential();
     let hidden = e * erfcx(limit);
     let total = cos * (2.0 - hidden) + half * e;
@@ -54,12 +56,12 @@ pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
         value: target.value as f32,
         high: high as f32,
     };
+    // Start from a guess, take two of Halley's steps in f32 and one in f64.
     let first = guess(e as f32, high as f32, hidden as f32, u as f32).max(-STEEPEST as f32).min(single.high);
-    // Where one of the two is not enough the guess is poor, in the far tails.
     target.step(f64::from(single.step(single.step(first))).min(high))
 }
 
-/// What is sought: K(s) = `value`, for s up to `high`.
+/// The equation to solve: K(s) = `value`, for s up to `high`.
 #[derive(Clone, Copy)]
 struct Target<T> {
     cos: T,
@@ -73,35 +75,35 @@ impl<T: Real> Target<T> {
     /// A better estimate than `s`.
     #[inline(always)]
     fn step(self, s: T) -> T {
-        let lit = T::from_f64;
-        // Both terms are positive, so that the far tail of the facets that face the view is exact as well.
+        let real = T::from_f64;
+        // The residual K(s) − value. Both terms of K are positive, so that it is precise in the far tail as well.
         let gauss = (-s * s).exponential();
         let tail = erfcx(s.abs()) * gauss;
-        let below = if s < T::zero() { tail } else { lit(2.0) - tail };
+        let below = if s < T::zero() { tail } else { real(2.0) - tail };
         let residual = self.cos * below + self.half * gauss - self.value;
-        // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) seen, K''/K' = −2s − slope/seen.
-        let seen = self.cos - s * self.slope;
-        let bend = s * seen + lit(0.5) * self.slope;
-        let step = residual * seen / (lit(FRAC_2_SQRT_PI) * gauss * seen * seen + residual * bend);
+        // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) v, K''/K' = −2s − slope/v, v = cos − s slope.
+        let visible = self.cos - s * self.slope;
+        let curvature = s * visible + real(0.5) * self.slope;
+        let step = residual * visible / (real(FRAC_2_SQRT_PI) * gauss * visible * visible + residual * curvature);
         let next = s - step;
-        // Half the way to an end that it would pass: at the ends nothing leads back.
-        let low = lit(-STEEPEST);
-        let next = if next < low { lit(0.5) * (s + low) } else { next };
-        let next = if next > self.high { lit(0.5) * (s + self.high) } else { next };
-        // At the very ends the step is not a number.
+        // Go half of the way to an end that the step would pass: from the end itself no step leads back.
+        let low = real(-STEEPEST);
+        let next = if next < low { real(0.5) * (s + low) } else { next };
+        let next = if next > self.high { real(0.5) * (s + self.high) } else { next };
+        // At the ends themselves the step is not a number.
         if next.is_nan() { s } else { next }
     }
 }
 
-/// A slope near the one sought: that of a normal distribution cut off at `limit` and bent so that it is right at both
-/// ends of the views, along the normal and grazing, and in how it ends at `limit`.
+/// A slope near the solution: the quantile of a normal distribution truncated at `limit`, with a correction that makes it
+/// right for views along the normal and at grazing angles, and near `limit`.
 #[inline(always)]
 fn guess(e: f32, limit: f32, hidden: f32, u: f32) -> f32 {
     let visible = 1.0 - 0.5 * hidden;
     let root_pi = std::f32::consts::PI.sqrt();
-    let bent = 0.5 * (root_pi * e * (limit * (2.0 - hidden) + e / root_pi)).sqrt();
-    let bent = bent.min(visible);
-    normal(u * (visible - bent + bent * erfcx((-u.logarithm()).max(0.0).sqrt())))
+    let correction = 0.5 * (root_pi * e * (limit * (2.0 - hidden) + e / root_pi)).sqrt();
+    let correction = correction.min(visible);
+    normal(u * (visible - correction + correction * erfcx((-u.logarithm()).max(0.0).sqrt())))
 }
 
 /// Ascending coefficients of erf⁻¹(x)/x in w/3 − 1, for 0 ≤ w ≤ 6.
@@ -136,7 +138,7 @@ const TAILS: [f64; 12] = [
     2.527_388_408_28e-5,
 ];
 
-/// exp(x²) erfc(x) for x ≥ 0, to 10⁻⁸: enough here, and with one division less than [`Real::erfcx`].
+/// exp(x²) erfc(x) for x ≥ 0, to 10⁻⁸, which is enough here; it has one division fewer than [`Real::erfcx`].
 #[inline(always)]
 fn erfcx<T: Real>(x: T) -> T {
     let y = T::one() / (x + T::from_f64(3.0));
@@ -164,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scaled_tail_is_that_of_the_library() {
+    fn erfcx_is_that_of_the_library() {
         for i in 0..1000 {
             let x = f64::from(i) * 0.01;
             assert!((erfcx(x) / ((x * x).exp() * libm::erfc(x)) - 1.0).abs() < 1.2e-8, "{x}");
@@ -200,7 +202,7 @@ mod tests {
         }
     }
 
-    /// The share of what is seen that lies below slope `s`.
+    /// The cumulative probability of the visible slopes up to `s`.
     fn share(cos: f64, slope: f64, s: f64) -> f64 {
         let k = |s: f64| cos * libm::erfc(-s) + 0.5 * FRAC_2_SQRT_PI * slope * (-s * s).exp();
         k(s) / k(cos / slope)

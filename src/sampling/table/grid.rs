@@ -2,17 +2,20 @@
 
 use super::super::batch::{BATCH, Batch};
 use super::super::prefetch::prefetch;
-use super::{Cdf, Draw, PROBES, Table1, bucket, cdf_len, fill, find, guide_len, inside};
+use super::cdf::{Cdf, CellSample, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
+use super::line::Table1;
 use rayon::prelude::*;
 
 /// A cell of a grid and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Draw2 {
-    pub x: Draw,
-    pub y: Draw,
+pub struct GridSample {
+    /// The column, its probability within the row, and the position along x.
+    pub x: CellSample,
+    /// The row, its probability, and the position along y.
+    pub y: CellSample,
 }
 
-impl Draw2 {
+impl GridSample {
     /// Probability of the cell: the very product that [`Table2::probability`] returns.
     #[inline]
     #[must_use]
@@ -78,19 +81,18 @@ impl Table2 {
     /// Samples the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn draw(&self, u: [f64; 2]) -> Option<Draw2> {
-        let y = self.rows.draw(u[0])?;
-        Some(Draw2 { x: self.row(y.cell).draw(u[1]), y })
+    pub fn sample(&self, u: [f64; 2]) -> Option<GridSample> {
+        let y = self.rows.sample(u[0])?;
+        Some(GridSample { x: self.row(y.cell).sample(u[1]), y })
     }
 
-    /// [`Table2::draw`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
+    /// [`Table2::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
     /// has one value per cell, row by row; those of the sampled cells are prefetched.
     ///
-    /// A draw looks into four tables, each look-up depends on the one before, and in a large map each waits for memory.
-    /// So the steps are taken one by one for all draws, each step prefetches for the next, and what is left to compute
-    /// runs over plain arrays.
+    /// A sample takes four dependent look-ups, and in a large map each waits for memory. So each step is done for all
+    /// samples before the next one, and prefetches what that needs. The remaining arithmetic runs over plain arrays.
     #[inline(always)]
-    pub fn draw_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
+    pub fn sample_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
         let n = u.len().min(BATCH);
         let u = &u[..n];
         let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
@@ -99,6 +101,7 @@ impl Table2 {
         let (cell, x, y, bracket) = (&mut out.cell[..n], &mut out.x[..n], &mut out.y[..n], &mut out.bracket[..n]);
         let (fx, fy) = (&mut out.fx[..n], &mut out.fy[..n]);
         let (px, py) = (&mut out.column[..n], &mut out.probability[..n]);
+        // Find the rows, and the places in the guides of their columns.
         for i in 0..n {
             let [v, u] = u[i];
             let (row, start, probability) = rows.find(v);
@@ -106,12 +109,14 @@ impl Table2 {
             cell[i] = row * guide_stride + bucket(u, buckets);
             prefetch(&self.guide, cell[i]);
         }
+        // Read from the guides which columns come into question.
         for i in 0..n {
             bracket[i] = [self.guide[cell[i]], self.guide[cell[i] + 1]];
             let first = y[i] as usize * stride + usize::from(bracket[i][0]);
             prefetch(&self.cdf, first);
             prefetch(&self.cdf, first + PROBES + 1);
         }
+        // Find the columns.
         for i in 0..n {
             let u = u[i][1];
             let row = y[i] as usize;
@@ -120,6 +125,7 @@ impl Table2 {
             cell[i] = row * self.width + column;
             prefetch(values, cell[i]);
         }
+        // Compute positions inside the cells and the cells' probabilities.
         for i in 0..n {
             fx[i] = inside(fx[i] / px[i]);
             fy[i] = inside(fy[i] / py[i]);
@@ -134,7 +140,7 @@ impl Table2 {
         self.rows.probability(y) * self.row(y).probability(x)
     }
 
-    /// The `u` that [`Table2::draw`] maps to this place in cell (x, y).
+    /// The `u` that [`Table2::sample`] maps to this place in cell (x, y).
     #[must_use]
     pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
         [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
@@ -146,8 +152,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_can_be_drawn_from_nothing() {
-        assert_eq!(Table2::new(3, 2, |_, _| 0.0).draw([0.1, 0.9]), None);
+    fn weights_of_zero_give_no_sample() {
+        assert_eq!(Table2::new(3, 2, |_, _| 0.0).sample([0.1, 0.9]), None);
     }
 
     #[test]
@@ -164,9 +170,9 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-14);
         for i in 0..400 {
             let u = [(f64::from(i % 20) + 0.3) / 20.0, (f64::from(i / 20) + 0.7) / 20.0];
-            let draw = table.draw(u).unwrap();
-            assert!(w(draw.x.cell, draw.y.cell) > 0.0);
-            let back = table.invert((draw.x.cell, draw.y.cell), (draw.x.offset, draw.y.offset));
+            let at = table.sample(u).unwrap();
+            assert!(w(at.x.cell, at.y.cell) > 0.0);
+            let back = table.invert((at.x.cell, at.y.cell), (at.x.offset, at.y.offset));
             assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9);
         }
     }

@@ -64,7 +64,7 @@ fn by_rows(weight: fn(&LatLong, usize) -> f64) -> impl Fn(&LatLong) -> Box<dyn F
         let g = g.clone();
         let table = Table2::new(WIDTH, HEIGHT, |_, y| weight(&g, y));
         Box::new(move |u| {
-            let draw = table.draw(u)?;
+            let draw = table.sample(u)?;
             Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
         })
     }
@@ -156,7 +156,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
                 } else {
                     u[0]
                 };
-                Some(Sample::new(table.draw(u)?.cell))
+                Some(Sample::new(table.sample(u)?.cell))
             };
             (sampler(1, draw), density(move |row: usize| claim.probability(row)))
         })

@@ -38,7 +38,7 @@ fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
     };
     let stable = (0..height).into_par_iter().map(|y| {
         let reached = |x: usize| {
-            table.draw(table.invert((x, y), (0.0, 0.0))).is_some_and(|draw| (draw.x.cell, draw.y.cell) == (x, y))
+            table.sample(table.invert((x, y), (0.0, 0.0))).is_some_and(|draw| (draw.x.cell, draw.y.cell) == (x, y))
         };
         bins(Tally::new("tables", STABLE, Precision::Double), y, &|x| table.probability(x, y), &reached)
     });
@@ -82,7 +82,7 @@ fn drawn(table: &Table2, effort: &Effort, seed: u64) -> Row {
     let hot = (effort.map[0] / 3, effort.map[1] / 3);
     let [wrong, cold] = (0..effort.draws)
         .into_par_iter()
-        .map(|i| match table.draw(Independent::new(seed, 0, i).pair(0)) {
+        .map(|i| match table.sample(Independent::new(seed, 0, i).pair(0)) {
             Some(draw) => {
                 let cell = (draw.x.cell, draw.y.cell);
                 let carried = draw.probability().to_bits() == table.probability(cell.0, cell.1).to_bits();

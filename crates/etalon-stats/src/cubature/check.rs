@@ -1,4 +1,4 @@
-//! What the rules do not see of a density, measured at random points.
+//! The difference between a density and what the rules integrate, measured at random points.
 
 use super::pieces::LARGE;
 use super::{InvalidPdf, Probe, Refinement, first_invalid};
@@ -12,24 +12,29 @@ use rayon::prelude::*;
 
 /// The density at random points against the polynomials that the rules integrate.
 ///
-/// The points are spread in proportion to the density that each piece is expected to reach. There the density, cut off at
+/// The points are distributed in proportion to the density that each piece is expected to reach. There the density, cut off at
 /// this height, and the rule's polynomial are compared: their mean difference, times `reach`, is the error of the integral
-/// of the density as far as it is within reach. (What is above is found by samples: see
-/// [`Refinement::seen`].)
+/// of the density as far as it is within reach. (Samples find what is above: see
+/// [`Refinement::share_within`].)
 #[derive(Debug, Clone)]
 pub(crate) struct Check<P> {
     /// The integral of the largest density that the pieces are expected to reach.
     pub reach: f64,
-    /// The number of points, and the sums of the positive and of the negative differences over `reach`, each from 0 to 1.
+    /// The number of points. Each has a difference from −1 to 1.
     pub count: u64,
+    /// Sum of the positive differences over `reach`.
     pub above: Share,
+    /// Sum of the negative differences over `reach`, as a positive number.
     pub below: Share,
-    /// The same sums over the points of each cell, and those of the squares.
+    /// `above` for each cell.
     pub above_in: Vec<Share>,
+    /// `below` for each cell.
     pub below_in: Vec<Share>,
+    /// Sums of the squared differences for each cell.
     pub squares_in: Vec<Share>,
     /// Some of the points where the difference is large.
     pub found: Vec<Probe>,
+    /// The first value that is negative or not finite.
     pub invalid: Option<InvalidPdf<P>>,
 }
 
@@ -45,9 +50,7 @@ impl<P> Check<P> {
         self.invalid = self.invalid.or(other.invalid);
         self
     }
-}
 
-impl<P> Check<P> {
     /// The integral over a cell of what is within reach, minus that of the polynomials, and the standard error of this.
     #[must_use]
     pub fn difference(&self, cell: usize) -> [f64; 2] {
@@ -84,6 +87,7 @@ impl<D: Domain> Refinement<'_, D> {
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
             let (mut chosen, mut points) = (Vec::new(), Vec::new());
+            // Sample points by the largest density that the pieces are expected to reach.
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
                 // One point in each of `count` equal parts of the sum.
                 let at = (i as f64 + rng.random::<f64>()) / count as f64 * sum;
@@ -98,6 +102,7 @@ impl<D: Domain> Refinement<'_, D> {
             self.density.pdf(&points, &mut values)?;
             let mut check = none(0);
             check.invalid = first_invalid(&points, &values);
+            // Add up the differences between density and polynomial.
             for ((piece, at), pdf) in chosen.into_iter().zip(values) {
                 let probe = Probe { at, pdf };
                 let difference = piece.difference(&probe);
@@ -110,7 +115,7 @@ impl<D: Domain> Refinement<'_, D> {
                 *sum += share;
                 of_cell[piece.cell] += share;
                 check.squares_in[piece.cell] += Share::new(difference * difference);
-                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.seen(pdf) < 1.0) {
+                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(pdf) < 1.0) {
                     check.found.push(probe);
                 }
             }

@@ -2,8 +2,8 @@
 //!
 //! Smooth densities: the tensor product of the Gauss–Kronrod rule (7, 15), bisected where the two rules of an axis
 //! disagree, for all cells at once and round by round, so that a density in another process is asked in large batches.
-//! No rule sees a spike or a gap between its nodes, so the rule is told of places: where the density at one of them is not
-//! what the nodes around it predict, the rectangle is cut further. A check at random points measures what is still not seen.
+//! A rule misses spikes and gaps between its nodes. So the density is also known at probes: where it is not what the nodes
+//! around a probe predict, the rectangle is cut further. A check at random points measures what is still missed.
 //! Densities that are constant between lines of the chart: exact sums.
 
 mod check;
@@ -273,7 +273,7 @@ mod tests {
         assert!((total(&refinement.integrals()).0 - 1.0).abs() < 1e-12, "no rule sees it");
         let check = refinement.check(1 << 18, 1, 0).unwrap();
         let mean = check.reach * (check.above.sum() - check.below.sum()) / check.count as f64;
-        let sees = refinement.seen(&Probe { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
+        let sees = refinement.share_within(&Probe { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
         assert!((sees - 1.25 / 1.9).abs() < 1e-12 && !check.found.is_empty());
         // Up to 1.25, in a share of 10⁻⁴ of the places: 26 of them.
         assert!((mean - 0.25 * width).abs() < 4.0 * 0.25 * (width / check.count as f64).sqrt(), "{mean}");

@@ -4,20 +4,23 @@ use super::Probe;
 use super::rule::{interpolate, rules};
 use crate::grid::{Cell, Grid};
 
-/// How far above the values at its nodes a piece may be expected to reach. What is above counts as not seen.
+/// How far above the values at its nodes a piece may be expected to reach. What is above counts as missed.
 const REACH: f64 = 1.25;
 
-/// A difference between a density and a polynomial, as a share of what the piece reaches, that is worth learning: more than
-/// rounding of f32 explains, even in the narrowest lobes.
+/// A difference between a density and a polynomial, as a share of what the piece reaches, that causes refinement: more than
+/// rounding of f32 explains, also in the narrowest lobes.
 pub(super) const LARGE: f64 = 0.1;
 
 /// A rectangle that one rule is applied to.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
-    /// Its leaf of the [`Tree`], and the cell of the grid that it is a part of.
+    /// Its leaf of the [`Tree`].
     pub(super) leaf: usize,
+    /// The cell of the grid that it is a part of.
     pub(super) cell: usize,
+    /// Its rectangle in the chart.
     pub(super) at: Cell,
+    /// Kronrod's estimate K of the integral over it.
     pub(super) integral: f64,
     /// |K − G| for each axis.
     pub(super) errors: [f64; 2],
@@ -41,13 +44,15 @@ impl Piece {
         Self { leaf, cell, at, integral: k, errors, mismatch: 0.0, top, shape, probes: Vec::new() }
     }
 
+    /// Estimate of the error of `integral`; infinite where the density is beyond reach.
+    #[inline]
     pub(super) fn error(&self) -> f64 {
         (self.errors[0] + self.errors[1]).max(self.mismatch)
     }
 
     /// The share of a density that is within reach.
     #[inline]
-    pub(super) fn seen(&self, pdf: f64) -> f64 {
+    pub(super) fn share_within(&self, pdf: f64) -> f64 {
         share_within(self.top, pdf)
     }
 
@@ -62,13 +67,14 @@ impl Piece {
     }
 
     /// The integral of the largest density that the piece is expected to reach.
+    #[inline]
     pub(super) fn reach(&self, measure: f64) -> f64 {
         self.top * self.at.area() * measure
     }
 
     /// Learns the density at a probe in it.
     pub(super) fn learn(&mut self, probe: &Probe, measure: f64) {
-        if self.seen(probe.pdf) < 1.0 {
+        if self.share_within(probe.pdf) < 1.0 {
             self.mismatch = f64::INFINITY;
             return;
         }

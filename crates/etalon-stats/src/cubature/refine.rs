@@ -17,9 +17,13 @@ const PRECISION: f64 = 2.5e-5;
 
 /// A density's integrals over the cells of a grid, which become better with every probe that is learned.
 pub(crate) struct Refinement<'a, D: Domain> {
+    /// Where the density is defined.
     pub(super) domain: &'a D,
+    /// The integrand.
     pub(super) density: &'a dyn Density<D::Point>,
+    /// The cells whose integrals are wanted.
     pub(super) grid: &'a Grid,
+    /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
     tree: Tree,
     probes: Vec<Probe>,
@@ -93,8 +97,8 @@ impl<'a, D: Domain> Refinement<'a, D> {
         Integrals { values, errors, invalid: self.invalid }
     }
 
-    /// The share of the density at a probe that the nodes around it lead to expect: less than 1 for a spike.
-    pub fn seen(&self, probe: &Probe) -> f64 {
+    /// The share of the density at a probe that the nodes around it predict: below 1 for a spike.
+    pub fn share_within(&self, probe: &Probe) -> f64 {
         let (_, top) = self.tree.find(probe.at);
         share_within(top, probe.pdf)
     }
@@ -200,7 +204,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 errors[piece.cell] += piece.error();
             }
             let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
-            // Spikes are cut out first: until they are seen, errors mean nothing.
+            // Isolate spikes first: until then the estimated errors mean nothing.
             let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
             let is_coarse = |piece: &Piece| {
                 let (cell, error) = (piece.cell, piece.error());
@@ -221,7 +225,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 let (leaf, cell, at) = (piece.leaf, piece.cell, piece.at);
                 match self.halve(Part { leaf, cell, at, probes: std::mem::take(&mut piece.probes) }, axes) {
                     Ok(halves) => parts.extend(halves),
-                    // Nothing more is to be known here.
+                    // Coordinates are too coarse to learn more here.
                     Err(Part { probes, .. }) => {
                         (piece.errors, piece.mismatch, piece.probes) = ([0.0; 2], 0.0, probes);
                         fine.push(piece);

@@ -45,7 +45,7 @@ impl Scheme {
         let steps = g.edges();
         let geometry = g.clone();
         let draw = move |u: &[f64]| {
-            let draw = drawn.draw([u[0], u[1]])?;
+            let draw = drawn.sample([u[0], u[1]])?;
             Some(Sample::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset).to_array()))
         };
         let pdf = move |w: DVec3| {

@@ -42,8 +42,8 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
     };
     let tables: Vec<Table2> = regions.iter().map(within).collect();
     let draw = |u: &[f64]| {
-        let i = shares.draw(u[0])?.cell;
-        let (draw, block) = (tables[i].draw([u[1], u[2]])?, regions[i].block);
+        let i = shares.sample(u[0])?.cell;
+        let (draw, block) = (tables[i].sample([u[1], u[2]])?, regions[i].block);
         let (x, y) = (block.x0 + draw.x.cell, block.y0 + draw.y.cell);
         Some(Sample::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset).to_array()))
     };

@@ -54,7 +54,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
         let pdf = move |x: f64| of.probability(((x * cells) as usize).min(n - 1)) * cells;
         let back = table.clone();
         let draw = move |u: &[f64]| {
-            let draw = table.draw(u[0])?;
+            let draw = table.sample(u[0])?;
             Some(Sample::with_pdf((draw.cell as f64 + draw.offset) / cells, draw.probability * cells))
         };
         let invert = move |x: f64| {
@@ -70,7 +70,7 @@ fn alias(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Discrete { outcomes: n }, move || {
         let table = AliasTable::new(&weights(shape, n));
         let of = table.clone();
-        let draw = move |u: &[f64]| table.draw(u[0]).map(|draw| Sample::with_pdf(draw.cell, draw.probability));
+        let draw = move |u: &[f64]| table.sample(u[0]).map(|draw| Sample::with_pdf(draw.cell, draw.probability));
         (sampler(1, draw), density(move |cell: usize| of.probability(cell)))
     })
 }
@@ -88,7 +88,7 @@ fn grid(name: String, shape: Weights, width: usize, height: usize) -> Case {
         };
         let back = table.clone();
         let draw = move |u: &[f64]| {
-            let draw = table.draw([u[0], u[1]])?;
+            let draw = table.sample([u[0], u[1]])?;
             let place = [(draw.y.cell as f64 + draw.y.offset) / h, (draw.x.cell as f64 + draw.x.offset) / w];
             Some(Sample::with_pdf(place, draw.probability() * (w * h)))
         };

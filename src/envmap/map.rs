@@ -1,0 +1,153 @@
+//! The map itself: radiance by texel and by direction, and what had to be cleaned.
+
+use super::latlong::LatLong;
+use crate::error::Result;
+use crate::math::{Rgb, mean_rgb};
+use crate::memory;
+use crate::raster::Image;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A lat-long map of radiance, finite and not negative.
+#[derive(Debug, Clone)]
+pub struct EnvMap {
+    image: Image,
+    geometry: LatLong,
+    found: Found,
+}
+
+/// The range of values in an image before it was cleaned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Smallest finite value of any channel; NaN if there is none.
+    pub min: f32,
+    /// Largest finite value of any channel; NaN if there is none.
+    pub max: f32,
+    /// Texels with a channel that is NaN or infinite; such values count as 0.
+    pub nonfinite: usize,
+    /// Texels with a negative channel; such values count as 0.
+    pub negative: usize,
+}
+
+impl EnvMap {
+    /// Takes an image (row 0 the zenith) and sets its non-finite and negative values to 0, counting them.
+    #[must_use]
+    pub fn new(mut image: Image) -> Self {
+        let mut found = Found { min: f32::INFINITY, max: f32::NEG_INFINITY, nonfinite: 0, negative: 0 };
+        for p in image.pixels_mut() {
+            found.nonfinite += usize::from(!p.is_finite());
+            found.negative += usize::from(p.to_array().iter().any(|c| c.is_finite() && *c < 0.0));
+            *p = Rgb::from_array(p.to_array().map(|c| {
+                if !c.is_finite() {
+                    return 0.0;
+                }
+                found.min = found.min.min(c);
+                found.max = found.max.max(c);
+                c.max(0.0)
+            }));
+        }
+        if found.min > found.max {
+            (found.min, found.max) = (f32::NAN, f32::NAN);
+        }
+        let geometry = LatLong::new(image.width(), image.height());
+        Self { image, geometry, found }
+    }
+
+    /// Where its texels lie on the sphere.
+    #[inline]
+    #[must_use]
+    pub fn geometry(&self) -> &LatLong {
+        &self.geometry
+    }
+
+    /// The cleaned texels.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// What was found in the file and what had to be cleaned.
+    #[must_use]
+    pub fn found(&self) -> Found {
+        self.found
+    }
+
+    /// Radiance of texel (x, y).
+    #[inline]
+    #[must_use]
+    pub fn texel(&self, x: usize, y: usize) -> Rgb {
+        self.image.get(x, y)
+    }
+
+    /// Radiance from a direction: that of its texel, without interpolation, which is what the samplers assume.
+    #[inline]
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        let (x, y) = self.geometry.texel(direction);
+        self.texel(x, y)
+    }
+
+    /// (R + G + B) / 3 of texel (x, y): what samplers weigh radiance by.
+    #[inline]
+    #[must_use]
+    pub fn mean_rgb(&self, x: usize, y: usize) -> f64 {
+        mean_rgb(self.texel(x, y))
+    }
+
+    /// Mean of R, G, B of texel (x, y) times its solid angle.
+    #[inline]
+    #[must_use]
+    pub fn energy(&self, x: usize, y: usize) -> f64 {
+        self.mean_rgb(x, y) * self.geometry.solid_angle(y)
+    }
+
+    /// Asks for the memory of a table that takes so many bytes for each texel.
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory).
+    pub fn request(&self, bytes_per_texel: usize, table: &str) -> Result<()> {
+        let (width, height) = (self.image.width(), self.image.height());
+        memory::request(width * height * bytes_per_texel, || format!("{table} of a map of {width}x{height} texels"))
+    }
+}
+
+/// A map with the name under which a user knows it.
+#[derive(Debug, Clone)]
+pub struct NamedMap {
+    /// The map.
+    pub map: Arc<EnvMap>,
+    /// A path as it was given, or a built-in name.
+    pub name: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_hot_maps_have_radiance_in_one_texel_only() {
+        for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (16, 8)] {
+            for hot in 0..w * h {
+                let (hx, hy) = (hot % w, hot / w);
+                let map =
+                    EnvMap::new(Image::from_fn(w, h, |x, y| if (x, y) == (hx, hy) { Rgb::ONE } else { Rgb::ZERO }));
+                for y in 0..h {
+                    for x in 0..w {
+                        let d = map.geometry().direction_in_texel(x, y, 0.5, 0.5);
+                        assert_eq!(map.radiance(d) == Rgb::ONE, (x, y) == (hx, hy), "{w}x{h} hot {hot} texel {x},{y}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bad_values_are_counted_and_set_to_zero() {
+        let pixels = vec![Rgb::new(1.0, f32::NAN, 2.0), Rgb::new(-1.0, 3.0, 0.0), Rgb::splat(f32::INFINITY), Rgb::ONE];
+        let map = EnvMap::new(Image::from_pixels(2, 2, pixels));
+        assert_eq!(map.found(), Found { min: -1.0, max: 3.0, nonfinite: 2, negative: 1 });
+        assert_eq!(map.texel(0, 0), Rgb::new(1.0, 0.0, 2.0));
+        assert_eq!(map.texel(1, 0), Rgb::new(0.0, 3.0, 0.0));
+        assert_eq!(map.texel(0, 1), Rgb::ZERO);
+    }
+}

@@ -1,0 +1,183 @@
+//! The contract of every sampler of a map: its entry in the registry, its samples, the traits that generate them.
+
+use crate::envmap::EnvMap;
+use crate::error::Result;
+use crate::math::Rgb;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// An entry of the registry.
+pub struct Entry {
+    /// Name at the command line; where [`Entry::has_regions`], a number follows it: `strata-64`.
+    pub name: &'static str,
+    /// Name of what the pdf is proportional to, which is a name of the sampler, too.
+    pub density: &'static str,
+    /// What it samples in proportion to, and how, in one line.
+    pub doc: &'static str,
+    /// Whether it takes a number of regions that the map is cut into.
+    pub has_regions: bool,
+    /// Whether the pdf is positive wherever radiance comes from, so that it may be used without another strategy.
+    pub complete: bool,
+    /// Whether samples have an inverse; see [`SurfaceSampler::invert_for`].
+    pub invertible: bool,
+    /// Memory of its tables.
+    pub bytes_per_texel: usize,
+    /// How it is made.
+    pub method: Method,
+}
+
+/// Makes a sampler of a map and a number of regions.
+type Build = fn(Arc<EnvMap>, RegionCount) -> Result<Box<dyn SurfaceSampler>>;
+
+/// The kinds of samplers, each with what makes it.
+pub enum Method {
+    /// Directions by the map alone.
+    Directions(Build),
+    /// Directions for a surface, by its normal.
+    ForNormal(Build),
+    /// No directions: fixed lights that stand for the map.
+    FixedLights(fn(&EnvMap, RegionCount) -> Result<Vec<FixedLight>>),
+}
+
+/// Number of regions that a map is cut into.
+pub type RegionCount = u32;
+
+/// A direction sampled from a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnvSample {
+    /// Unit direction towards the light.
+    pub wi: DVec3,
+    /// Pdf per solid angle: the value that the sampler's `pdf(wi)` returns, to the last bit.
+    pub pdf: f64,
+    /// The map's radiance from there.
+    pub radiance: Rgb,
+}
+
+/// Samples of a map, component by component; all parts have the same length.
+#[derive(Debug, Clone, Default)]
+pub struct EnvSamples {
+    /// x of the unit directions towards the light.
+    pub x: Vec<f64>,
+    /// y of these directions.
+    pub y: Vec<f64>,
+    /// z of these directions.
+    pub z: Vec<f64>,
+    /// Pdfs per solid angle.
+    pub pdf: Vec<f64>,
+    /// The map's radiance from there.
+    pub radiance: Vec<Rgb>,
+}
+
+impl EnvSamples {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pdf.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pdf.is_empty()
+    }
+
+    /// Removes all samples.
+    pub fn clear(&mut self) {
+        self.resize(0);
+    }
+
+    /// Appends a sample.
+    pub fn push(&mut self, sample: EnvSample) {
+        self.x.push(sample.wi.x);
+        self.y.push(sample.wi.y);
+        self.z.push(sample.wi.z);
+        self.pdf.push(sample.pdf);
+        self.radiance.push(sample.radiance);
+    }
+
+    /// All samples in turn.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = EnvSample> + '_ {
+        (0..self.len()).map(|i| EnvSample {
+            wi: DVec3::new(self.x[i], self.y[i], self.z[i]),
+            pdf: self.pdf[i],
+            radiance: self.radiance[i],
+        })
+    }
+
+    /// Makes room for `len` samples; new ones are 0.
+    pub(super) fn resize(&mut self, len: usize) {
+        for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
+            part.resize(len, 0.0);
+        }
+        self.radiance.resize(len, Rgb::ZERO);
+    }
+}
+
+/// A directional light that stands for a region of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedLight {
+    /// Unit direction towards the light, in the map's frame.
+    pub towards: DVec3,
+    /// ∫ L dω over the region: what a surface that faces the light receives.
+    pub irradiance: DVec3,
+}
+
+/// Samples directions towards a map's light.
+pub trait DirectionSampler: Send + Sync {
+    /// The direction for `u` in \[0, 1)²; `None` when the map is black.
+    fn sample(&self, u: [f64; 2]) -> Option<EnvSample>;
+
+    /// Replaces `out` by the samples for all of `u`, which are none when the map is black.
+    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+        out.clear();
+        u.iter().filter_map(|&u| self.sample(u)).for_each(|s| out.push(s));
+    }
+
+    /// Pdf of [`DirectionSampler::sample`] per solid angle.
+    fn pdf(&self, wi: DVec3) -> f64;
+
+    /// The `u` that [`DirectionSampler::sample`] maps to `wi`, if the sampler has an inverse.
+    fn invert(&self, _wi: DVec3) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+/// Samples directions towards the light that falls on a surface, whose normal it may take into account.
+pub trait SurfaceSampler: Send + Sync {
+    /// The direction for `u` in \[0, 1)² and a unit normal in the map's frame; `None` when there is no sample.
+    fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample>;
+
+    /// Replaces `out` by the samples that there are for all of `u`.
+    fn sample_many_for(&self, u: &[[f64; 2]], normal: DVec3, out: &mut EnvSamples) {
+        out.clear();
+        u.iter().filter_map(|&u| self.sample_for(u, normal)).for_each(|s| out.push(s));
+    }
+
+    /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.
+    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64;
+
+    /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.
+    fn invert_for(&self, _wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+impl<T: DirectionSampler> SurfaceSampler for T {
+    #[inline]
+    fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
+        self.sample(u)
+    }
+
+    fn sample_many_for(&self, u: &[[f64; 2]], _normal: DVec3, out: &mut EnvSamples) {
+        self.sample_many(u, out);
+    }
+
+    #[inline]
+    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
+        self.pdf(wi)
+    }
+
+    fn invert_for(&self, wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
+        self.invert(wi)
+    }
+}

@@ -1,0 +1,52 @@
+//! What a distribution of microfacet normals provides, and Smith's shadowing that follows from it.
+
+use crate::math::Real;
+
+/// An isotropic distribution of normals under Smith's model of shadowing.
+pub trait Microfacet<T: Real>: Copy {
+    /// Area of the facets with normal `wm`, per unit area of the surface and per solid angle (1/sr).
+    ///
+    /// ∫ D cos θₘ dωₘ = 1. Zero for normals on or below the horizon.
+    fn d(&self, wm: [T; 3]) -> T;
+
+    /// |z| Λ(w), the hidden part of the facets' projected area; `w` may be on either side.
+    fn cos_lambda(&self, w: [T; 3]) -> T;
+
+    /// Smith's Λ(w), hidden over visible projected area of the facets; infinite on the horizon.
+    #[inline(always)]
+    fn lambda(&self, w: [T; 3]) -> T {
+        self.cos_lambda(w) / w[2].abs()
+    }
+
+    /// Smith's masking function G₁, the share of the facets visible from `w`: 1/(1 + Λ); 0 on the horizon.
+    #[inline(always)]
+    fn g1(&self, w: [T; 3]) -> T {
+        w[2].abs() * self.g1_over_cos(w)
+    }
+
+    /// G₁(w)/|z|, finite on the horizon.
+    #[inline(always)]
+    fn g1_over_cos(&self, w: [T; 3]) -> T {
+        (w[2].abs() + self.cos_lambda(w)).recip()
+    }
+
+    /// Smith's masking-shadowing function G₂, the share of the facets visible from both directions: 1/(1 + Λₒ + Λᵢ), for
+    /// correlated heights.
+    #[inline(always)]
+    fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
+        (wo[2] * wi[2]).abs() * self.g2_over_cosines(wo, wi)
+    }
+
+    /// G₂(wo, wi)/|zₒ zᵢ|; infinite only with both directions on the horizon.
+    #[inline(always)]
+    fn g2_over_cosines(&self, wo: [T; 3], wi: [T; 3]) -> T {
+        let (o, i) = (wo[2].abs(), wi[2].abs());
+        (i * (o + self.cos_lambda(wo)) + o * self.cos_lambda(wi)).recip()
+    }
+}
+
+/// sin² of the angle with the mean normal.
+#[inline(always)]
+pub(super) fn sin2<T: Real>(w: [T; 3]) -> T {
+    w[0] * w[0] + w[1] * w[1]
+}
