@@ -433,3 +433,60 @@ fn only_errata_and_what_shows_them_name_the_reports() {
         .collect();
     assert!(found.is_empty(), "{}", Vec::from_iter(found).join("\n"));
 }
+
+/// Words that only this project used, and the terms of the field for them.
+const WORDS: &[(&str, &str)] = &[
+    ("lamp", "area light"),
+    ("lamps", "area lights"),
+    ("ball", "sphere"),
+    ("balls", "spheres"),
+    ("casters", "caustic cones"),
+    ("shine", "product warp"),
+    ("glow", "emission"),
+    ("evenness", "uniformity"),
+    ("promise", "bound"),
+    ("promises", "bounds"),
+    ("howmany", "sample count"),
+    ("elsewhere", "external"),
+    ("by turns", "alternating"),
+    ("told apart", "distinguished"),
+    ("nobody's business", "private"),
+    ("in any company", "whatever the others"),
+];
+
+#[test]
+fn words_of_this_project_alone_do_not_come_back() {
+    let mut found = Vec::new();
+    for module in modules() {
+        let product = module.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        let comments = product.lines().map(str::trim).filter(|line| line.starts_with("//"));
+        let names = tokens(&module.code).into_iter().flat_map(|name| words_of(&name));
+        let text: Vec<String> = comments.map(str::to_lowercase).chain(names).collect();
+        for (word, term) in WORDS {
+            let is_whole = |line: &String| {
+                line.match_indices(word).any(|(at, _)| {
+                    let around = [line[..at].chars().next_back(), line[at + word.len()..].chars().next()];
+                    around.into_iter().all(|c| c.is_none_or(|c| !c.is_alphanumeric()))
+                })
+            };
+            if let Some(line) = text.iter().find(|line| is_whole(line)) {
+                found.push(format!("{}: \"{word}\" is \"{term}\" in the field: {line}", module.file.display()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// The words of an identifier in lower case: `AreaLight` and `area_light` are "area" and "light".
+fn words_of(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for c in name.chars() {
+        if c == '_' || c.is_uppercase() {
+            words.push(String::new());
+        }
+        if c != '_' {
+            words.last_mut().expect("there is one").extend(c.to_lowercase());
+        }
+    }
+    words
+}
