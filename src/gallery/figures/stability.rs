@@ -6,7 +6,7 @@ use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
 use crate::gallery::studies::{Studies, Study};
-use crate::study::stability::{self, Effort, Stability};
+use crate::study::stability::{self, Stability, Workload};
 use crate::view::{stability as maps, stability_summary as summary};
 
 /// Ids and titles of the figures.
@@ -34,8 +34,8 @@ impl Study for Families {
     type Output = Stability;
 
     fn run(self, inputs: &Inputs) -> Result<Stability> {
-        let effort = inputs.effort.of(Effort::FIGURES, Effort::QUICK);
-        stability::run(&stability::of_figure(self.0), &effort, inputs.seed, &mut |_| {})
+        let workload = inputs.effort.of(Workload::FIGURES, Workload::QUICK);
+        stability::run(&stability::of_figure(self.0), &workload, inputs.seed, &mut |_| {})
     }
 }
 

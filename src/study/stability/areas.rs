@@ -1,13 +1,15 @@
-//! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against counts of whole numbers.
+//! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against sums in integers.
 
 use super::bound::Bound;
-use super::experiment::{Effort, Experiment, Tally};
-use super::family::{Precision, STABLE, TEXTBOOK};
-use super::row::Row;
+use super::experiment::{Experiment, Tally, Workload};
+use super::precision::Precision;
+use super::row::ErrorRow;
+use super::variant::{STABLE, TEXTBOOK};
 use crate::envmap::latlong::Block;
 use crate::envmap::sat::SummedArea;
 use crate::error::Result;
 
+/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "areas",
     about: "summed-area tables with one texel of 2^20 among 1 (areas), of 2^40 among 2^-40 (areas-extreme)",
@@ -24,8 +26,8 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// Texels along the sides of a block.
 const BLOCK: usize = 8;
 
-fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
-    let [width, height] = effort.map.map(|side| side / 8);
+fn run(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
+    let [width, height] = workload.map.map(|side| side / 8);
     let rows = [("areas", 2f64.powi(20), 1.0 + 2f64.powi(-12)), ("areas-extreme", 2f64.powi(40), 2f64.powi(-40))];
     let rows = rows.into_iter().flat_map(|(name, hot, cold)| {
         let at = (width / 8, height / 8);
@@ -37,7 +39,7 @@ fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
         for (x0, y0) in (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (x * BLOCK, y * BLOCK))) {
             let block = Block { x0, y0, x1: x0 + BLOCK, y1: y0 + BLOCK };
             let inside = |r: Block| (r.x0..r.x1).contains(&at.0) && (r.y0..r.y1).contains(&at.1);
-            // Numbers of few digits, so that counting texels is exact.
+            // Both values have few digits, so that this is exact.
             let exact = |r: Block| {
                 let cells = ((r.x1 - r.x0) * (r.y1 - r.y0)) as f64;
                 if inside(r) { hot + (cells - 1.0) * cold } else { cells * cold }
@@ -55,7 +57,7 @@ fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
     Ok(rows.collect())
 }
 
-/// The table in f32.
+/// The table in f32, row by row.
 fn single_sums(width: usize, height: usize, value: impl Fn(usize, usize) -> f64) -> Vec<f32> {
     let stride = width + 1;
     let mut sums = vec![0.0; stride * (height + 1)];

@@ -1,11 +1,15 @@
-//! Where a ray meets a sphere.
+//! Intersection of a ray with a sphere.
 
 use super::bound::Bound;
-use super::family::{Family, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
-use super::number::{Number, dot};
+use super::deviation::Range;
+use super::directions::vector;
+use super::family::{Family, POSITIVE, Scale, Section};
+use super::number::{Number, Value, dot, scalar};
+use super::variant::{STABLE, TEXTBOOK, Variant, variant};
 use crate::scene::Sphere;
 use glam::Vec3;
 
+/// The distance of the nearest point of the sphere along a ray; none if the ray misses.
 pub const FAMILY: Family = Family {
     name: "sphere",
     about: "distance to a sphere from the origin",
@@ -28,7 +32,7 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0]],
     reference: quadratic,
-    variants: &[Variant::single(STABLE, rendered), Variant::new(TEXTBOOK, quadratic, quadratic)],
+    variants: &[Variant::single(STABLE, rendered), variant!(TEXTBOOK, quadratic)],
     range: Range::UpTo(f64::MAX),
     bounds: &[Bound::roundings(20.0, "5 of b, 8 of the discriminant, 5 of c, 2 of the root and the quotient")],
     coarser: 1,
@@ -45,14 +49,14 @@ fn aimed(radius: f64, distance: f64, aside: f64) -> Vec<f64> {
 }
 
 fn rendered(x: &[f32]) -> Value<f32> {
-    let sphere = Sphere { centre: Vec3::new(x[1], x[2], x[3]), radius: x[0] };
-    let t = sphere.distance(Vec3::ZERO, Vec3::new(x[4], x[5], x[6]));
+    let sphere = Sphere { centre: vector(x, 1).into(), radius: x[0] };
+    let t = sphere.distance(Vec3::ZERO, vector(x, 4).into());
     if t.is_infinite() { None } else { scalar(t) }
 }
 
 /// The smaller root of a t² + b t + c = 0, or the larger where that lies behind: (−b ± √(b² − 4ac)) / 2a.
 fn quadratic<T: Number>(x: &[T]) -> Value<T> {
-    let (centre, direction) = ([x[1], x[2], x[3]], [x[4], x[5], x[6]]);
+    let (centre, direction) = (vector(x, 1), vector(x, 4));
     let (zero, two) = (T::of(0.0), T::of(2.0));
     let (a, b) = (dot(direction, direction), -two * dot(direction, centre));
     let discriminant = b.square() - T::of(4.0) * a * (dot(centre, centre) - x[0].square());
