@@ -2,7 +2,7 @@
 //!
 //! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The image is a floor under a uniform sky.
 
-use super::{Curves, Suspect};
+use super::erratum::{Erratum, ErratumCurves, Suspect};
 use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
@@ -81,19 +81,15 @@ fn right_share(y: usize) -> f64 {
 
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
-    Suspect {
+    let erratum = Erratum {
         title: "rows at the poles",
         report: "first report",
         printed: "row h weighs sin(hπ/(H − 1))",
         right: "row h weighs cos θₕ − cos θₕ₊₁",
         test: "chi-square of the directions, uniform sky of 32×16",
-        cases: vec![
-            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
-            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
-        ],
         error_in_picture: -of_floor(0),
         error_of: "light on a floor, 16 rows",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "row",
             every: 4.0,
             y: "share of the samples",
@@ -101,7 +97,15 @@ pub fn pole_rows() -> Suspect {
             right: steps(right_share),
             scattered: false,
         },
-    }
+        ..Erratum::default()
+    };
+    (
+        erratum,
+        [
+            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
+            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
+        ],
+    )
 }
 
 pub fn corners() -> Suspect {
@@ -121,16 +125,15 @@ pub fn corners() -> Suspect {
         };
         (0..160).map(at).collect()
     };
-    Suspect {
+    let erratum = Erratum {
         title: "corners of texels",
         report: "first report (its course)",
         printed: "the direction of the sampled texel's corner",
         right: "a direction anywhere in the texel, uniformly by solid angle",
         test: "chi-square of the directions, and distinct points among them",
-        cases: vec![printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))],
         error_in_picture: corners - 1.0,
         error_of: "light on a floor, 16 rows",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "column",
             every: 1.0,
             y: "row",
@@ -138,7 +141,9 @@ pub fn corners() -> Suspect {
             right: shown(|i| Independent::new(1, 0, i).pair(0)),
             scattered: true,
         },
-    }
+        ..Erratum::default()
+    };
+    (erratum, [printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))])
 }
 
 pub fn gaussian_numbers() -> Result<Suspect> {
@@ -164,16 +169,15 @@ pub fn gaussian_numbers() -> Result<Suspect> {
     let ends: Vec<f64> = (0..=HEIGHT).map(|y| rows[..y].iter().sum()).collect();
     let drawn: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
     let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * drawn[y] / rows[y]).sum();
-    Ok(Suspect {
+    let erratum = Erratum {
         title: "Gaussian random numbers",
         report: "first report",
         printed: "rows sampled by inversion of Gaussian random numbers",
         right: "rows sampled by inversion of uniform random numbers",
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
-        cases: vec![test("printed", true), test("right", false)],
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "row",
             every: 4.0,
             y: "share of the samples",
@@ -181,5 +185,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
             right: steps(|y| rows[y]),
             scattered: false,
         },
-    })
+        ..Erratum::default()
+    };
+    Ok((erratum, [test("printed", true), test("right", false)]))
 }

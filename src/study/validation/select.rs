@@ -1,6 +1,6 @@
 //! Choosing cases by their names: whole ones, families, patterns.
 
-use super::Case;
+use super::case::Case;
 use crate::error::{Error, Result};
 
 /// The cases that any of `patterns` names, in their own order; all of them without patterns.

@@ -1,7 +1,8 @@
 //! A run over planted faults: what rejected each, and how large it is.
 
-use super::super::run as run_cases;
-use super::{Case, Planted};
+use super::super::case::Case;
+use super::super::run::run as run_cases;
+use super::fault::PlantedFault;
 use crate::error::Result;
 use etalon_stats::multiple::sidak;
 use etalon_stats::power::noncentrality;
@@ -86,10 +87,10 @@ impl Findings {
 }
 
 /// Tests all of `planted` with and without their mistakes, in one run, and calls `done` after each test.
-pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Findings> {
+pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Findings> {
     let mut about = Vec::new();
     let mut cases: Vec<Case> = Vec::new();
-    for Planted { name, mistake, faulty, sound } in planted {
+    for PlantedFault { name, mistake, faulty, sound } in planted {
         about.push((name, mistake));
         cases.extend([faulty, sound]);
     }

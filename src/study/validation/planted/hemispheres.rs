@@ -1,6 +1,6 @@
 //! Mistakes in sampling directions over a hemisphere.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::sampling::direction_density;
 use crate::sampling::warp;
@@ -43,10 +43,11 @@ fn lobe_pdf(w: DVec3, factor: f64) -> f64 {
     factor / TAU * w.dot(mirrored().0).max(0.0).powf(N)
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/even-in-theta",
             "θ sampled uniformly from 0 to π/2, which crowds the pole: everyone's first sampler",
             half,
@@ -58,7 +59,7 @@ pub fn faults() -> Vec<Planted> {
                 )
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/disc-without-root",
             "a disc sampled with radius u instead of √u, then lifted to the hemisphere",
             half,
@@ -70,7 +71,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, draw), direction_density(|w: DVec3| w.z / PI))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/cosine-floor",
             "the pdf's cosine clamped to 0.05 to keep clear of divisions by zero",
             half,
@@ -80,7 +81,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, draw), direction_density(move |w: DVec3| w.z.max(least) / PI))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/sine-left-in",
             "the pdf per θ and φ taken for the one per solid angle: a factor sin θ too many",
             half,
@@ -90,7 +91,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, draw), direction_density(move |w: DVec3| w.z / PI * sine(w)))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/swapped-numbers",
             "the two random numbers exchanged in the inverse: directions come out right, stratification and replay do not",
             half,
@@ -103,7 +104,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, draw).with_inverse(inverse), direction_density(|w: DVec3| w.z / PI))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "hemisphere/frame-at-the-pole",
             "a tangent frame from the cross product with the normal, which is 0 for the normal itself: NaN",
             half,
@@ -118,7 +119,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "lobe/below-the-horizon",
             "directions lost below the horizon forgotten: the pdf is said to integrate to 1",
             half,
@@ -127,7 +128,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, lobe(1.0 / (N + 1.0))), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(mass))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "lobe/exponent",
             "cos α sampled as u^(1/n) instead of u^(1/(n+1)): the solid angle's own power forgotten",
             half,
@@ -136,7 +137,7 @@ pub fn faults() -> Vec<Planted> {
                 (sampler(2, lobe(power)), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(Mass::AtMostOne))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "lobe/factor-of-the-reflectance",
             "the lobe's pdf with the reflectance's factor n + 2 instead of n + 1",
             half,

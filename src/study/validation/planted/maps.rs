@@ -1,6 +1,6 @@
 //! Mistakes in sampling environment maps.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::envmap::{EnvMap, LatLong};
 use crate::math::Rgb;
 use crate::raster::Image;
@@ -63,8 +63,8 @@ fn by_sine(g: &LatLong, y: f64) -> f64 {
     2.0 * PI * PI / (width * height) * (PI * y / height).sin()
 }
 
-fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> Planted {
-    Planted::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
+fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
         let mut scheme = Scheme::right();
         if faulty {
             spoil(&mut scheme);
@@ -73,7 +73,8 @@ fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) ->
     })
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(
             "maps/half-texel",

@@ -1,6 +1,6 @@
 //! Mistakes in turning normals into reflected directions.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Ggx, Microfacet};
 use crate::sampling::direction_density;
@@ -72,10 +72,11 @@ fn pair(
     )
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        Planted::of(
+        PlantedFault::of(
             "reflection/missing-jacobian",
             "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
             half,
@@ -84,7 +85,7 @@ pub fn faults() -> Vec<Planted> {
                 pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/jacobian-of-the-surface",
             "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
             half,
@@ -93,7 +94,7 @@ pub fn faults() -> Vec<Planted> {
                 pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/swapped-directions",
             "wo and wi exchanged in the pdf, which by visible normals is not symmetric",
             half,
@@ -103,13 +104,13 @@ pub fn faults() -> Vec<Planted> {
                 pair(visible, if faulty { wrong } else { pdf_vndf })
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/bounded-density",
             "the pdf of bounded visible normals with samples of the unbounded ones",
             half,
             |faulty| pair(if faulty { visible } else { bounded }, pdf_bounded),
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/drawn-again",
             "directions below the horizon sampled once more, with the pdf as it was",
             half,

@@ -3,7 +3,8 @@
 //!
 //! Everything in f32 as renders do it, with random numbers of 24 bits; the pdfs are those by which renders divide.
 
-use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
+use super::super::case::Case;
+use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::{Bsdf, NormalSampling, Scatter};
 use crate::errata::Conventions;
 use crate::math::Rgb;

@@ -1,6 +1,7 @@
 //! Rectangles by their solid angle, seen from a point.
 
-use super::{Case, short};
+use super::super::case::Case;
+use super::inputs::short;
 use crate::math::Real;
 use crate::math::circular::Circular;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
@@ -17,6 +18,7 @@ const RECTANGLES: [(&str, [f64; 2], [f64; 2], f64); 7] = [
     ("strip", [-100.0, 100.0], [-0.01, 0.01], 1.0),
 ];
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, xs, ys, depth) in RECTANGLES {

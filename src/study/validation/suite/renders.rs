@@ -4,7 +4,7 @@
 //! Scenes are grey, so that one channel is enough. Random numbers are independent, not stratified, so that the film's
 //! variances are the true ones.
 
-use super::super::Case;
+use super::super::case::Case;
 use super::super::shared::Shared;
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;

@@ -3,7 +3,8 @@
 //! Directions and probabilities are computed here from the laws of reflection, Snell and Fresnel, in f64 and in their
 //! textbook form: nothing of the materials' own code is used.
 
-use super::{Case, short, towards};
+use super::super::case::Case;
+use super::inputs::{short, towards};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;

@@ -2,7 +2,7 @@
 //!
 //! Together these make the map's own pdf, if the regions tile the map and their energies are right.
 
-use super::Case;
+use super::super::case::Case;
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
@@ -13,6 +13,7 @@ use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {

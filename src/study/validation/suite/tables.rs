@@ -1,6 +1,6 @@
 //! Tabulated distributions: cumulative tables with their guides in one and two dimensions, and alias tables.
 
-use super::Case;
+use super::super::case::Case;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
@@ -31,6 +31,7 @@ fn steps(n: usize) -> Vec<f64> {
     (1..n).map(|i| i as f64 / n as f64).collect()
 }
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in SHAPES {

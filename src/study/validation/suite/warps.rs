@@ -1,11 +1,13 @@
 //! Maps from the unit square to directions, and the circular functions that they are made of.
 
-use super::{Case, short};
+use super::super::case::Case;
+use super::inputs::short;
 use crate::math::circular::Circular;
 use crate::sampling::{direction_density, warp};
 use etalon_stats::{Directions, Line, Pole, Sample, density, sampler};
 use glam::DVec3;
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let half = Directions::hemisphere(Pole::Z);
     vec![

@@ -1,6 +1,7 @@
 //! Area lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
 
-use super::{Case, short};
+use super::super::case::Case;
+use super::inputs::short;
 use crate::math::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
@@ -23,6 +24,7 @@ const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
 ];
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let spheres = SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius));
     let rectangles = RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y));

@@ -1,7 +1,7 @@
 //! The course's area light: its irradiance decreases with the distance, not with its square, because a vector that is not a
 //! unit vector is used as one.
 
-use super::{Curves, Suspect, curve};
+use super::erratum::{Erratum, ErratumCurves, Suspect, curve};
 use crate::errata::{Conventions, light::falloff_error};
 use crate::math::Rgb;
 use crate::render::{Sampling, Settings};
@@ -68,16 +68,15 @@ pub fn suspect() -> Suspect {
         (0..POINTS * POINTS).map(|i| irradiance([at(i % POINTS), at(i / POINTS)], too_bright)).sum()
     };
     let along = |too_bright| curve(-1.0, 1.0, |x| irradiance([x, 0.0], too_bright));
-    Suspect {
+    let erratum = Erratum {
         title: "light that falls off as 1/d",
         report: "second report (its course)",
         printed: "cos θ by a direction of length d: irradiance ∝ 1/d",
         right: "irradiance ∝ 1/d²",
         test: "Welch's t of the rendered floor against its exact radiance",
-        cases: vec![picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())],
         error_in_picture: mean(true) / mean(false) - 1.0,
         error_of: "light on the floor of the Cornell box",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{x} on the floor (scene's unit)",
             every: 0.5,
             y: "/{E} per /{L} (sr)",
@@ -85,5 +84,7 @@ pub fn suspect() -> Suspect {
             right: along(false),
             scattered: false,
         },
-    }
+        ..Erratum::default()
+    };
+    (erratum, [picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())])
 }
