@@ -14,7 +14,7 @@ use crate::sampling::direction_density;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::{Table1, Table2};
 use crate::study::proposal::SIGMA;
-use crate::study::validation::Case;
+use crate::study::validation::{Case, direction_sampler};
 use etalon_stats::{Density, Directions, Discrete, Pole, Sample, density, sampler};
 use glam::DVec3;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -51,10 +51,7 @@ where
         let map = uniform_sky();
         let draw = pick(map.geometry());
         let right = CdfSampler::new(map);
-        (
-            sampler(2, move |u: &[f64]| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
-            by_texel(move |w| right.pdf(w)),
-        )
+        (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
     })
 }
 
@@ -114,8 +111,7 @@ pub fn corners() -> Suspect {
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ConventionalSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
         let claim = CdfSampler::new(uniform_sky());
-        let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Sample::new(sample.wi.to_array()));
-        (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
+        (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
     });
     // Four by four texels.
     let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {

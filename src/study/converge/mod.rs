@@ -70,7 +70,7 @@ impl Plan {
 }
 
 /// The curves of all strategies on one scene.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Convergence {
     /// Its name.
     pub scene: String,
@@ -120,12 +120,7 @@ pub fn measure(
         scene: scene.name.clone(),
         width: request.width,
         height: request.height,
-        reference: None,
-        curves: Vec::new(),
-        cut: Vec::new(),
-        interrupted: false,
-        seconds: 0.0,
-        truth: None,
+        ..Convergence::default()
     };
     let truth = match known {
         Some(known) => Some(known.clone()),

@@ -1,10 +1,6 @@
 //! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against sums in integers.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::{STABLE, TEXTBOOK};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use crate::envmap::latlong::Block;
 use crate::envmap::sat::SummedArea;
 use crate::error::Result;

@@ -1,11 +1,9 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::COSINE;
-use super::family::{Family, Scale, Section};
-use super::number::{Machine, Number, Value, scalar};
-use super::variant::{REPORT, STABLE, TEXTBOOK, Variant, variant};
+use super::family::{
+    Bound, Family, Machine, Number, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar, variant,
+};
 use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;

@@ -1,10 +1,6 @@
 //! Median cut of maps that cannot be halved by energy: constant, black, one bright texel.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::STABLE;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::envmap::synthetic::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL, Synthetic};

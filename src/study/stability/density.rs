@@ -1,11 +1,7 @@
 //! The pdf of visible normals (VNDF).
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::{ALPHA, COSINE, of_cosine, of_slope, sin2_from_xy, sin2_from_z, vector};
-use super::family::{Family, POSITIVE, Section};
-use super::number::{Number, Value, dot, scalar};
-use super::variant::{STABLE, TEXTBOOK, variant};
+use super::family::{Bound, Family, Number, POSITIVE, Range, STABLE, Section, TEXTBOOK, Value, dot, scalar, variant};
 use super::{distribution, shadowing};
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;

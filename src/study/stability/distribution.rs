@@ -1,11 +1,7 @@
 //! The distribution of microfacet normals, D.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::{ALPHA, COSINE, of_cosine, of_slope, sin2_from_xy, sin2_from_z, vector, with};
-use super::family::{Family, POSITIVE, Scale, Section};
-use super::number::{Number, Value, scalar};
-use super::variant::{STABLE, TEXTBOOK, variant};
+use super::family::{Bound, Family, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, scalar, variant};
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
 /// D of Beckmann's distribution.

@@ -1,8 +1,12 @@
 //! Experiments whose exact results no formula of the inputs gives: sums, tables, cuts, paths.
+//!
+//! It re-exports what an experiment is written with.
 
-use super::bound::Bound;
-use super::precision::Precision;
-use super::row::ErrorRow;
+pub use super::bound::Bound;
+pub use super::precision::Precision;
+pub use super::row::ErrorRow;
+pub use super::variant::{STABLE, TEXTBOOK};
+
 use crate::error::Result;
 
 /// An experiment whose exact result is known by integers, by construction, or in closed form.

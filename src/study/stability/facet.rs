@@ -1,11 +1,9 @@
 //! The facet that reflects one direction into another: its normal, the half vector, and the cosine with either.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::vector;
-use super::family::{Family, Scale, Section};
-use super::number::{Number, Value, dot, normalized, scalar};
-use super::variant::{STABLE, TEXTBOOK, Variant, variant};
+use super::family::{
+    Bound, Family, Number, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, dot, normalized, scalar, variant,
+};
 use crate::bsdf::Facet;
 
 /// The half vector.

@@ -1,12 +1,16 @@
 //! A family of formulas for one quantity: its inputs, the grids that they are swept over, the reference and the variants.
+//!
+//! It re-exports what a family is written with.
 
-use super::bound::Bound;
-use super::case::Case;
-use super::deviation::Range;
-use super::number::Value;
+pub use super::bound::Bound;
+pub use super::case::Case;
+pub use super::deviation::Range;
+pub use super::number::{Machine, Number, Value, cross, dot, minus, normalized, scalar};
+pub use super::precision::Precision;
+pub(super) use super::variant::variant;
+pub use super::variant::{REPORT, STABLE, TEXTBOOK, Variant};
+
 use super::precise::Precise;
-use super::precision::Precision;
-use super::variant::Variant;
 
 /// Formulas for one quantity, swept over grids of their inputs.
 pub struct Family {

@@ -1,12 +1,8 @@
 //! The film: the mean of very many samples of one pixel, against 256-bit arithmetic.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use super::number::Number;
 use super::precise::Precise;
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::{STABLE, TEXTBOOK};
 use crate::error::Result;
 use crate::math::Rgb;
 use crate::render::film::Film;

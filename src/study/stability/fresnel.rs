@@ -1,12 +1,9 @@
 //! Dielectric Fresnel reflectance of unpolarized light.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::COSINE;
-use super::family::{Family, INDEX, Scale, Section};
-use super::number::{Number, Value, scalar};
-use super::precision::Precision;
-use super::variant::{REPORT, STABLE, TEXTBOOK, variant};
+use super::family::{
+    Bound, Family, INDEX, Number, Precision, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, scalar, variant,
+};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::dielectric;
 

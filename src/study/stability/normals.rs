@@ -1,12 +1,10 @@
 //! Samples of visible normals (VNDF).
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::{ALPHA, COSINE, of_cosine, vector};
-use super::family::{Family, POSITIVE, Scale, Section};
-use super::number::{Machine, Number, Value, normalized};
+use super::family::{
+    Bound, Family, Machine, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, normalized, variant,
+};
 use super::precise::Precise;
-use super::variant::{STABLE, TEXTBOOK, variant};
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
 

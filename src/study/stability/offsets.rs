@@ -1,10 +1,6 @@
 //! Offsets of ray origins: rays that leave a triangle must not hit it again, at any scale.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::{STABLE, TEXTBOOK};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use crate::error::Result;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Mesh, MeshBvh, Ray, Surface};

@@ -1,10 +1,6 @@
 //! Long paths that lose no energy: a closed white emitting box, and a walk over materials that absorb nothing.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::STABLE;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
 use crate::bsdf::Scatter;
 use crate::error::{Error, Result};
 use crate::math::Rgb;

@@ -82,26 +82,21 @@ impl Precise {
     }
 }
 
-impl Add for Precise {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+/// An operator of two numbers.
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl $trait for Precise {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.with(other, |a, b| a $operator b)
+            }
+        }
+    };
 }
 
-impl Sub for Precise {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Precise {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
 
 impl Div for Precise {
     type Output = Self;

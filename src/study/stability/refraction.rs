@@ -1,13 +1,10 @@
 //! The direction that a smooth dielectric refracts to.
 
-use super::bound::Bound;
-use super::case::Case;
-use super::deviation::Range;
 use super::directions::{COSINE, of_cosine, vector, with};
-use super::family::{Family, INDEX, Scale, Section};
+use super::family::{
+    Bound, Case, Family, INDEX, Number, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, normalized, variant,
+};
 use super::fresnel::{CRITICAL, above_critical};
-use super::number::{Number, Value, normalized};
-use super::variant::{STABLE, TEXTBOOK, Variant, variant};
 use crate::bsdf::{Refraction, Scatter};
 use crate::math::Rgb;
 use crate::optics::dielectric;

@@ -1,11 +1,9 @@
 //! Smith's masking function G₁ = 1/(1 + Λ), which is all that rendering needs of Λ.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::{ALPHA, COSINE, of_cosine, sin2_from_xy, sin2_from_z, vector, with};
-use super::family::{Family, POSITIVE, Section};
-use super::number::{Machine, Number, Value, scalar};
-use super::variant::{REPORT, STABLE, TEXTBOOK, variant};
+use super::family::{
+    Bound, Family, Machine, Number, POSITIVE, REPORT, Range, STABLE, Section, TEXTBOOK, Value, scalar, variant,
+};
 use crate::errata::microfacet::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 

@@ -1,11 +1,9 @@
 //! Intersection of a ray with a sphere.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::vector;
-use super::family::{Family, POSITIVE, Scale, Section};
-use super::number::{Number, Value, dot, scalar};
-use super::variant::{STABLE, TEXTBOOK, Variant, variant};
+use super::family::{
+    Bound, Family, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, dot, scalar, variant,
+};
 use crate::scene::Sphere;
 use glam::Vec3;
 

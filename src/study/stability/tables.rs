@@ -1,10 +1,6 @@
 //! Sampling tables of a map with one texel of 10¹² among 10⁻¹²: which bins can be sampled, and with which probability.
 
-use super::bound::Bound;
-use super::experiment::{Experiment, Tally, Workload};
-use super::precision::Precision;
-use super::row::ErrorRow;
-use super::variant::{STABLE, TEXTBOOK};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use crate::error::Result;
 use crate::memory;
 use crate::sampling::stream::{Independent, Stream};

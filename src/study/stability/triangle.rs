@@ -1,11 +1,9 @@
 //! Intersection of a ray with a triangle, slivers included.
 
-use super::bound::Bound;
-use super::deviation::Range;
 use super::directions::vector;
-use super::family::{Family, Scale, Section};
-use super::number::{Number, Value, cross, dot, minus, scalar};
-use super::variant::{STABLE, TEXTBOOK, Variant, variant};
+use super::family::{
+    Bound, Family, Number, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, cross, dot, minus, scalar, variant,
+};
 use crate::scene::{Mesh, MeshBvh, Ray};
 use glam::Vec3;
 

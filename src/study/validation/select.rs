@@ -54,25 +54,9 @@ fn nearest(cases: &[Case], wanted: &str) -> Vec<String> {
     known.extend(cases.iter().flat_map(|case| -> Vec<String> { parts(&case.name) }));
     known.sort();
     known.dedup();
-    known.sort_by_key(|name| distance(name, wanted));
+    known.sort_by_key(|name| strsim::levenshtein(name, wanted));
     known.truncate(3);
     known
-}
-
-/// Characters to insert, delete or exchange to turn `a` into `b`. Source: Levenshtein, Soviet Physics Doklady 10(8), 1966.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut before = i;
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let changed = before + usize::from(from != *to);
-            before = row[j + 1];
-            row[j + 1] = changed.min(before + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
@@ -104,12 +88,5 @@ mod tests {
         }
         let error = chosen(&["normals/gxg/all/0.5"]).unwrap_err();
         assert!(error.hint().unwrap().contains("normals/ggx/all/0.5"), "{error}");
-    }
-
-    #[test]
-    fn distances_by_hand() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("abc", "abc"), 0);
     }
 }

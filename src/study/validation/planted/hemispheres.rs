@@ -1,10 +1,11 @@
 //! Mistakes in sampling directions over a hemisphere.
 
+use super::super::case::direction_sampler;
 use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::sampling::direction_density;
 use crate::sampling::warp;
-use etalon_stats::{Directions, Mass, Pole, Sample, density, sampler};
+use etalon_stats::{DensityFn, Directions, Mass, Pole, Sample, Sampler, SamplerFn};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -25,12 +26,9 @@ fn in_lobe(axis: DVec3, [tangent, bitangent]: [DVec3; 2], cos: f64, turns: f64) 
 }
 
 /// Samples from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
-fn lobe(power: f64) -> impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> {
+fn lobe(power: f64) -> impl Sampler<[f64; 3]> {
     let (axis, frame) = mirrored();
-    move |u| {
-        let w = in_lobe(axis, frame, (1.0 - u[0]).powf(power), u[1]);
-        (w.z > 0.0).then(|| Sample::new(w.to_array()))
-    }
+    direction_sampler(move |u| Some(in_lobe(axis, frame, (1.0 - u[0]).powf(power), u[1])).filter(|w| w.z > 0.0))
 }
 
 fn mirrored() -> (DVec3, [DVec3; 2]) {
@@ -39,8 +37,13 @@ fn mirrored() -> (DVec3, [DVec3; 2]) {
 }
 
 /// Its pdf with the given factor for (n + 1).
-fn lobe_pdf(w: DVec3, factor: f64) -> f64 {
-    factor / TAU * w.dot(mirrored().0).max(0.0).powf(N)
+fn lobe_pdf(factor: f64) -> DensityFn<[f64; 3], impl Fn([f64; 3]) -> f64 + Sync> {
+    direction_density(move |w| factor / TAU * w.dot(mirrored().0).max(0.0).powf(N))
+}
+
+/// A right sampler in proportion to the cosine.
+fn cosine() -> SamplerFn<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync, fn([f64; 3]) -> Option<Vec<f64>>> {
+    direction_sampler(|u| Some(warp::cosine_hemisphere(u)))
 }
 
 /// The faults of this family.
@@ -53,10 +56,7 @@ pub fn faults() -> Vec<PlantedFault> {
             half,
             |faulty| {
                 let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
-                (
-                    sampler(2, move |u| Some(Sample::new(polar(cos(u[0]), u[1]).to_array()))),
-                    density(|_: [f64; 3]| 1.0 / TAU),
-                )
+                (direction_sampler(move |u| Some(polar(cos(u[0]), u[1]))), direction_density(|_: DVec3| 1.0 / TAU))
             },
         ),
         PlantedFault::of(
@@ -64,11 +64,9 @@ pub fn faults() -> Vec<PlantedFault> {
             "a disc sampled with radius u instead of √u, then lifted to the hemisphere",
             half,
             |faulty| {
-                let draw = move |u: &[f64]| {
-                    let r2 = if faulty { u[0] * u[0] } else { u[0] };
-                    Some(Sample::new(polar((1.0 - r2).sqrt(), u[1]).to_array()))
-                };
-                (sampler(2, draw), direction_density(|w: DVec3| w.z / PI))
+                let r2 = move |u: f64| if faulty { u * u } else { u };
+                let draw = move |u: [f64; 2]| Some(polar((1.0 - r2(u[0])).sqrt(), u[1]));
+                (direction_sampler(draw), direction_density(|w: DVec3| w.z / PI))
             },
         ),
         PlantedFault::of(
@@ -76,9 +74,8 @@ pub fn faults() -> Vec<PlantedFault> {
             "the pdf's cosine clamped to 0.05 to keep clear of divisions by zero",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
                 let least = if faulty { 0.05 } else { 0.0 };
-                (sampler(2, draw), direction_density(move |w: DVec3| w.z.max(least) / PI))
+                (cosine(), direction_density(move |w: DVec3| w.z.max(least) / PI))
             },
         ),
         PlantedFault::of(
@@ -86,9 +83,8 @@ pub fn faults() -> Vec<PlantedFault> {
             "the pdf per θ and φ taken for the one per solid angle: a factor sin θ too many",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
                 let sine = move |w: DVec3| if faulty { w.truncate().length() } else { 1.0 };
-                (sampler(2, draw), direction_density(move |w: DVec3| w.z / PI * sine(w)))
+                (cosine(), direction_density(move |w: DVec3| w.z / PI * sine(w)))
             },
         ),
         PlantedFault::of(
@@ -96,12 +92,11 @@ pub fn faults() -> Vec<PlantedFault> {
             "the two random numbers exchanged in the inverse: directions come out right, stratification and replay do not",
             half,
             |faulty| {
-                let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
                 let inverse = move |w: [f64; 3]| {
                     let [a, b] = warp::invert_cosine_hemisphere(w.into());
                     if faulty { vec![b, a] } else { vec![a, b] }
                 };
-                (sampler(2, draw).with_inverse(inverse), direction_density(|w: DVec3| w.z / PI))
+                (cosine().with_inverse(inverse), direction_density(|w: DVec3| w.z / PI))
             },
         ),
         PlantedFault::of(
@@ -112,11 +107,8 @@ pub fn faults() -> Vec<PlantedFault> {
                 let axis = DVec3::Z;
                 let tangent = if faulty { axis.cross(DVec3::Z).normalize() } else { DVec3::X };
                 let frame = [tangent, axis.cross(tangent)];
-                let draw = move |u: &[f64]| {
-                    let w = in_lobe(axis, frame, (1.0 - u[0]).powf(1.0 / (N + 1.0)), u[1]);
-                    Some(Sample::new(w.to_array()))
-                };
-                (sampler(2, draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
+                let draw = move |u: [f64; 2]| Some(in_lobe(axis, frame, (1.0 - u[0]).powf(1.0 / (N + 1.0)), u[1]));
+                (direction_sampler(draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
             },
         ),
         PlantedFault::of(
@@ -125,7 +117,7 @@ pub fn faults() -> Vec<PlantedFault> {
             half,
             |faulty| {
                 let mass = if faulty { Mass::Exactly(1.0) } else { Mass::AtMostOne };
-                (sampler(2, lobe(1.0 / (N + 1.0))), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(mass))
+                (lobe(1.0 / (N + 1.0)), lobe_pdf(N + 1.0).with_mass(mass))
             },
         ),
         PlantedFault::of(
@@ -134,7 +126,7 @@ pub fn faults() -> Vec<PlantedFault> {
             half,
             |faulty| {
                 let power = 1.0 / if faulty { N } else { N + 1.0 };
-                (sampler(2, lobe(power)), direction_density(|w| lobe_pdf(w, N + 1.0)).with_mass(Mass::AtMostOne))
+                (lobe(power), lobe_pdf(N + 1.0).with_mass(Mass::AtMostOne))
             },
         ),
         PlantedFault::of(
@@ -143,10 +135,7 @@ pub fn faults() -> Vec<PlantedFault> {
             half,
             |faulty| {
                 let factor = N + if faulty { 2.0 } else { 1.0 };
-                (
-                    sampler(2, lobe(1.0 / (N + 1.0))),
-                    direction_density(move |w| lobe_pdf(w, factor)).with_mass(Mass::AtMostOne),
-                )
+                (lobe(1.0 / (N + 1.0)), lobe_pdf(factor).with_mass(Mass::AtMostOne))
             },
         ),
     ]

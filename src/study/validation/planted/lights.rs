@@ -1,5 +1,6 @@
 //! Mistakes in sampling directions towards lights, and in choosing among lights.
 
+use super::super::case::direction_sampler;
 use super::fault::PlantedFault;
 use crate::sampling::direction_density;
 use etalon_stats::{Density, Directions, Line, Pole, Sample, Sampler, density, sampler};
@@ -45,14 +46,13 @@ pub fn faults() -> Vec<PlantedFault> {
             "a rectangle's pdf per area taken for the one per solid angle: d²/cos θ forgotten, or mixed up within MIS",
             sphere,
             |faulty| {
-                let draw =
-                    |u: &[f64]| Some(Sample::new(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize().to_array()));
+                let draw = |u: [f64; 2]| Some(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize());
                 // The rectangle is 1×1 at height 1: cos θ = y, d = 1/y.
                 let pdf = move |w: DVec3| {
                     let hit = w.y > 0.0 && w.x.abs() <= 0.5 * w.y && w.z.abs() <= 0.5 * w.y;
                     if hit { if faulty { 1.0 } else { w.y.powi(-3) } } else { 0.0 }
                 };
-                (sampler(2, draw), direction_density(pdf))
+                (direction_sampler(draw), direction_density(pdf))
             },
         ),
         PlantedFault::of(
@@ -69,10 +69,10 @@ pub fn faults() -> Vec<PlantedFault> {
             "a sphere's cone with r/d, which is its sine, in place of its cosine",
             sphere,
             |faulty| {
-                let draw = |u: &[f64]| Some(Sample::new(upright(1.0 - u[0] * (1.0 - ABOVE), u[1]).to_array()));
+                let draw = |u: [f64; 2]| Some(upright(1.0 - u[0] * (1.0 - ABOVE), u[1]));
                 let cos = if faulty { (1.0 - ABOVE * ABOVE).sqrt() } else { ABOVE };
                 let pdf = move |w: DVec3| if w.y > cos { 1.0 / (TAU * (1.0 - cos)) } else { 0.0 };
-                (sampler(2, draw), direction_density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
+                (direction_sampler(draw), direction_density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
             },
         ),
         PlantedFault::of(

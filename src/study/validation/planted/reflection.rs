@@ -1,5 +1,6 @@
 //! Mistakes in turning normals into reflected directions.
 
+use super::super::case::direction_sampler;
 use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Ggx, Microfacet};
@@ -61,48 +62,39 @@ fn pdf_bounded(wi: DVec3) -> f64 {
     FACETS.d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
 }
 
-/// Two numbers for a direction, in a hemisphere where some are lost.
+/// Two random numbers for a direction, in a hemisphere where some are lost.
 fn pair(
     draw: fn([f64; 2]) -> Option<DVec3>,
     pdf: fn(DVec3) -> f64,
 ) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
-    (
-        sampler(2, move |u| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
-        direction_density(pdf).with_mass(Mass::AtMostOne),
-    )
+    (direction_sampler(draw), direction_density(pdf).with_mass(Mass::AtMostOne))
+}
+
+/// A mistake in the pdf of reflections at visible normals.
+fn pdf_fault(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+        pair(visible, if faulty { wrong } else { pdf_vndf })
+    })
 }
 
 /// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        PlantedFault::of(
+        pdf_fault(
             "reflection/missing-jacobian",
             "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array());
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array()),
         ),
-        PlantedFault::of(
+        pdf_fault(
             "reflection/jacobian-of-the-surface",
             "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z;
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z,
         ),
-        PlantedFault::of(
+        pdf_fault(
             "reflection/swapped-directions",
             "wo and wi exchanged in the pdf, which by visible normals is not symmetric",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 =
-                    |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array());
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array()),
         ),
         PlantedFault::of(
             "reflection/bounded-density",
