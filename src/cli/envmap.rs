@@ -315,7 +315,7 @@ impl CutArgs {
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
-        let one = |(&n, rows): (&usize, &Vec<median_cut::Row>)| -> Result<CutOutput> {
+        let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<CutOutput> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
             let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;

@@ -94,7 +94,13 @@ impl Fresnel {
         Ok(Verdict::Good)
     }
 
-    fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
+    fn metal(
+        &self,
+        curves: &metal::ConductorCurves,
+        name: &str,
+        global: &Global,
+        console: &Console,
+    ) -> Result<Verdict> {
         if self.model == Model::Report {
             return Err(Error::parameter("model", "the first report draws no metals")
                 .with_hint("the second report's approximation is always drawn beside the exact curves"));

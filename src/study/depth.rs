@@ -24,7 +24,7 @@ const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct RadianceRow {
     /// Scatterings of the longest path.
     pub depth: u32,
     /// Kind of object, or "all".
@@ -69,7 +69,7 @@ pub struct Depths {
     /// Each image but the first, minus the one before it.
     pub differences: Vec<Image>,
     /// Radiance by depth and kind of object.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RadianceRow>,
     /// Light by path class and kind of object.
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
@@ -199,7 +199,7 @@ fn appears_at(class: &str) -> u32 {
     if class == "rest" { DEPTHS[DEPTHS.len() - 1] } else { class.len() as u32 - 2 }
 }
 
-fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> Row {
+fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
     let (mut sum, mut pixels) = (DVec3::ZERO, 0);
     for (p, _) in image.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
         sum += p.as_dvec3();
@@ -207,7 +207,15 @@ fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_ligh
     }
     let mean = sum / f64::from(pixels);
     let share_of_light = sum.element_sum() / 3.0 / all_light;
-    Row { depth, seen_on, pixels: pixels as usize, mean_r: mean.x, mean_g: mean.y, mean_b: mean.z, share_of_light }
+    RadianceRow {
+        depth,
+        seen_on,
+        pixels: pixels as usize,
+        mean_r: mean.x,
+        mean_g: mean.y,
+        mean_b: mean.z,
+        share_of_light,
+    }
 }
 
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.

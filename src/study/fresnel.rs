@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One angle of incidence. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct DielectricRow {
     /// Angle of incidence in degrees.
     pub theta_deg: f64,
     /// Exact reflectance of parallel polarization.
@@ -25,7 +25,7 @@ pub struct Row {
 
 /// The curves of one interface and what can be read off them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Curves {
+pub struct DielectricCurves {
     /// Index of refraction on the side of the incident light.
     pub eta_i: f64,
     /// Index of refraction on the other side.
@@ -52,7 +52,7 @@ pub struct Curves {
     pub schlick_max_rel_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<Row>,
+    pub rows: Vec<DielectricRow>,
 }
 
 /// Largest number of angles that can be asked for.
@@ -88,7 +88,7 @@ pub(super) fn cos_deg(theta_deg: f64) -> f64 {
 ///
 /// # Errors
 /// [`Error::Parameter`] for impossible indices and numbers of points.
-pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<Curves> {
+pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<DielectricCurves> {
     check_index("eta_i", eta_i)?;
     check_index("eta_t", eta_t)?;
     let eta = eta_t / eta_i;
@@ -100,7 +100,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };
     let row = |theta_deg: f64| {
         let exact = dielectric::fresnel(cos_deg(theta_deg), eta);
-        Row {
+        DielectricRow {
             theta_deg,
             r_parallel: exact.parallel,
             r_perpendicular: exact.perpendicular,
@@ -120,7 +120,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     let (abs_at, abs_max) = largest(end, abs_error);
     let (rel_at, rel_max) = largest(end, rel_error);
     let normal = dielectric::fresnel(1.0, eta);
-    Ok(Curves {
+    Ok(DielectricCurves {
         eta_i,
         eta_t,
         model: if single_cosine { "report" } else { "exact" },

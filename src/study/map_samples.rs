@@ -10,10 +10,10 @@ use serde::Serialize;
 
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct SampleRow {
     /// Column.
     pub x: f64,
-    /// Row.
+    /// SampleRow.
     pub y: f64,
     /// Direction, x.
     pub dir_x: f64,
@@ -35,7 +35,7 @@ pub struct Row {
 #[derive(Debug, Clone)]
 pub struct MapSamples {
     /// A row for each sample.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SampleRow>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,
     /// Samples whose pdf is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
@@ -63,7 +63,7 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
     let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
-        Row {
+        SampleRow {
             x,
             y,
             dir_x: s.wi.x,

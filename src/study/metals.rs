@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// One metal in one colour channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct MetalRow {
     /// Chemical symbol.
     pub symbol: &'static str,
     /// Name of the metal.
@@ -40,14 +40,14 @@ pub struct Row {
 
 /// All metals side by side.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct MetalTable {
     /// Three for each metal.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MetalRow>,
     /// The curves of each metal.
-    pub curves: Vec<metal::Curves>,
+    pub curves: Vec<metal::ConductorCurves>,
 }
 
-impl Table {
+impl MetalTable {
     /// The largest difference between the curves at 0° and ((η − 1)² + k²)/((η + 1)² + k²).
     #[must_use]
     pub fn normal_error(&self) -> f64 {
@@ -87,7 +87,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 ///
 /// # Errors
 /// Too few or too many points.
-pub fn table(points: usize) -> Result<Table> {
+pub fn table(points: usize) -> Result<MetalTable> {
     let mut rows = Vec::new();
     let mut all_curves = Vec::new();
     for known in metals::METALS {
@@ -100,7 +100,7 @@ pub fn table(points: usize) -> Result<Table> {
                 let c = super::fresnel::cos_deg(theta);
                 (approximate(c).parallel - exact(c).parallel).abs()
             };
-            rows.push(Row {
+            rows.push(MetalRow {
                 symbol: known.symbol,
                 metal: known.name,
                 wavelength_nm,
@@ -119,7 +119,7 @@ pub fn table(points: usize) -> Result<Table> {
         }
         all_curves.push(curves);
     }
-    Ok(Table { rows, curves: all_curves })
+    Ok(MetalTable { rows, curves: all_curves })
 }
 
 /// 2 ∫ R(c) c dc over the cosines from 0 to 1, by Simpson's rule in √c: R rises steeply from grazing incidence on.
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn every_metal_of_the_registry_is_in_the_table() {
-        let Table { rows, curves } = table(2).unwrap();
+        let MetalTable { rows, curves } = table(2).unwrap();
         for (i, metal) in metals::METALS.iter().enumerate() {
             assert!(rows[3 * i..3 * i + 3].iter().all(|row| row.symbol == metal.symbol && !row.source.is_empty()));
             assert!(curves[i].metal.contains(metal.symbol));

@@ -12,7 +12,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// One bin of rows. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Bin {
+pub struct RowBin {
     /// Where the bin begins, from the zenith.
     pub theta_from_deg: f64,
     /// Where the bin ends.
@@ -36,7 +36,7 @@ pub struct Proposal {
     pub gaussian: ChiSquare,
     /// The histograms.
     #[serde(skip)]
-    pub bins: Vec<Bin>,
+    pub bins: Vec<RowBin>,
 }
 
 /// Standard deviation of the Gaussian random numbers around ½; those outside \[0, 1) are rejected.
@@ -92,7 +92,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
 }
 
 /// Rows gathered into at most 64 bins for the drawing; the tests use single rows.
-fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<Bin> {
+fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<RowBin> {
     let height = energies.len();
     let total: f64 = energies.iter().sum();
     let per_bin = height.div_ceil(64);
@@ -101,7 +101,7 @@ fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Ve
         .map(|y0| {
             let rows = y0..(y0 + per_bin).min(height);
             let share = |counts: &[u64]| counts[rows.clone()].iter().sum::<u64>() as f64 / draws as f64;
-            Bin {
+            RowBin {
                 theta_from_deg: 180.0 * rows.start as f64 / height as f64,
                 theta_to_deg: 180.0 * rows.end as f64 / height as f64,
                 target: energies[rows.clone()].iter().sum::<f64>() / total,

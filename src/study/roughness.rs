@@ -11,7 +11,7 @@ use serde::Serialize;
 /// One image of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
 /// the standard error of the mean.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct StatueRow {
     /// Roughness α.
     pub alpha: f32,
     /// Samples per pixel.
@@ -41,9 +41,9 @@ pub struct Row {
 }
 
 /// An image with its numbers.
-pub struct Shot {
+pub struct StatueRender {
     /// Its row of the table.
-    pub row: Row,
+    pub row: StatueRow,
     /// The statue's mean radiance.
     pub statue: Mean,
     /// Which pixels show the statue.
@@ -58,7 +58,7 @@ pub struct Shot {
 ///
 /// # Errors
 /// Those of [`render`].
-pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
+pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> Result<StatueRender> {
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
@@ -69,7 +69,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
     let squares = estimates.map(|(e, _)| (f64::from(e.error.element_sum()) / 3.0).powi(2));
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
-    let row = Row {
+    let row = StatueRow {
         alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
         spp: request.spp,
         light_samples: request.light_samples,
@@ -84,7 +84,7 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
         noise,
         brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
     };
-    Ok(Shot { row, statue, mask, objects, rendered })
+    Ok(StatueRender { row, statue, mask, objects, rendered })
 }
 
 /// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random
@@ -129,7 +129,7 @@ mod tests {
         let shot = |symbol: &str| {
             let (scene, request) = builtin::cornell_statue(metals::by_name(symbol).unwrap(), 0.25, None).unwrap();
             let request = Request { width: 48, height: 36, spp: 32, light_samples: 1, ..request };
-            let shot = shoot(&scene, &request, &Settings::default()).unwrap();
+            let shot = render_statue(&scene, &request, &Settings::default()).unwrap();
             let other = mean_by_all_normals(&scene, &request, &Settings::default(), &shot.mask).unwrap();
             (shot, other)
         };

@@ -25,7 +25,7 @@ pub fn drawing(result: &Proposal) -> Drawing {
         .bars("samples", theme::OBSERVED, edges.clone(), shares)
         .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
     };
-    let share = |f: fn(&crate::study::proposal::Bin) -> f64| result.bins.iter().map(f).collect();
+    let share = |f: fn(&crate::study::proposal::RowBin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
         panel(format!("uniform random numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
-use crate::study::proposal::{self, Bin};
+use crate::study::proposal::{self, RowBin};
 use crate::view::proposal as view;
 
 /// Rows that are sampled.
@@ -30,7 +30,7 @@ pub fn figures() -> Vec<Figure> {
 fn content(inputs: &Inputs) -> Result<Content> {
     let Some(result) = proposal::compare(&inputs.map.map, SAMPLES, inputs.seed)? else {
         let check = Check::is_true("the map has light in enough rows for a test", false);
-        return Content::new(view::nothing_to_test(), &[] as &[Bin], vec![check]);
+        return Content::new(view::nothing_to_test(), &[] as &[RowBin], vec![check]);
     };
     let checks = vec![
         Check::at_least("p-value with uniform random numbers", result.uniform.p, LEVEL),

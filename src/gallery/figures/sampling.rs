@@ -7,7 +7,7 @@ use crate::gallery::figure::{Content, Figure, Report};
 use crate::gallery::inputs::Inputs;
 use crate::gallery::studies::{Studies, Study};
 use crate::raster::ToneMap;
-use crate::study::sampling_strategies::{Comparison, compare};
+use crate::study::sampling_strategies::{StrategyComparison, compare};
 use crate::view::statue as view;
 
 /// Standard errors by which two means may differ.
@@ -18,9 +18,9 @@ const SIGMAS: f64 = 4.0;
 struct BothStrategies;
 
 impl Study for BothStrategies {
-    type Output = Comparison;
+    type Output = StrategyComparison;
 
-    fn run(self, inputs: &Inputs) -> Result<Comparison> {
+    fn run(self, inputs: &Inputs) -> Result<StrategyComparison> {
         let (scene, request) = inputs.copper()?;
         compare(&scene, &request, &inputs.settings())
     }

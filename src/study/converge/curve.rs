@@ -57,7 +57,7 @@ impl Level {
 /// What a curve says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum CurveVerdict {
     /// The error of the mean over all replicates is more than chance explains: the curve flattens.
     Biased,
     /// As −½, within the slope's interval.
@@ -84,7 +84,7 @@ pub struct Curve {
     /// Mean squared bias of the last level; its standard error has the reference's noise in it.
     pub bias2: Estimate,
     /// What slope and bias say together.
-    pub verdict: Verdict,
+    pub verdict: CurveVerdict,
     /// Mean wall-clock time of the preparation: tables, trees.
     pub preparation_seconds: f64,
     /// The first replicate's picture at each level.
@@ -217,17 +217,17 @@ fn mean(images: &[&Image]) -> Image {
 }
 
 /// Bias must be significant, and of weight: a hundredth of what is left of the error at the end.
-fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> Verdict {
+fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> CurveVerdict {
     let last = last.map_or(f64::NAN, |level| level.mse.value);
     if bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last {
-        Verdict::Biased
+        CurveVerdict::Biased
     } else if !slope.half_width.is_finite() {
-        Verdict::Unknown
+        CurveVerdict::Unknown
     } else if slope.high() < -0.5 {
-        Verdict::Faster
+        CurveVerdict::Faster
     } else if slope.low() > -0.5 {
-        Verdict::Slower
+        CurveVerdict::Slower
     } else {
-        Verdict::MonteCarlo
+        CurveVerdict::MonteCarlo
     }
 }

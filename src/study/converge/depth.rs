@@ -7,12 +7,12 @@ use crate::render::Settings;
 use crate::scene::{Request, Scene};
 use etalon_stats::estimate::Estimate;
 
-/// Depths that are measured; the last one stands for all light.
+/// DepthCurve that are measured; the last one stands for all light.
 pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];
 
 /// One depth of one scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct DepthLevel {
     /// Most scatterings of a path.
     pub depth: u32,
     /// 1 − the picture's light over that of the deepest one of the same random numbers.
@@ -25,7 +25,7 @@ pub struct Level {
 
 /// A scene's depths.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Depths {
+pub struct DepthCurve {
     /// Its name.
     pub scene: String,
     /// Renders of each depth.
@@ -33,7 +33,7 @@ pub struct Depths {
     /// Samples per pixel.
     pub spp: u32,
     /// One for each of [`DEPTHS`].
-    pub levels: Vec<Level>,
+    pub levels: Vec<DepthLevel>,
 }
 
 /// Renders a scene to every depth, `replicates` times with seeds of their own, all depths in turns. A picture that ends
@@ -42,7 +42,13 @@ pub struct Depths {
 ///
 /// # Errors
 /// As [`Doubling::new`].
-pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, deadline: &Deadline) -> Result<Depths> {
+pub fn measure(
+    scene: &Scene,
+    request: &Request,
+    replicates: u32,
+    seed: u64,
+    deadline: &Deadline,
+) -> Result<DepthCurve> {
     let mut light: Vec<Vec<f64>> = vec![Vec::new(); DEPTHS.len()];
     let mut times = light.clone();
     for replicate in 0..replicates {
@@ -66,7 +72,7 @@ pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, dea
     let all_time: f64 = times[deepest].iter().sum();
     let level = |i: usize| {
         let missing = light[i].iter().zip(&light[deepest]).map(|(some, all)| 1.0 - some / all);
-        Level {
+        DepthLevel {
             depth: DEPTHS[i],
             missing: Estimate::mean(&missing.collect::<Vec<_>>()),
             cpu_seconds: Estimate::mean(&times[i]),
@@ -74,7 +80,7 @@ pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, dea
         }
     };
     let count = if light[0].is_empty() { 0 } else { DEPTHS.len() };
-    Ok(Depths {
+    Ok(DepthCurve {
         scene: scene.name.clone(),
         replicates: light[0].len() as u32,
         spp: request.spp,

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
 use crate::scene::{Request, Scene};
-use curve::{Curve, Measured, Run, Verdict};
+use curve::{Curve, CurveVerdict, Measured, Run};
 use doubling::{Deadline, Doubling};
 use reference::{Facts, Reference};
 use serde::Serialize;
@@ -236,7 +236,7 @@ impl Convergence {
     /// The smallest RMSE that every strategy without bias has reached.
     #[must_use]
     pub fn common_rmse(&self) -> f64 {
-        let unbiased = self.curves.iter().filter(|curve| curve.verdict != Verdict::Biased);
+        let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
         let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
         unbiased.map(least).fold(f64::NAN, f64::max)
     }
@@ -244,6 +244,6 @@ impl Convergence {
     /// Whether anything can be said of any strategy.
     #[must_use]
     pub fn has_verdict(&self) -> bool {
-        self.curves.iter().any(|curve| curve.verdict != Verdict::Unknown)
+        self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }
 }

@@ -20,7 +20,7 @@ pub const NORMALS: [(&str, NormalSampling); 3] = [
 
 /// One way of drawing normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct RoughnessLevel {
     /// Width of the lobe.
     pub alpha: f32,
     /// One of [`NORMALS`].
@@ -53,7 +53,7 @@ pub fn measure(
     replicates: u32,
     seed: u64,
     deadline: &Deadline,
-) -> Result<Vec<Level>> {
+) -> Result<Vec<RoughnessLevel>> {
     let mask = ObjectIdBuffer::new(scene, request).mask(Kind::Metal);
     let each = request.spp;
     let request = Request { spp: each * replicates, ..*request };
@@ -90,7 +90,7 @@ pub fn measure(
         }
         for (((normals, _), part), [mse, cpu]) in NORMALS.iter().zip(&parts).zip(&measured) {
             let efficiency = Estimate::mean(&mse.iter().zip(cpu).map(|(mse, s)| 1.0 / (mse * s)).collect::<Vec<_>>());
-            levels.push(Level {
+            levels.push(RoughnessLevel {
                 alpha,
                 normals,
                 spp: each,
