@@ -6,7 +6,7 @@
 use super::object_ids::{Kind, ObjectIdBuffer};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::math::Rgb;
+use crate::math::{Rgb, mean_rgb};
 use crate::raster::{Image, Metadata};
 use crate::render::film::{Film, Part, PathClasses};
 use crate::render::{Dropped, Job, Settings, Silent, render};
@@ -18,7 +18,7 @@ use serde::Serialize;
 pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
 /// Scatterings up to which path classes have layers of their own.
-const APART: u32 = 5;
+const CLASS_DEPTH: u32 = 5;
 /// Rows that are rendered together: enough for many threads.
 const ROWS: usize = 48;
 
@@ -108,8 +108,8 @@ pub const ALL: &str = "all";
 /// Those of [`Job::new`].
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
-    let (layers, dropped) = layers(scene, &request, &apart)?;
+    let by_class = Settings { paths: Some(CLASS_DEPTH), camera_paths_only: true, ..*settings };
+    let (layers, dropped) = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -144,7 +144,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
     });
     let rows = rows.collect();
-    // Light of each layer by kind of object: shares, lit pixels, centroid.
+    // Each layer's share of the light, pixels that are not black, and centroid, by kind of object.
     let mut classes = Vec::new();
     for (name, layer) in &layers {
         let depth = appears_at(name);
@@ -221,13 +221,13 @@ fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_ligh
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
 fn light(image: &Image, mask: &[bool]) -> f64 {
     let inside = image.pixels().iter().zip(mask).filter(|(_, inside)| **inside);
-    inside.map(|(p, _)| p.as_dvec3().element_sum() / 3.0).sum()
+    inside.map(|(p, _)| mean_rgb(*p)).sum()
 }
 
 fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for (i, (p, _)) in image.pixels().iter().zip(mask).enumerate().filter(|(_, (_, inside))| **inside) {
-        let weight = p.as_dvec3().element_sum() / 3.0;
+        let weight = mean_rgb(*p);
         let at = [i % image.width(), i / image.width()];
         (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));
     }
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_render_that_ends_early_is_the_deep_ones_beginning() {
+    fn a_shallow_render_is_the_beginning_of_a_deep_one() {
         let (scene, request) = small();
         for m in 0..4 {
             let t = truncation(&scene, &request, &Settings::default(), m).unwrap();

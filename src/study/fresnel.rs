@@ -23,7 +23,7 @@ pub struct DielectricRow {
     pub r_schlick: f64,
 }
 
-/// The curves of one interface and what can be read off them.
+/// The curves of one interface, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DielectricCurves {
     /// Index of refraction on the side of the incident light.
@@ -32,9 +32,9 @@ pub struct DielectricCurves {
     pub eta_t: f64,
     /// "exact", or "report" for curves by the first report's conventions.
     pub model: &'static str,
-    /// Where no parallel light is reflected; `None` without an interface (equal indices).
+    /// Angle at which no parallel light is reflected; `None` without an interface (equal indices).
     pub brewster_deg: Option<f64>,
-    /// Beyond it all light is reflected; `None` when entering the denser side.
+    /// Angle beyond which all light is reflected; `None` when entering the denser side.
     pub critical_deg: Option<f64>,
     /// Reflectance at normal incidence, the same for both polarizations.
     pub r_normal: f64,
@@ -138,7 +138,8 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     })
 }
 
-/// Where on \[0, `end`\] degrees `f` is largest, and its value there: the best of 4001 places, refined by thirds.
+/// The angle on \[0, `end`\] degrees at which `f` is largest, and its value there: the best of 4001 angles, refined by
+/// ternary search.
 pub(super) fn largest(end: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     const PLACES: usize = 4000;
     let at = |i: usize| end * i as f64 / PLACES as f64;

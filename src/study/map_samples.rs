@@ -56,9 +56,9 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
             Error::parameter("n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
-    let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
+    let random: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
     let mut sampled = EnvSamples::default();
-    sampler.sample_many_for(&numbers, normal, &mut sampled);
+    sampler.sample_many_for(&random, normal, &mut sampled);
     let samples: Vec<EnvSample> = sampled.iter().collect();
     let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {

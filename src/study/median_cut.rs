@@ -51,7 +51,7 @@ pub struct RegionRow {
 /// Cuts `map` into each of the numbers of regions asked for.
 pub fn cut(
     map: &EnvMap,
-    numbers: &[usize],
+    counts: &[usize],
     split: Split,
     sides: SideRule,
     centroid: Centroid,
@@ -77,7 +77,7 @@ pub fn cut(
             energy: region.energy,
         }
     };
-    numbers.iter().map(|&n| Ok(tables.regions(n)?.into_iter().map(row).collect())).collect()
+    counts.iter().map(|&n| Ok(tables.regions(n)?.into_iter().map(row).collect())).collect()
 }
 
 /// |Σ flux of the regions − flux of the map| / flux of the map; 0 for a black map.

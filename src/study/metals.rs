@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn the_albedo_is_an_integral_that_can_be_had_otherwise() {
+    fn the_albedo_agrees_with_closed_forms() {
         // R = c gives 2/3; and the approximation's is known in closed form.
         assert!((albedo(|c| c) - 2.0 / 3.0).abs() < 1e-12);
         for r in table(2).unwrap().rows {

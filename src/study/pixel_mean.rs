@@ -16,9 +16,9 @@ pub struct Mean {
 impl Mean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
     #[must_use]
-    pub fn of(exposure: &Film, mask: &[bool]) -> Self {
+    pub fn of(film: &Film, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
-        for (PixelEstimate { mean, error }, _) in exposure.estimates().zip(mask).filter(|(_, inside)| **inside) {
+        for (PixelEstimate { mean, error }, _) in film.estimates().zip(mask).filter(|(_, inside)| **inside) {
             for c in 0..3 {
                 sum[c] += f64::from(mean[c]);
                 square[c] += f64::from(error[c]).powi(2);

@@ -47,7 +47,10 @@ const POLL: usize = 1 << 16;
 
 /// Samples rows of `map` by inversion of its row CDF, `draws` times with each kind of random number.
 ///
-/// `None` when the map's light falls into too few rows to test how it is spread over them.
+/// `None` when the map has light in too few rows for a chi-square test.
+///
+/// # Errors
+/// [`Error::Parameter`] for fewer than 1000 or more than 2²⁸ samples; [`Error::Interrupted`].
 pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>> {
     if !(1000..=1 << 28).contains(&draws) {
         return Err(Error::parameter("draws", format!("{draws} draws")).with_hint("use 1000 to 2^28 draws"));
@@ -56,13 +59,13 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     let energies: Vec<f64> =
         (0..g.height()).map(|y| (0..g.width()).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
     let table = Table1::new(&energies);
-    let count = |number: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
+    let count = |random: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
         let mut counts = vec![0; energies.len()];
         for i in 0..draws {
             if i % POLL == 0 {
                 interrupt::check()?;
             }
-            if let Some(draw) = table.draw(number()) {
+            if let Some(draw) = table.draw(random()) {
                 counts[draw.cell] += 1;
             }
         }
@@ -91,7 +94,7 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     }))
 }
 
-/// Rows gathered into at most 64 bins for the drawing; the tests use single rows.
+/// Rows merged into at most 64 bins for the drawing; the tests use single rows.
 fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<RowBin> {
     let height = energies.len();
     let total: f64 = energies.iter().sum();

@@ -40,7 +40,7 @@ pub struct StatueRow {
     pub brightest_percent: f64,
 }
 
-/// An image with its numbers.
+/// An image with its statistics.
 pub struct StatueRender {
     /// Its row of the table.
     pub row: StatueRow,
@@ -126,14 +126,14 @@ mod tests {
 
     #[test]
     fn all_normals_agree_and_another_metal_does_not() {
-        let shot = |symbol: &str| {
+        let statue = |symbol: &str| {
             let (scene, request) = builtin::cornell_statue(metals::by_name(symbol).unwrap(), 0.25, None).unwrap();
             let request = Request { width: 48, height: 36, spp: 32, light_samples: 1, ..request };
             let shot = render_statue(&scene, &request, &Settings::default()).unwrap();
             let other = mean_by_all_normals(&scene, &request, &Settings::default(), &shot.mask).unwrap();
             (shot, other)
         };
-        let ((gold, second), (iron, _)) = (shot("Au"), shot("Fe"));
+        let ((gold, second), (iron, _)) = (statue("Au"), statue("Fe"));
         assert!(gold.statue.z(&second).abs() < 4.0, "{:?} {second:?}", gold.statue);
         assert!(gold.statue.z(&iron.statue).abs() > 4.0, "{:?} {:?}", gold.statue, iron.statue);
         assert!(gold.row.statue_r > gold.row.statue_g && gold.row.statue_g > gold.row.statue_b);

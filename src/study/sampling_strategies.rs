@@ -82,6 +82,9 @@ impl StrategyComparison {
 }
 
 /// Renders the scene twice, with independent random numbers.
+///
+/// # Errors
+/// Those of [`render_statue`].
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<StrategyComparison> {
     let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
@@ -147,7 +150,7 @@ struct Side {
 
 impl Side {
     fn mean_error(&self) -> f64 {
-        // Channels are lit by the same samples: their errors do not average out.
+        // The channels of a sample are correlated: their errors do not average out.
         self.mean.error.iter().sum::<f64>() / 3.0
     }
 

@@ -10,10 +10,13 @@ use crate::study::validation::suite::renders::{RenderTest, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The area light of the report's Cornell box, 0.6 by 0.8 at this height, and the point on the floor that the camera sees.
+/// Half sides of the area light of the report's Cornell box.
 const HALF: [f64; 2] = [0.3, 0.4];
+/// Its height above the floor.
 const HEIGHT: f64 = 1.49;
+/// The point of the floor in the image, (x, z).
 const PLACE: [f64; 2] = [0.3, 0.2];
+/// Of the floor.
 const ALBEDO: f64 = 0.6;
 
 /// Irradiance of the floor at (x, z) by an area light of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
@@ -31,10 +34,10 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     sum * area
 }
 
-/// The floor under the area light, seen from close above.
-fn picture(inverse_distance: bool) -> RenderTest {
+/// The image of the floor under the area light, from close above.
+fn floor(inverse_distance: bool) -> RenderTest {
     let rectangle = |centre, x, y| Rectangle::new(centre, x, y).expect("the sides are perpendicular");
-    let floor = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
+    let ground = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
     let panel = rectangle(Vec3::Y * HEIGHT as f32, HALF[0] as f32 * Vec3::X, HALF[1] as f32 * Vec3::Z);
     let camera = Camera {
         position: DVec3::new(PLACE[0], 0.5, PLACE[1]),
@@ -46,7 +49,7 @@ fn picture(inverse_distance: bool) -> RenderTest {
     let scene = Scene {
         name: "floor".into(),
         camera,
-        objects: vec![Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(ALBEDO as f32) })],
+        objects: vec![Object::new(Shape::Rectangle(ground), Material::Diffuse { albedo: Rgb::splat(ALBEDO as f32) })],
         lights: vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }],
         environment: None,
     };
@@ -60,6 +63,7 @@ fn picture(inverse_distance: bool) -> RenderTest {
     }
 }
 
+/// Light that falls off as 1/d.
 pub fn suspect() -> Suspect {
     // Over the report's floor, 2 by 2.
     const POINTS: usize = 12;
@@ -86,5 +90,5 @@ pub fn suspect() -> Suspect {
         },
         ..Erratum::default()
     };
-    (erratum, [picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())])
+    (erratum, [floor(true).case("audit/lamp/printed", |_| ()), floor(false).case("audit/lamp/right", |_| ())])
 }

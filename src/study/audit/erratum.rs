@@ -23,7 +23,7 @@ pub struct Erratum {
     pub p: Option<f64>,
     /// The samples of that test.
     pub samples: u64,
-    /// What an exact check finds wrong with the printed claim.
+    /// The violation that an exact check finds in the printed claim.
     pub violation: Option<String>,
     /// Verdict on the corrected claim.
     pub right_verdict: Verdict,

@@ -9,12 +9,14 @@ use crate::study::validation::Case;
 use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
 
-/// Index of the glass, and an angle inside it below the critical one of 43.6°.
+/// Index of refraction of the glass.
 const ETA: f64 = 1.45;
-const SEEN_AT: f64 = 40.0;
+/// Angle of incidence inside the glass in degrees, below the critical angle of 43.6°.
+const THETA: f64 = 40.0;
 
+/// Schlick's approximation with the incident cosine.
 pub fn suspect() -> Suspect {
-    let (sin, cos) = SEEN_AT.to_radians().sin_cos();
+    let (sin, cos) = THETA.to_radians().sin_cos();
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
             let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);

@@ -1,6 +1,7 @@
 //! The first report's environment map: its weights of rows, its directions, its random numbers.
 //!
-//! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The image is a floor under a uniform sky.
+//! With a map of 32×16 the errors are percents; with 1024×512 they would be in the fourth digit. The image is a floor under
+//! a uniform sky.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect};
 use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
@@ -43,6 +44,7 @@ fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density<[f64; 3]> {
     direction_density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 
+/// The test of a sampler of directions under a uniform sky.
 fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case
 where
     S: Fn([f64; 2]) -> Option<DVec3> + Sync,
@@ -72,10 +74,12 @@ fn steps(share: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     (0..HEIGHT).flat_map(|y| [[y as f64, share(y)], [(y + 1) as f64, share(y)]]).collect()
 }
 
+/// The share of uniform directions in a row.
 fn right_share(y: usize) -> f64 {
     0.5 * (edge(y) - edge(y + 1))
 }
 
+/// Weights of rows that are 0 at the poles.
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
     let erratum = Erratum {
@@ -105,8 +109,9 @@ pub fn pole_rows() -> Suspect {
     )
 }
 
+/// Directions at the corners of texels.
 pub fn corners() -> Suspect {
-    // What the report's estimator is on average: Σ L cos θ/p over the corners, each sampled with its probability.
+    // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ConventionalSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
@@ -142,6 +147,10 @@ pub fn corners() -> Suspect {
     (erratum, [printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))])
 }
 
+/// Inversion of Gaussian random numbers.
+///
+/// # Errors
+/// None: the standard deviation is a constant.
 pub fn gaussian_numbers() -> Result<Suspect> {
     let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
     let (low, high) = (normal.cdf(0.0), normal.cdf(1.0));
@@ -163,8 +172,8 @@ pub fn gaussian_numbers() -> Result<Suspect> {
         })
     };
     let ends: Vec<f64> = (0..=HEIGHT).map(|y| rows[..y].iter().sum()).collect();
-    let drawn: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
-    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * drawn[y] / rows[y]).sum();
+    let gaussian: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
+    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * gaussian[y] / rows[y]).sum();
     let erratum = Erratum {
         title: "Gaussian random numbers",
         report: "first report",
@@ -177,7 +186,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
             x: "row",
             every: 4.0,
             y: "share of the samples",
-            printed: steps(|y| drawn[y]),
+            printed: steps(|y| gaussian[y]),
             right: steps(|y| rows[y]),
             scattered: false,
         },

@@ -19,12 +19,17 @@ use glam::DVec3;
 const ALPHA: f64 = 0.5;
 /// The channel in which copper varies most with the angle.
 const BLUE: usize = 2;
-/// Pairs of directions that reciprocity is tried on.
+/// Pairs of directions on which reciprocity is tested.
 const PAIRS: u32 = 1 << 14;
-/// What f32 makes of two equal reflectances, and those that it cannot tell from 0.
+/// Relative difference of equal reflectances by rounding in f32.
 const ROUNDING: f64 = 1e-4;
+/// Smaller reflectances count as 0.
 const FAINTEST: f64 = 1e-30;
 
+/// The errors of the second report's metal.
+///
+/// # Errors
+/// Those of [`integrate`].
 pub fn suspects() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
 }
@@ -35,12 +40,13 @@ fn at(degrees: f64) -> DVec3 {
     DVec3::new(-sin, 0.0, cos.max(0.0))
 }
 
-/// Towards a viewer at that angle.
+/// The direction towards a viewer at that angle in degrees.
 fn viewer(degrees: f64) -> DVec3 {
     let w = at(degrees);
     DVec3::new(-w.x, 0.0, w.z)
 }
 
+/// The half vector.
 fn facet(wo: DVec3, wi: DVec3) -> DVec3 {
     (wo + wi).normalize()
 }

@@ -13,13 +13,13 @@ pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];
 /// One depth of one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthLevel {
-    /// Most scatterings of a path.
+    /// Largest number of scatterings of a path.
     pub depth: u32,
-    /// 1 − the picture's light over that of the deepest one of the same random numbers.
+    /// 1 − mean of the image over mean of the deepest image with the same random numbers.
     pub missing: Estimate,
     /// Mean over the replicates.
     pub cpu_seconds: Estimate,
-    /// Processor time over that of the deepest picture.
+    /// Processor time over that of the deepest image.
     pub time_share: f64,
 }
 
@@ -36,9 +36,9 @@ pub struct DepthCurve {
     pub levels: Vec<DepthLevel>,
 }
 
-/// Renders a scene to every depth, `replicates` times with seeds of their own, all depths in turns. A picture that ends
-/// early is the beginning of a deep one (see [`truncation`](crate::study::depth::truncation)), so that their noise is
-/// the same and what is missing is known far better than either of them. Without a level if the deadline comes first.
+/// Renders a scene to every depth, `replicates` times with different seeds, all depths alternating. The paths of a shallow
+/// image are the beginnings of those of a deep one (see [`truncation`](crate::study::depth::truncation)): their noise is
+/// the same, so that the difference is known far better than either of them. Without levels if the deadline comes first.
 ///
 /// # Errors
 /// As [`Doubling::new`].

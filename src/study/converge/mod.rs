@@ -1,9 +1,9 @@
-//! Error against run time: how far each sampling strategy's picture is from the truth as its samples double.
+//! Error against run time: the error of each sampling strategy's image as its samples double.
 //!
 //! A replicate renders every strategy once, with a seed of its own. All strategies take each step (1, 2, 4, … samples
-//! per pixel) in turns, so that a machine that slows down slows all of them, and only the rendering itself is timed.
-//! Errors are taken against an exact picture where there is one, else against two independent long renders whose own
-//! errors drop out (see [`compare_with_halves`](crate::raster::compare_with_halves)).
+//! per pixel) alternating, so that a machine that slows down slows all of them, and only the rendering itself is timed.
+//! Errors are relative to an exact image where there is one, else to two independent long renders whose own errors
+//! cancel (see [`compare_with_halves`](crate::raster::compare_with_halves)).
 
 pub mod curve;
 pub mod depth;
@@ -82,22 +82,22 @@ pub struct Convergence {
     pub reference: Option<Facts>,
     /// One for each strategy, in their order.
     pub curves: Vec<Curve>,
-    /// What the budget did not allow, in words.
+    /// What was left out for lack of time, in words.
     pub cut: Vec<String>,
     /// Whether the process was asked to stop before the end of the budget.
     pub interrupted: bool,
     /// Wall-clock time of everything.
     pub seconds: f64,
-    /// What errors were taken against.
+    /// The reference of the errors.
     #[serde(skip)]
     pub truth: Option<Reference>,
 }
 
-/// Each half of a rendered reference has at most so many times the samples of what is compared with it, each with several
-/// light samples: together a mean squared error of less than a tenth.
+/// Samples of each half of a rendered reference over those of the last level. With several light samples each, its mean
+/// squared error is less than a tenth of that level's.
 const FURTHER: u32 = 8;
 
-/// The share of the time that is kept back for evaluating errors.
+/// The share of the time that is reserved for evaluating errors.
 const RESERVE: f64 = 0.03;
 
 /// Measures the strategies on a scene.
@@ -157,7 +157,7 @@ fn run_schedule(
     result: &mut Convergence,
 ) -> Result<()> {
     let request = Request { spp: plan.max_spp, ..*request };
-    let picture = truth.image();
+    let exact = truth.image();
     let mut runs: Vec<Vec<Run>> = strategies.iter().map(|_| Vec::new()).collect();
     let mut images = vec![Vec::new(); strategies.len()];
     let mut flips = vec![Vec::new(); strategies.len()];
@@ -190,7 +190,7 @@ fn run_schedule(
                 let image = render.image();
                 levels[i].push(Measured { spp: render.spp(), times: render.times, errors: truth.compare(&image)? });
                 if replicate == 0 {
-                    flips[i].push(flip::mean(&image, &picture));
+                    flips[i].push(flip::mean(&image, &exact));
                     images[i].push(image);
                 }
                 on.push(i);
@@ -241,7 +241,7 @@ impl Convergence {
         unbiased.map(least).fold(f64::NAN, f64::max)
     }
 
-    /// Whether anything can be said of any strategy.
+    /// Whether any strategy has a verdict.
     #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)

@@ -1,4 +1,4 @@
-//! What the choice of microfacet normals costs and brings, over the roughness of a metal.
+//! Time and noise of the ways of sampling microfacet normals, over the roughness of a metal.
 
 use super::doubling::{Deadline, Times};
 use crate::bsdf::NormalSampling;
@@ -11,23 +11,23 @@ use crate::study::object_ids::{Kind, ObjectIdBuffer};
 use crate::study::pixel_mean::Mean;
 use etalon_stats::estimate::Estimate;
 
-/// The ways of drawing normals, by name.
+/// The ways of sampling normals, by name.
 pub const NORMALS: [(&str, NormalSampling); 3] = [
     ("visible normals", NormalSampling::Vndf),
     ("all normals", NormalSampling::Ndf),
     ("hemisphere", NormalSampling::Hemisphere),
 ];
 
-/// One way of drawing normals at one roughness, on the pixels that show metal.
+/// One way of sampling normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughnessLevel {
-    /// Width of the lobe.
+    /// Roughness α of the metals.
     pub alpha: f32,
     /// One of [`NORMALS`].
     pub normals: &'static str,
     /// Samples per pixel of each replicate.
     pub spp: u32,
-    /// Renders of their own samples.
+    /// Renders with samples of their own.
     pub replicates: u32,
     /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
     pub mse: Estimate,
@@ -39,9 +39,9 @@ pub struct RoughnessLevel {
     pub light: Mean,
 }
 
-/// Renders a scene with its metals at each roughness, drawing normals in every way, each `replicates` times in turns.
+/// Renders a scene with its metals at each roughness, sampling normals in every way, each `replicates` times, alternating.
 ///
-/// Numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
+/// Random numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
 /// is no bias, and replicates are ranges of samples of one render. Fewer roughnesses if the deadline comes first.
 ///
 /// # Errors

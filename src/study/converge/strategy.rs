@@ -227,12 +227,12 @@ mod tests {
     }
 
     #[test]
-    fn a_room_without_a_map_has_no_regions() {
-        let (room, _) = builtin::cornell_lambert();
+    fn a_cornell_box_without_a_map_has_no_regions() {
+        let (cornell, _) = builtin::cornell_lambert();
         let (furnace, _) = builtin::furnace();
         let check = |name: &str, scene| name.parse::<Strategy>().unwrap().check(scene).is_ok();
-        assert!(check("mis", &room) && !check("strata-16", &room) && check("strata-16", &furnace));
-        assert!(Strategy::usual(&room).iter().all(|s| s.check(&room).is_ok()));
-        assert_eq!((Strategy::usual(&room).len(), Strategy::usual(&furnace).len()), (8, 8));
+        assert!(check("mis", &cornell) && !check("strata-16", &cornell) && check("strata-16", &furnace));
+        assert!(Strategy::usual(&cornell).iter().all(|s| s.check(&cornell).is_ok()));
+        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (8, 8));
     }
 }

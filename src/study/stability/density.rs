@@ -9,7 +9,7 @@ use crate::sampling::normals::SampleNormals;
 /// The pdf of Beckmann's visible normals.
 pub const BECKMANN: Family = Family {
     name: "beckmann-pdf",
-    about: "density of the visible normals of a Beckmann surface",
+    about: "pdf of the visible normals of a Beckmann surface",
     figure: "stability-microfacet",
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "wm_x", "wm_y", "wm_z"],
     domains: &[POSITIVE],
@@ -33,7 +33,7 @@ pub const BECKMANN: Family = Family {
 /// The pdf of visible normals of GGX.
 pub const GGX: Family = Family {
     name: "ggx-pdf",
-    about: "density of the visible normals of a GGX surface",
+    about: "pdf of the visible normals of a GGX surface",
     reference: |x| visible(x, sin2_from_xy, distribution::ggx, shadowing::ggx),
     variants: &[
         variant!(STABLE, |x| scalar(Ggx::new(x[0]).pdf_vndf(vector(x, 1), vector(x, 4)))),

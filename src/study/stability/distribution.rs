@@ -7,7 +7,7 @@ use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 /// D of Beckmann's distribution.
 pub const BECKMANN: Family = Family {
     name: "beckmann-d",
-    about: "Beckmann's density of normals",
+    about: "Beckmann's distribution of normals",
     figure: "stability-microfacet",
     inputs: &["alpha", "x", "y", "z"],
     domains: &[POSITIVE],
@@ -30,7 +30,7 @@ pub const BECKMANN: Family = Family {
 /// D of the GGX distribution.
 pub const GGX: Family = Family {
     name: "ggx-d",
-    about: "the GGX density of normals",
+    about: "the GGX distribution of normals",
     sections: &[
         Section { title: "over the lobe", x: ALPHA, y: Scale::new(SLOPE, 1e-3, 1e4), at: over_the_lobe },
         GRAZING,

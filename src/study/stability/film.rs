@@ -36,7 +36,7 @@ fn run(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
     for (c, values) in CHANNELS.into_iter().enumerate() {
         let sum = Precise::of(f64::from(values[0])) + Precise::of(f64::from(values[1]));
         let exact = (sum / Precise::of(2.0)).to_f64();
-        let what = || format!("{} samples of {:e} and {:e} by turns", 2 * pairs, values[0], values[1]);
+        let what = || format!("{} samples of {:e} and {:e}, alternating", 2 * pairs, values[0], values[1]);
         // All samples are positive: nothing cancels.
         stable.compare(f64::from(mean[c]), exact, 1.0, what);
         let single: f32 = plain_sum(pairs, values, |sum, v| sum + v);

@@ -11,7 +11,7 @@ use crate::sampling::normals::SampleNormals;
 /// Visible normals of Beckmann's distribution.
 pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
-    about: "visible normals drawn from a Beckmann surface",
+    about: "visible normals sampled from a Beckmann surface",
     figure: "stability-sampling",
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "u0", "u1"],
     domains: &[POSITIVE],
@@ -48,7 +48,7 @@ pub const BECKMANN: Family = Family {
 /// Visible normals of GGX.
 pub const GGX: Family = Family {
     name: "ggx-normal",
-    about: "visible normals drawn from a GGX surface",
+    about: "visible normals sampled from a GGX surface",
     reference: ggx_textbook,
     variants: &[
         variant!(STABLE, |x| Some(Ggx::new(x[0]).sample_vndf(vector(x, 1), [x[4], x[5]]))),

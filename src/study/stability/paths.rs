@@ -77,7 +77,7 @@ fn closed_box() -> Result<Scene> {
         projection: Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 },
     };
     Ok(Scene {
-        name: "closed room".into(),
+        name: "closed box".into(),
         camera,
         objects: walls.collect::<Result<_>>()?,
         lights: Vec::new(),

@@ -59,15 +59,15 @@ pub fn replay(text: &str) -> Result<Replay> {
     let mut lines = Vec::new();
     for precision in Precision::ALL.into_iter().filter(|p| family.runs_in(*p)) {
         let case = case(family, precision, &inputs);
-        let numbers = |value: [f64; 3]| value[..family.range.components()].to_vec();
+        let components = |value: [f64; 3]| value[..family.range.components()].to_vec();
         let reference = Exact::at(family.reference, &case.inputs).value.map(|value| value.map(|x| x.to_f64()));
         for (variant, deviation) in family.variants.iter().zip(&case.deviations) {
             let Some(deviation) = deviation else { continue };
             lines.push(Replayed {
                 variant: variant.name,
                 precision,
-                value: deviation.value.map_or(Vec::new(), numbers),
-                reference: reference.map_or(Vec::new(), numbers),
+                value: deviation.value.map_or(Vec::new(), components),
+                reference: reference.map_or(Vec::new(), components),
                 ulp: deviation.ulp,
                 relative: deviation.relative,
                 condition: case.condition,

@@ -16,13 +16,13 @@ pub const FAMILY: Family = Family {
     domains: &[POSITIVE],
     sections: &[
         Section {
-            title: "by its size and how far off its edge",
+            title: "by its size and the distance from its silhouette",
             x: Scale::new("radius / distance of the centre", 1e-6, 1e6),
             y: Scale::new("1 − /{b} / /{b}_{max}", 1e-6, 1.0),
             at: |radius, inside| aimed(radius, 1.0, (1.0 - inside) * radius.min(1.0)),
         },
         Section {
-            title: "seen from its surface",
+            title: "from near its surface",
             x: Scale::new("radius", 1e-6, 1e6),
             y: Scale::new("height above it / radius", 1e-6, 1.0),
             at: |radius, height| aimed(radius, radius * (1.0 + height), 0.3 * radius),

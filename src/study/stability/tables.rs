@@ -94,7 +94,7 @@ fn sampled(table: &Table2, workload: &Workload, seed: u64) -> ErrorRow {
     let mut tally = Tally::new("tables", "stable, drawn", Precision::Double);
     let count = u64::from(workload.table_samples);
     tally.compare((count - cold) as f64 / count as f64, 1.0, 1.0, || {
-        format!("{cold} of {count} draws off the hot texel")
+        format!("{cold} of {count} samples outside the hot texel")
     });
     tally.impossible(wrong);
     tally.cases(count - 1);

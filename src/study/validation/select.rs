@@ -1,4 +1,4 @@
-//! Choosing cases by their names: whole ones, families, patterns.
+//! Selection of cases by their names: whole ones, families, patterns.
 
 use super::case::Case;
 use crate::error::{Error, Result};
@@ -11,24 +11,24 @@ use crate::error::{Error, Result};
 /// # Errors
 /// When a pattern names nothing; the hint has the nearest names.
 pub fn select(cases: Vec<Case>, patterns: &[String]) -> Result<Vec<Case>> {
-    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !names(pattern, &case.name))) {
+    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !matches_name(pattern, &case.name))) {
         return Err(Error::parameter("names", format!("there is no test \"{unknown}\""))
             .with_hint(format!("the nearest: {}; `list` shows all", nearest(&cases, unknown).join(", "))));
     }
-    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| names(pattern, &case.name));
+    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| matches_name(pattern, &case.name));
     Ok(cases.into_iter().filter(wanted).collect())
 }
 
-/// Whether `pattern` is the name, that of a family it is in, or fits one of them.
-fn names(pattern: &str, name: &str) -> bool {
+/// Whether `pattern` matches the name or that of a family of the case.
+fn matches_name(pattern: &str, name: &str) -> bool {
     let family = pattern.trim_end_matches('/');
-    fits(pattern, name) || fits(&format!("{family}/*"), name)
+    matches(pattern, name) || matches(&format!("{family}/*"), name)
 }
 
 /// Whether `name` is `pattern` with `*` and `?` filled in.
-fn fits(pattern: &str, name: &str) -> bool {
+fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    // `reached[i]`: whether the part of the pattern that was read can end after i characters of the name.
+    // `reached[i]`: whether the pattern up to here matches the first i characters of the name.
     let mut reached = vec![false; name.len() + 1];
     reached[0] = true;
     for symbol in pattern {
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_nothing_is_refused_with_the_nearest() {
+    fn unknown_names_are_refused_with_the_nearest() {
         for bad in ["", "norm", "warp/cosin", "WARP"] {
             assert!(chosen(&[bad]).is_err(), "{bad}");
         }

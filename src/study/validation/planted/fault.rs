@@ -7,7 +7,7 @@ use etalon_stats::{Density, Domain, Sampler};
 pub struct PlantedFault {
     /// Family and mistake (`normals/missing-cosine`).
     pub name: &'static str,
-    /// What the mistake is, and who makes it.
+    /// What the mistake is, and where it occurs.
     pub mistake: &'static str,
     /// The test of the sampler with the mistake.
     pub(super) faulty: Case,

@@ -52,7 +52,7 @@ pub fn faults() -> Vec<PlantedFault> {
     vec![
         PlantedFault::of(
             "hemisphere/even-in-theta",
-            "θ sampled uniformly from 0 to π/2, which crowds the pole: everyone's first sampler",
+            "θ sampled uniformly from 0 to π/2, which crowds the pole: a frequent first sampler",
             half,
             |faulty| {
                 let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
@@ -89,7 +89,7 @@ pub fn faults() -> Vec<PlantedFault> {
         ),
         PlantedFault::of(
             "hemisphere/swapped-numbers",
-            "the two random numbers exchanged in the inverse: directions come out right, stratification and replay do not",
+            "the two random numbers exchanged in the inverse: directions are right, stratification and replay are wrong",
             half,
             |faulty| {
                 let inverse = move |w: [f64; 3]| {

@@ -10,7 +10,7 @@ use etalon_stats::{Density, Directions, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A map is sampled by a table over its texels; mistakes change one of the parts.
+/// Sampling of a map by a table over its texels; each mistake replaces one part.
 struct Scheme {
     map: EnvMap,
     /// What a texel is sampled in proportion to.
@@ -24,6 +24,7 @@ struct Scheme {
 }
 
 impl Scheme {
+    /// Without a mistake.
     fn right() -> Self {
         let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
         Self {
@@ -40,12 +41,12 @@ impl Scheme {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
         let (width, height) = (g.width(), g.height());
-        let drawn = Table2::new(width, height, |x, y| weight(&map, x, y));
+        let sampled = Table2::new(width, height, |x, y| weight(&map, x, y));
         let claimed = Table2::new(width, height, |x, y| map.energy(x, y));
         let steps = g.edges();
         let geometry = g.clone();
         let draw = move |u: &[f64]| {
-            let draw = drawn.draw([u[0], u[1]])?;
+            let draw = sampled.draw([u[0], u[1]])?;
             Some(Sample::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset).to_array()))
         };
         let pdf = move |w: DVec3| {
@@ -78,7 +79,7 @@ pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(
             "maps/half-texel",
-            "texel centres taken for their left edges: all light is half a texel off",
+            "texel centres taken for their left edges: all directions have an error of half a texel",
             |scheme| {
                 scheme.place = |g, x, y, fx, fy| {
                     g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)

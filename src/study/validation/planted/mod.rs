@@ -1,6 +1,5 @@
-//! Planted faults: mistakes that people make, each in a sampler or a pdf small enough to read, which the suite must
-//! reject. Without its mistake each is a test of its own that must be accepted, so that the rejection is not due to the
-//! setting.
+//! Planted faults: frequent mistakes, each in a small sampler or pdf, which the suite must reject. The same test without
+//! the mistake must be accepted, so that the mistake alone explains the rejection.
 
 mod fault;
 mod findings;

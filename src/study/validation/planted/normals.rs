@@ -104,7 +104,7 @@ pub fn faults() -> Vec<PlantedFault> {
         ),
         visible(
             "normals/missing-g1",
-            "the pdf of visible normals without the share that is seen, G₁",
+            "the pdf of visible normals without the visible share G₁",
             Ggx::new(ALPHA),
             view(),
             |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).max(0.0) / wo.z,

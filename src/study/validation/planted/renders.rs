@@ -1,4 +1,4 @@
-//! Mistakes of an integrator, seen in its images.
+//! Mistakes of an integrator, detected in its images.
 
 use super::super::case::Case;
 use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
@@ -35,11 +35,11 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
 pub fn faults() -> Vec<PlantedFault> {
     let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
-    let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
+    let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;
     shadowing.model.conventions.lambda_with_pi = true;
-    let series = inside(1000, blind);
-    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, blind) };
+    let series = inside(1000, hemisphere);
+    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, hemisphere) };
     vec![
         planted(
             "renders/one-percent-more",

@@ -1,4 +1,4 @@
-//! Area lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
+//! Lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
 
 use super::super::case::Case;
 use super::inputs::short;
@@ -17,7 +17,7 @@ const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 const SPHERES: [(&str, f32, f32); 5] =
     [("touching", 1.001, 1.0), ("near", 1.5, 1.0), ("middle", 4.0, 1.0), ("far", 300.0, 1.0), ("inside", 0.5, 1.0)];
 
-/// Rectangles: centre as seen from the point, and half sides.
+/// Rectangles: centre relative to the point, and half sides.
 const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("ceiling", Vec3::new(0.1, 1.5, -0.2), Vec3::new(0.35, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)),
     ("tilted", Vec3::new(1.0, 0.5, 0.8), Vec3::new(0.3, -0.3, 0.0), Vec3::new(0.2, 0.2, 0.1)),
@@ -48,7 +48,7 @@ fn sample(light: Option<&Sampled>, u: &[f64]) -> Option<LightSample> {
     light.map(|light| light.sample(POINT, [short(u[0]), short(u[1])]))
 }
 
-/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: uniform inside, none outside.
+/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: the pdf is constant inside it.
 fn sphere(name: &str, distance: f32, radius: f32) -> Case {
     let directions = Directions::sphere(Pole::Z);
     Case::of(format!("light/ball/{name}"), directions, move || {
@@ -67,6 +67,7 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
             let wi = sample.wi.as_dvec3();
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
             let local = local.to_array();
+            // Directions that rounding moves across the edge of the cone count as inside.
             let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
             let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
             Some(Sample::with_pdf(point, f64::from(sample.pdf)))
@@ -89,8 +90,8 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
             let sample = sample(light.as_ref(), u)?;
-            let off = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
-            let chart = [x, y].map(|side| 0.5 + 0.5 * off.dot(side) / side.length_squared());
+            let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
+            let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
             // In f32 the sides themselves are rounded.
             Some(Sample::new(chart.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };

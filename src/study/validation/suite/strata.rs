@@ -1,6 +1,6 @@
-//! Regions of a median cut as strata: a region by its share of the energy, a place in it by its texels.
+//! Regions of a median cut as strata: a region is sampled by its share of the energy, a texel in it by its energy.
 //!
-//! Together these make the map's own pdf, if the regions tile the map and their energies are right.
+//! The pdf of both steps together is that of the whole map, if the regions tile the map and their energies are right.
 
 use super::super::case::Case;
 use crate::envmap::EnvMap;
@@ -25,13 +25,14 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// A slope with a bright spot that no straight line cuts in halves.
+/// A gradient with a bright spot that no straight line halves.
 fn map() -> EnvMap {
     let level =
         |x: usize, y: usize| 0.2 + x as f32 / 64.0 + if x.abs_diff(40) + y.abs_diff(9) < 4 { 60.0 } else { 0.0 };
     EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::new(level(x, y), 0.3, 0.1 * y as f32)))
 }
 
+/// One round of the test of a number of regions.
 fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<etalon_stats::Outcome> {
     let map = map();
     let g = map.geometry();

@@ -5,10 +5,10 @@ use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
 
-/// A kind of weights for tables of any length.
+/// The weight of cell i of n.
 type Weights = fn(usize, usize) -> f64;
 
-/// What may go wrong in a table: flat, growing, nine tenths in one cell, nothing at the ends, nothing in between.
+/// Shapes of weights: constant, linear, 90 % in one cell, zeros at the ends, zeros in between.
 const SHAPES: [(&str, Weights); 5] = [
     ("even", |_, _| 1.0),
     ("linear", |i, _| i as f64 + 0.5),
@@ -16,6 +16,7 @@ const SHAPES: [(&str, Weights); 5] = [
     ("dark-ends", |i, n| f64::from(4 * i > n && 4 * i < 3 * n)),
     ("gaps", |i, _| if i % 3 == 1 { 0.0 } else { (i % 7) as f64 + 0.1 }),
 ];
+/// Lengths of the tables.
 const CELLS: [usize; 5] = [1, 2, 37, 1024, 65535];
 
 fn weights(shape: Weights, n: usize) -> Vec<f64> {
