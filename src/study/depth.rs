@@ -4,6 +4,7 @@
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
+use super::pixel_mean::inside;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
@@ -155,7 +156,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             let here = light(layer, mask);
             if here > 0.0 {
                 let [x, y] = centroid(layer, mask, here);
-                let lit = layer.pixels().iter().zip(mask).filter(|(p, inside)| **inside && **p != Rgb::ZERO).count();
+                let lit = inside(layer.pixels(), mask).filter(|p| **p != Rgb::ZERO).count();
                 classes.push(ClassRow {
                     depth,
                     class: name.clone(),
@@ -201,7 +202,7 @@ fn appears_at(class: &str) -> u32 {
 
 fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
     let (mut sum, mut pixels) = (DVec3::ZERO, 0);
-    for (p, _) in image.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
+    for p in inside(image.pixels(), mask) {
         sum += p.as_dvec3();
         pixels += 1;
     }
@@ -220,13 +221,12 @@ fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_ligh
 
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
 fn light(image: &Image, mask: &[bool]) -> f64 {
-    let inside = image.pixels().iter().zip(mask).filter(|(_, inside)| **inside);
-    inside.map(|(p, _)| mean_rgb(*p)).sum()
+    inside(image.pixels(), mask).map(|p| mean_rgb(*p)).sum()
 }
 
 fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
     let mut sum = [0.0; 2];
-    for (i, (p, _)) in image.pixels().iter().zip(mask).enumerate().filter(|(_, (_, inside))| **inside) {
+    for (i, p) in inside(image.pixels().iter().enumerate(), mask) {
         let weight = mean_rgb(*p);
         let at = [i % image.width(), i / image.width()];
         (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));

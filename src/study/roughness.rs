@@ -1,7 +1,7 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
-use super::pixel_mean::Mean;
+use super::pixel_mean::{Mean, inside};
 use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
@@ -65,10 +65,10 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
     let statue = Mean::of(&rendered.part.film, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
-    let estimates = rendered.part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
-    let squares = estimates.map(|(e, _)| (f64::from(e.error.element_sum()) / 3.0).powi(2));
+    let squares =
+        inside(rendered.part.film.estimates(), &mask).map(|e| (f64::from(e.error.element_sum()) / 3.0).powi(2));
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
-    let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
+    let light = inside(rendered.image.pixels(), &mask).map(|p| f64::from(p.element_sum()));
     let row = StatueRow {
         alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
         spp: request.spp,
@@ -82,7 +82,7 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
         statue_error_g,
         statue_error_b,
         noise,
-        brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
+        brightest_percent: brightest_percent(light.collect()),
     };
     Ok(StatueRender { row, statue, mask, objects, rendered })
 }

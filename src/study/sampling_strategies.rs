@@ -2,7 +2,7 @@
 //! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
 use super::object_ids::Kind;
-use super::pixel_mean::Mean;
+use super::pixel_mean::{Mean, inside};
 use super::roughness::{StatueRender, render_statue};
 use crate::bsdf::NormalSampling;
 use crate::errata::Conventions;
@@ -159,7 +159,7 @@ impl Side {
         let mean = Mean::of(film, mask);
         let mut values = Vec::with_capacity(mean.pixels);
         let mut square = 0.0;
-        for (estimate, _) in film.estimates().zip(mask).filter(|(_, inside)| **inside) {
+        for estimate in inside(film.estimates(), mask) {
             values.push(estimate.mean);
             square += (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
         }

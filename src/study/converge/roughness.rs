@@ -8,7 +8,7 @@ use crate::render::{Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Material, Request, Scene};
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
-use crate::study::pixel_mean::Mean;
+use crate::study::pixel_mean::{Mean, inside};
 use etalon_stats::estimate::Estimate;
 
 /// The ways of sampling normals, by name.
@@ -78,8 +78,8 @@ pub fn measure(
                 let mut part = job.part(Metadata::default())?;
                 let mut times = Times::default();
                 times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
-                let estimates = part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
-                let squares: Vec<f64> = estimates.map(|(e, _)| e.error.as_dvec3().length_squared() / 3.0).collect();
+                let estimates = inside(part.film.estimates(), &mask);
+                let squares: Vec<f64> = estimates.map(|e| e.error.as_dvec3().length_squared() / 3.0).collect();
                 measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
                 measured[1].push(times.cpu);
                 whole.film.merge(&part.film)?;
