@@ -109,16 +109,10 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
             r_schlick: approximate(cos_deg(theta_deg)),
         }
     };
-    let abs_error = |theta: f64| {
-        let r = row(theta);
-        (r.r_schlick - r.r_unpolarized).abs()
-    };
-    let rel_error = |theta: f64| {
-        let r = row(theta);
-        if r.r_unpolarized > 0.0 { (r.r_schlick - r.r_unpolarized).abs() / r.r_unpolarized } else { 0.0 }
-    };
-    let (abs_at, abs_max) = largest(end, abs_error);
-    let (rel_at, rel_max) = largest(end, rel_error);
+    let error = |r: &DielectricRow| (r.r_schlick - r.r_unpolarized).abs();
+    let relative = |r: &DielectricRow| if r.r_unpolarized > 0.0 { error(r) / r.r_unpolarized } else { 0.0 };
+    let (abs_at, abs_max) = largest(end, |theta| error(&row(theta)));
+    let (rel_at, rel_max) = largest(end, |theta| relative(&row(theta)));
     let normal = dielectric::fresnel(1.0, eta);
     Ok(DielectricCurves {
         eta_i,

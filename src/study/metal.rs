@@ -109,14 +109,9 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
             r_schlick: schlick::polynomial(f0, cos),
         }
     };
-    let error = |f: fn(&ConductorRow) -> f64| {
-        largest(90.0, |theta| {
-            let r = row(theta);
-            (f(&r) - r.r_unpolarized).abs()
-        })
-    };
-    let (approximate_at, approximate_error) = error(|r| r.r_unpolarized_approximate);
-    let (schlick_at, schlick_error) = error(|r| r.r_schlick);
+    let largest_error = |f: fn(&ConductorRow) -> f64| largest(90.0, |theta| f(&row(theta)).abs());
+    let (approximate_at, approximate_error) = largest_error(|r| r.r_unpolarized_approximate - r.r_unpolarized);
+    let (schlick_at, schlick_error) = largest_error(|r| r.r_schlick - r.r_unpolarized);
     Ok(Channel {
         eta,
         k,

@@ -6,7 +6,7 @@ use crate::multiple::{fisher, holm};
 use std::fmt;
 
 /// The decision on a test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 pub enum Verdict {
     /// Nothing speaks against the sampler, and the test would have detected an error of the stated size.
@@ -14,6 +14,7 @@ pub enum Verdict {
     /// An exact check failed, or the counts do not follow the pdf.
     Reject,
     /// Too few samples, or an integral too uncertain, for either. Never to be taken for a pass.
+    #[default]
     Inconclusive,
 }
 

@@ -5,7 +5,7 @@ use etalon_stats::{Outcome, Verdict};
 use serde::Serialize;
 
 /// One error of a report. Field names are the CSV columns.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Erratum {
     /// What it is about, in a few words.
     pub title: &'static str,
@@ -36,28 +36,6 @@ pub struct Erratum {
     /// Both formulas as curves.
     #[serde(skip)]
     pub curves: ErratumCurves,
-}
-
-/// An error that is not tested yet.
-impl Default for Erratum {
-    fn default() -> Self {
-        Self {
-            title: "",
-            report: "",
-            printed: "",
-            right: "",
-            test: "",
-            verdict: Verdict::Inconclusive,
-            p: None,
-            samples: 0,
-            violation: None,
-            right_verdict: Verdict::Inconclusive,
-            right_p: None,
-            error_in_picture: 0.0,
-            error_of: "",
-            curves: ErratumCurves::default(),
-        }
-    }
 }
 
 /// The printed formula beside the corrected one.

@@ -48,10 +48,9 @@ fn matches(pattern: &str, name: &str) -> bool {
 
 /// The three names of cases or families that take the fewest changes to become `wanted`.
 fn nearest(cases: &[Case], wanted: &str) -> Vec<String> {
-    let parts =
-        |name: &str| name.char_indices().filter(|(_, c)| *c == '/').map(|(i, _)| name[..i].to_owned()).collect();
     let mut known: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
-    known.extend(cases.iter().flat_map(|case| -> Vec<String> { parts(&case.name) }));
+    let families = |name: &str| name.match_indices('/').map(|(i, _)| name[..i].to_owned()).collect::<Vec<_>>();
+    known.extend(cases.iter().flat_map(|case| families(&case.name)));
     known.sort();
     known.dedup();
     known.sort_by_key(|name| strsim::levenshtein(name, wanted));
