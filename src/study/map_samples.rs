@@ -60,6 +60,7 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
     let mut sampled = EnvSamples::default();
     sampler.sample_many_for(&random, normal, &mut sampled);
     let samples: Vec<EnvSample> = sampled.iter().collect();
+    // Monte Carlo estimate of the flux, and a row for each sample.
     let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);

@@ -144,6 +144,7 @@ pub fn approximate_albedo(eta: f64, k: f64) -> f64 {
     let q = eta * eta + k * k;
     let angle = |x: f64| (x / k).atan() - (eta / k).atan();
     let twist = (k * k - eta * eta) / k;
+    // Emissivities ε⊥/8η and ε∥/8η.
     let perpendicular = 1.0 - eta * ((1.0 + 2.0 * eta + q) / q).ln() - twist * angle(1.0 + eta);
     let parallel = (1.0 - eta / q * (1.0 + 2.0 * eta + q).ln() - twist / q * angle(q + eta)) / q;
     1.0 - 4.0 * eta * (perpendicular + parallel)

@@ -168,6 +168,7 @@ impl Side {
         }
         let shown =
             to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));
+        // Median and mean 8-bit value of the pixels.
         let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
         light.sort_unstable_by(f64::total_cmp);
         Self {

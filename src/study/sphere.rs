@@ -97,6 +97,7 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
     let mut group_errors = [0.0; GROUPS];
     for (i, pixel) in exact.pixels.iter().enumerate() {
         let Some(expected) = pixel.map(|p| p.element_sum() / 3.0) else { continue };
+        // Compare pixels of the disc; those of the ring count in the sums.
         let got = rendered.image.pixels()[i].as_dvec3().element_sum() / 3.0;
         relative_error[i] = if expected > 0.0 { (got - expected) / expected } else { 0.0 };
         if in_ring(i % exact.size, i / exact.size, exact.size) {

@@ -27,6 +27,7 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     let mut sum = 0.0;
     for i in 0..STEPS {
         for k in 0..STEPS {
+            // cos θ at both ends is HEIGHT/d.
             let d2 = (at(i, HALF[0]) - x).powi(2) + HEIGHT * HEIGHT + (at(k, HALF[1]) - z).powi(2);
             sum += HEIGHT * HEIGHT / (d2 * d2) * if too_bright { falloff_error(d2.sqrt()) } else { 1.0 };
         }

@@ -29,6 +29,7 @@ pub fn suspect() -> Suspect {
             let truth = dielectric::fresnel(cos, 1.0 / ETA);
             let reflected = truth.unpolarized();
             let atom = |point: [f64; 3], probability| Atom { point, probability };
+            // Exact directions and probabilities of reflection and refraction.
             let atoms = vec![
                 atom([-sin, 0.0, -cos], reflected),
                 atom([-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)], 1.0 - reflected),

@@ -171,6 +171,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
             (sampler(1, draw), density(move |row: usize| claim.probability(row)))
         })
     };
+    // Shares of rows under Gaussian random numbers, and the light on the floor by them.
     let ends: Vec<f64> = (0..=HEIGHT).map(|y| rows[..y].iter().sum()).collect();
     let gaussian: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
     let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * gaussian[y] / rows[y]).sum();

@@ -91,6 +91,7 @@ fn printed_density() -> Result<Suspect> {
         let m = facet(wo, wi);
         0.25 * facets.pdf_ndf(m.to_array()) / wo.dot(m)
     };
+    // The estimator divides by the printed pdf: its mean has a factor cos θₘ.
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
     let erratum = Erratum {
         title: "pdf without cos θₘ",
@@ -155,6 +156,7 @@ fn largest_asymmetry(metal: &ConventionalConductor, seed: u64) -> f64 {
         let stream = Independent::new(seed, 0, i);
         let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());
         let (there, back) = (metal.eval(wo, wi).as_dvec3(), metal.eval(wi, wo).as_dvec3());
+        // Compare where both reflectances are well above 0.
         let smaller = there.min(back).min_element();
         if smaller > FAINTEST { ((there - back).abs() / there.min(back)).max_element() } else { 0.0 }
     };

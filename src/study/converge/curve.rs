@@ -140,6 +140,7 @@ impl Curve {
             }
         };
         let levels: Vec<Level> = (0..count).map(level).collect();
+        // Fit a slope for each replicate over the levels above the noise of the reference.
         let fitted: Vec<usize> =
             (0..count).filter(|&i| levels[i].spp >= FIT_FROM && reference.is_clear(levels[i].mse.value)).collect();
         let slope_of = |run: &Run| {
@@ -194,6 +195,7 @@ fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
     if images.len() < 3 {
         return Ok(Estimate::default());
     }
+    // bias² = (R MSE(x̄) − mean MSE)/(R − 1), its error by leaving out each replicate.
     let estimate = Estimate::jackknife(&images, |some| {
         let n = some.len() as f64;
         let images: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();

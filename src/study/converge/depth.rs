@@ -55,6 +55,7 @@ pub fn measure(
         let settings = Settings { seed: seed.wrapping_add(u64::from(replicate)), ..Settings::default() };
         let renders = DEPTHS.map(|max_depth| Doubling::new(scene, &Request { max_depth, ..*request }, &settings));
         let mut renders = renders.into_iter().collect::<Result<Vec<_>>>()?;
+        // Double the samples of all depths, alternating.
         while renders[0].spp() <= request.spp / 2 {
             for render in &mut renders {
                 render.double(deadline);

@@ -80,6 +80,7 @@ impl Reference {
             }
         }
         let halves = [renders[0].image(), renders[1].image()];
+        // The difference of the halves gives the error of their mean.
         let difference = compare(&halves[0], &halves[1])?;
         let facts = Facts {
             exact: false,
@@ -121,6 +122,7 @@ fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<I
     let (environment, albedo) = lone_sphere(scene, request)?;
     let tree = IrradianceTree::new(&environment.map);
     let size = request.width;
+    // Radiance at a point of the image, in pixels; none outside the ring.
     let radiance = |x: f64, y: f64| {
         let (nx, ny) = (2.0 * x / size as f64 - 1.0, 1.0 - 2.0 * y / size as f64);
         let r2 = nx * nx + ny * ny;
@@ -174,6 +176,7 @@ fn lone_sphere<'a>(scene: &'a Scene, request: &Request) -> Option<(&'a Environme
     let camera = &scene.camera;
     let Projection::Orthographic { half_width, half_height } = camera.projection else { return None };
     let radius = f64::from(sphere.radius);
+    // The camera looks along −z, and the sphere fills its image.
     let fills = half_width == radius && half_height == radius && request.width == request.height;
     let along_z = (camera.right, camera.up, camera.forward) == (DVec3::X, DVec3::Y, DVec3::NEG_Z);
     let offset = camera.position - sphere.centre.as_dvec3();

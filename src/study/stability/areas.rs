@@ -41,9 +41,11 @@ fn run(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
                 if inside(r) { hot + (cells - 1.0) * cold } else { cells * cold }
             };
             let sum = exact(block);
+            // Condition of the difference of four sums.
             let condition = 4.0 * exact(Block { x0: 0, y0: 0, ..block }) / sum;
             let what = || format!("block from ({x0}, {y0}) of {width}x{height}");
             stable.compare(table.sum(block), sum, condition, what);
+            // The same difference of four sums in f32.
             let corner = |x: usize, y: usize| single[y * (width + 1) + x];
             let four = corner(block.x1, block.y1) - corner(x0, block.y1) - corner(block.x1, y0) + corner(x0, y0);
             textbook.compare(f64::from(four), sum, condition, what);

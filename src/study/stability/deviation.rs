@@ -41,6 +41,7 @@ impl Exact {
         let mut x: Vec<Precise> = inputs.iter().map(|&x| Precise::of(x)).collect();
         let value = reference(&x);
         let Some(here) = value else { return Self { value, condition: 1.0 } };
+        // Sum the changes of the value by relative steps of each input.
         let length = dot(here, here).sqrt();
         let step = Precise::power_of_two(STEP);
         let mut sum = Precise::of(0.0);
@@ -127,6 +128,7 @@ fn distance(precision: Precision, value: [f64; 3], exact: [Precise; 3]) -> (f64,
     if value.iter().any(|x| !x.is_finite()) {
         return (f64::INFINITY, f64::INFINITY);
     }
+    // Length of the error, in 256 bits.
     let difference: [Precise; 3] = std::array::from_fn(|c| Precise::of(value[c]) - exact[c]);
     let (distance, length) = (dot(difference, difference).sqrt(), dot(exact, exact).sqrt());
     let zero = Precise::of(0.0);

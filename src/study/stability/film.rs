@@ -39,6 +39,7 @@ fn run(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
         let what = || format!("{} samples of {:e} and {:e}, alternating", 2 * pairs, values[0], values[1]);
         // All samples are positive: nothing cancels.
         stable.compare(f64::from(mean[c]), exact, 1.0, what);
+        // Textbook: one running sum in f32, and one in f64.
         let single: f32 = plain_sum(pairs, values, |sum, v| sum + v);
         textbook[0].compare(f64::from(single / (2 * pairs) as f32), exact, 1.0, what);
         let double: f64 = plain_sum(pairs, values.map(f64::from), |sum, v| sum + v);

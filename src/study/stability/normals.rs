@@ -93,6 +93,7 @@ fn from_slopes<T: Number>(x: &[T], visible: impl Fn(T, T, T) -> T) -> Value<T> {
     let (alpha, wo, u) = split(x);
     let sin = (wo[0].square() + wo[1].square()).sqrt();
     let (zero, one) = (T::of(0.0), T::of(1.0));
+    // Azimuth of the view; any at normal incidence.
     let azimuth = if sin > zero { [wo[0] / sin, wo[1] / sin] } else { [one, zero] };
     let along = alpha * visible(wo[2], alpha * sin, u[0]);
     // Across the view, slopes are distributed as from above.

@@ -62,6 +62,7 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
 fn random(seed: u64, i: u64) -> Option<(Mesh, [f32; 2], Vec3, f32)> {
     let component = |j: u32| (2.0 * Independent::new(seed, i, j).pair(0)[0] - 1.0) as f32;
     let vector = |j: u32| Vec3::new(component(3 * j), component(3 * j + 1), component(3 * j + 2));
+    // Size, distance from the origin in sizes, and thinness, by the index.
     let scale = 10f32.powi((i % 13) as i32 - 6);
     let away = [0.0, 3.0, 100.0][i as usize / 13 % 3] * vector(0);
     let thin = [1.0, 1e-2, 1e-4, 1e-6][i as usize / 39 % 4];

@@ -56,6 +56,7 @@ fn rendered(x: &[f32]) -> Value<f32> {
 fn quadratic<T: Number>(x: &[T]) -> Value<T> {
     let (centre, direction) = (vector(x, 1), vector(x, 4));
     let (zero, two) = (T::of(0.0), T::of(2.0));
+    // Coefficients of the quadratic equation, and its discriminant.
     let (a, b) = (dot(direction, direction), -two * dot(direction, centre));
     let discriminant = b.square() - T::of(4.0) * a * (dot(centre, centre) - x[0].square());
     if discriminant < zero {

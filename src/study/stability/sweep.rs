@@ -85,6 +85,7 @@ pub fn case(family: &Family, precision: Precision, inputs: &[f64]) -> Case {
     let values = family.variants.iter().map(|variant| variant.evaluate(precision, &inputs));
     let deviation = |value| Deviation::between(family.range, precision, value, &exact);
     let deviations: Vec<Option<Deviation>> = values.map(|value| value.map(deviation)).collect();
+    // Rounding decides if a variant and the reference disagree next to an edge.
     let disputed = deviations.iter().flatten().any(|d| d.value.is_some() != exact.value.is_some());
     let decided_by_rounding = disputed && on_the_edge(family.reference, precision, &inputs);
     let condition = if decided_by_rounding { f64::INFINITY } else { exact.condition };

@@ -69,6 +69,7 @@ fn rendered(x: &[f32]) -> Value<f32> {
 fn crossing<T: Number>(x: &[T]) -> Value<T> {
     let [a, b, c, direction] = split(x);
     let (zero, one) = (T::of(0.0), T::of(1.0));
+    // Edges and determinant; 0 for a ray parallel to the plane.
     let (e1, e2) = (minus(b, a), minus(c, a));
     let p = cross(direction, e2);
     let determinant = dot(e1, p);

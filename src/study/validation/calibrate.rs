@@ -74,6 +74,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let protocol = Protocol { samples: SampleCount::Fixed(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
     cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
+    // All seeds of a case in parallel, unless its tables are large.
     let of_case = |case: &Case| {
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
         let outcomes = if case.is_large() {
@@ -93,6 +94,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();
     // Half of the level for all p-values together, half shared among the tests.
     let own = sidak(0.5 * protocol.level, cases.len());
+    // Kolmogorov's and Smirnov's test of the p-values of each case, then of all together.
     let tests: Vec<Calibrated> = finished
         .iter()
         .map(|(case, outcomes)| {

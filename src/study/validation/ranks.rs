@@ -30,6 +30,7 @@ impl Validation {
         let tests = self.tests.iter().map(|test| &test.outcome);
         let mut known: Vec<(f64, Verdict)> =
             tests.filter_map(|outcome| Some((outcome.continuous_p()?, outcome.verdict))).collect();
+        // Sort by p-value: the rank of each decides its expected value and its threshold.
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let n = known.len();
         let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {

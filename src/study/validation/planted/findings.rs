@@ -106,6 +106,7 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
         cases.extend([faulty, sound]);
     }
     let validation = run_cases(&cases, protocol, done)?;
+    // Pairs of outcomes: with the mistake, then without it.
     let own_level = sidak(protocol.level, cases.len());
     let mut outcomes = validation.tests.into_iter().map(|test| test.outcome);
     let mut tests = Vec::with_capacity(about.len());

@@ -41,6 +41,7 @@ impl Scheme {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
         let (width, height) = (g.width(), g.height());
+        // The sampler's table, and that of the pdf.
         let sampled = Table2::new(width, height, |x, y| weight(&map, x, y));
         let claimed = Table2::new(width, height, |x, y| map.energy(x, y));
         let steps = g.edges();
@@ -50,6 +51,7 @@ impl Scheme {
             Some(Sample::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset).to_array()))
         };
         let pdf = move |w: DVec3| {
+            // Probability of the texel over its solid angle.
             let (x, y) = g.texel(look_up(w));
             let solid_angle = solid_angle(&g, y);
             if solid_angle > 0.0 { claimed.probability(x, y) / solid_angle } else { 0.0 }

@@ -49,6 +49,7 @@ fn bound() -> (f64, f64) {
 fn bounded(u: [f64; 2]) -> Option<DVec3> {
     let (k, length) = bound();
     let v = (FACETS.alpha * WO.truncate()).extend(WO.z) / length;
+    // Sample the bounded spherical cap, and unstretch the half vector.
     let z = (1.0 - u[0]) * (1.0 + k * v.z) - k * v.z;
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();

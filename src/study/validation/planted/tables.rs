@@ -36,6 +36,7 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
     let total: f64 = weights.iter().sum();
     let mut left: Vec<f64> = weights.iter().map(|weight| weight * n as f64 / total).collect();
     let mut table: Vec<(f64, usize)> = (0..n).map(|i| (1.0, i)).collect();
+    // Fill each bucket below its share from one above it.
     let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| left[i] < 1.0);
     while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
         table[s] = (left[s], l);

@@ -55,11 +55,13 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
         let centre = POINT + distance * Vec3::new(0.36, 0.48, 0.8);
         let light = emitting(Shape::Sphere(Sphere { centre, radius }));
         let to = (centre - POINT).as_dvec3();
+        // Sine of half the angle of the cone, squared.
         let sin2 = f64::from(radius).powi(2) / to.length_squared();
         // (1 − cos)/2 of the cone, all of the sphere from inside, and what rounding of directions adds to it.
         let edge = if sin2 < 1.0 { 0.5 * sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 1.0 };
         let rim = edge * (1.0 + 1e-6 / sin2.sqrt());
         let axis = to.normalize();
+        // Frame of the sphere: directions in it are tested.
         let (x, y) = axis.any_orthonormal_pair();
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
@@ -91,10 +93,12 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
         let draw = move |u: &[f64]| {
             let sample = sample(light.as_ref(), u)?;
             let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
+            // Position on the rectangle, from 0 to 1 along each side.
             let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
             // In f32 the sides themselves are rounded.
             Some(Sample::new(chart.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
+        // cos θ / r² of the point of the chart, times the area.
         let front = 4.0 * x.cross(y);
         let at = move |[u, v]: [f64; 2]| {
             let to = centre + (2.0 * u - 1.0) * x + (2.0 * v - 1.0) * y;

@@ -102,6 +102,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
             Method::Directions(_) => Mass::Exactly(if is_black(&map) { 0.0 } else { 1.0 }),
             _ => Mass::AtMostOne,
         };
+        // Test sampler and pdf, and the inverse if there is one.
         let pdf = direction_density(|wi| by.pdf_for(wi, normal)).with_mass(mass).with_steps(map.geometry().edges());
         let draw = |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
         let (sphere, drawn) = (Directions::sphere(Pole::Y), sampler(2, draw));

@@ -42,10 +42,12 @@ fn rectangle<T: Circular + Send + Sync + 'static>(
         let viewed = SphericalRectangle::new(xs.map(T::from_f64), ys.map(T::from_f64), T::from_f64(depth));
         let draw = move |u: &[f64]| {
             let [x, y] = viewed.sample([T::from_f64(random(u[0])), T::from_f64(random(u[1]))]).map(Real::to_f64);
+            // Position on the rectangle, from 0 to 1 along each side.
             let place = [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
             // In f32 the sides themselves are rounded.
             Some(Sample::new(place.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
+        // Uniform by solid angle: per area, the pdf is cos θ / r² over the solid angle.
         let scale = (x1 - x0) * (y1 - y0) * depth / solid_angle(xs, ys, depth);
         let pdf = move |[x, y]: [f64; 2]| {
             let (x, y) = (x0 + x * (x1 - x0), y0 + y * (y1 - y0));

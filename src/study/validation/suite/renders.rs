@@ -120,6 +120,7 @@ impl RenderTest {
         let violation = (found.exact_difference > PRECISION)
             .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference));
         let percent = 100.0 * detectable;
+        // Too little power, or tails for which Welch's t is not valid.
         let inconclusive_reason = if detectable > COARSEST {
             Some(format!("too few samples: a bias of the image below {percent:.0} % would go unnoticed"))
         } else if found.kurtosis > HEAVY {
@@ -149,6 +150,7 @@ impl RenderTest {
         };
         let size = [self.request.width, self.request.height];
         let tested = means(&film(&self.settings, seed)?);
+        // The other side: a render by other settings, or exact values without variance.
         let other = match &self.truth {
             Truth::SameAs(settings) => means(&film(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
             _ => truth.iter().map(|value| value.map(Mean::exact)).collect::<Vec<_>>(),
@@ -178,6 +180,7 @@ fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
         let z2 = 1.0 - x * x - y * y;
         (z2 > 1.0 - INSIDE * INSIDE).then(|| tree.irradiance(DVec3::new(x, -y, z2.sqrt())).value.x * scale)
     };
+    // Nodes of the quadrature in each pixel, in units of the radius.
     let at = |i: usize, node: f64| (2.0 * i as f64 + 1.0 + node) / size - 1.0;
     let pixel = |i: usize| {
         let (x, y) = (i % request.width, i / request.width);

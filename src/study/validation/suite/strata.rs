@@ -37,6 +37,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
     let map = map();
     let g = map.geometry();
     let regions = MedianCut::new(&map, split, SideRule::default()).regions(regions)?;
+    // Table of the regions, and a table of the texels of each.
     let shares = Table1::new(&regions.iter().map(|region| region.energy).collect::<Vec<_>>());
     let within = |Region { block, .. }: &Region| {
         let energy = |x: usize, y: usize| map.energy(block.x0 + x, block.y0 + y);
@@ -49,6 +50,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         let (x, y) = (block.x0 + draw.x.cell, block.y0 + draw.y.cell);
         Some(Sample::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset).to_array()))
     };
+    // The pdf of the whole map.
     let total: f64 =
         (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
     let pdf = |wi: DVec3| {

@@ -59,6 +59,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
             let draw = table.draw(u[0])?;
             Some(Sample::with_pdf((draw.cell as f64 + draw.offset) / cells, draw.probability * cells))
         };
+        // Random number of a position, by its cell.
         let invert = move |x: f64| {
             let cell = ((x * cells) as usize).min(n - 1);
             vec![back.invert(cell, x * cells - cell as f64)]
