@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Time x MSE of `etalon render` and of Mitsuba 3 on the same scenes, by turns, at equal depth, resolution and samples.
+"""Time x MSE of `etalon render` and of Mitsuba 3 on the same scenes, alternating, at equal depth, resolution and samples.
 
     cargo build --release
     python3 -m venv venv && venv/bin/pip install mitsuba numpy     # its LLVM variant also wants libLLVM
@@ -23,7 +23,7 @@ WALLS = [  # corners counter-clockwise from inside, albedo
     ([[-1, 0, 1], [-1, 0, -1], [-1, 1.5, -1], [-1, 1.5, 1]], RED),
     ([[1, 0, -1], [1, 0, 1], [1, 1.5, 1], [1, 1.5, -1]], BLUE),
 ]
-LAMP = [[-.35, 1.495, -.25], [.35, 1.495, -.25], [.35, 1.495, .25], [-.35, 1.495, .25]]
+AREA_LIGHT = [[-.35, 1.495, -.25], [.35, 1.495, -.25], [.35, 1.495, .25], [-.35, 1.495, .25]]
 FOV = 45.0                                                              # horizontal, degrees
 
 
@@ -75,7 +75,7 @@ def scene(name, depth, folder):
             "sensor": {"type": "perspective", "fov": FOV, "fov_axis": "x", "sampler": {"type": "multijitter"},
                        "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=at, up=[0, 1, 0]),
                        "film": {"type": "hdrfilm", "width": WIDTH, "height": HEIGHT, "rfilter": {"type": "box"}}}}
-    ball = lambda c, r, bsdf: {"type": "sphere", "center": c, "radius": r, "bsdf": bsdf}
+    sphere = lambda c, r, bsdf: {"type": "sphere", "center": c, "radius": r, "bsdf": bsdf}
     place = lambda material, c, r: text.append(
         f'AttributeBegin\nMaterial {material}\nTranslate {c[0]} {c[1]} {c[2]}\nShape "sphere" "float radius" {r}\nAttributeEnd')
     if name == "sphere-env":
@@ -84,12 +84,12 @@ def scene(name, depth, folder):
         text.append('AttributeBegin\nTransform [0 0 -1 0  1 0 0 0  0 1 0 0  0 0 0 1]\nLightSource "infinite" "string mapname" '
                     '"sky.exr"\nAttributeEnd\nMaterial "diffuse" "rgb reflectance" [1 1 1]\nShape "sphere" "float radius" 1')
         tree["sky"] = {"type": "envmap", "filename": os.path.join(folder, "sky.exr")}
-        tree["ball"] = ball([0, 0, 0], 1, {"type": "diffuse", "reflectance": rgb([1, 1, 1])})
+        tree["sphere"] = sphere([0, 0, 0], 1, {"type": "diffuse", "reflectance": rgb([1, 1, 1])})
         return "\n".join(text), tree
     quad = lambda corners: f'Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" {numbers(corners)}'
-    for i, (corners, albedo) in enumerate(WALLS + [(LAMP, [0, 0, 0])]):
-        glow = 'AreaLightSource "diffuse" "rgb L" [10 10 10]\n' if corners is LAMP else ""
-        text.append(f'AttributeBegin\n{glow}Material "diffuse" "rgb reflectance" {numbers(albedo)}\n{quad(corners)}\nAttributeEnd')
+    for i, (corners, albedo) in enumerate(WALLS + [(AREA_LIGHT, [0, 0, 0])]):
+        emission = 'AreaLightSource "diffuse" "rgb L" [10 10 10]\n' if corners is AREA_LIGHT else ""
+        text.append(f'AttributeBegin\n{emission}Material "diffuse" "rgb reflectance" {numbers(albedo)}\n{quad(corners)}\nAttributeEnd')
         c = np.array(corners, float)
         x, y, centre = (c[1] - c[0]) / 2, (c[3] - c[0]) / 2, c.mean(0)
         z = np.cross(x, y)
@@ -97,13 +97,13 @@ def scene(name, depth, folder):
         frame[:3] = np.stack([x, y, z / np.linalg.norm(z), centre], 1)
         tree[f"wall{i}"] = {"type": "rectangle", "to_world": mi.ScalarTransform4f(frame),
                             "bsdf": {"type": "diffuse", "reflectance": rgb(albedo)}}
-        if corners is LAMP:
+        if corners is AREA_LIGHT:
             tree[f"wall{i}"]["emitter"] = {"type": "area", "radiance": rgb([10, 10, 10])}
     if name.startswith("spheres"):
         place('"mirror" "rgb Kr" [1 1 1]', [-.42, .33, -.35], .33)
         place('"dielectric" "float eta" 1.45', [.42, .33, .3], .33)
-        tree["mirror"] = ball([-.42, .33, -.35], .33, {"type": "conductor", "material": "none"})
-        tree["glass"] = ball([.42, .33, .3], .33, {"type": "dielectric", "int_ior": 1.45, "ext_ior": 1.0})
+        tree["mirror"] = sphere([-.42, .33, -.35], .33, {"type": "conductor", "material": "none"})
+        tree["glass"] = sphere([.42, .33, .3], .33, {"type": "dielectric", "int_ior": 1.45, "ext_ior": 1.0})
         return "\n".join(text), tree
     alpha = .25 if name == "mesh" else float(name.removeprefix("alpha-"))
     metal = (f'"conductor" "rgb eta" {numbers(ETA)} "rgb k" {numbers(K)} "float roughness" {alpha} '
@@ -116,7 +116,7 @@ def scene(name, depth, folder):
         tree["metal"] = {"type": "ply", "filename": path, "bsdf": bsdf}
     else:
         place(metal, [0, .5, 0], .45)
-        tree["metal"] = ball([0, .5, 0], .45, bsdf)
+        tree["metal"] = sphere([0, .5, 0], .45, bsdf)
     return "\n".join(text), tree
 
 
@@ -135,7 +135,7 @@ def main():
     for name in wanted:
         with tempfile.TemporaryDirectory() as folder:
             text, tree = scene(name, scenes[name], folder)
-            source, picture = os.path.join(folder, "scene.pbrt"), os.path.join(folder, "picture.exr")
+            source, image_path = os.path.join(folder, "scene.pbrt"), os.path.join(folder, "image.exr")
             open(source, "w").write(text)
             loaded = mi.load_dict(tree)
             dr.eval(mi.render(loaded, spp=4)); dr.sync_thread()
@@ -147,10 +147,10 @@ def main():
                 times[0].append(time.perf_counter() - start)
                 theirs.append(np.array(image, dtype=np.float64))
                 run = subprocess.run([program, "render", source, "-s", str(spp), "-l", "1", "--seed", str(seed), "--json",
-                                      "-o", picture], capture_output=True, text=True, check=True)
+                                      "-o", image_path], capture_output=True, text=True, check=True)
                 times[1].append(json.loads(run.stdout)["seconds"])
-                ours.append(np.array(dict(mi.Bitmap(picture).split())["<root>"], dtype=np.float64))
-        # Under the sky the two show different backgrounds: only the ball counts, without its rim.
+                ours.append(np.array(dict(mi.Bitmap(image_path).split())["<root>"], dtype=np.float64))
+        # Under the sky the two show different backgrounds: only the sphere counts, without its silhouette.
         where = np.ones((HEIGHT, WIDTH), bool)
         if name == "sphere-env":
             lit = theirs[0].sum(-1) > 0

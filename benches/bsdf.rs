@@ -1,10 +1,11 @@
-//! Materials: drawn directions and evaluations per second, and what the normals of microfacets cost alone.
+//! BSDFs: sampled directions and evaluations per second; microfacet normals alone. Every entry of the registry is measured.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use etalon::bsdf::{NormalSampling, Scatter};
+use etalon::bsdf::{self, NormalSampling, Scatter};
 use etalon::errata::Conventions;
 use etalon::math::Rgb;
+use etalon::optics::metals::SILVER;
 use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
 use etalon::sampling::normals::SampleNormals;
 use etalon::sampling::stream::{Independent, Stream};
@@ -14,17 +15,19 @@ use glam::Vec3;
 use std::hint::black_box;
 use std::time::Duration;
 
-const DRAWS: u32 = 4096;
+/// Samples per measurement.
+const SAMPLES: u32 = 4096;
 
-/// Views spread by the cosine, and numbers to draw with.
+/// Directions of views, distributed by the cosine, and random numbers.
 fn inputs() -> Vec<(Vec3, f32, [f32; 2])> {
     let pair = |i, dimension| Independent::new(1, 0, i).pair(dimension);
-    (0..DRAWS)
+    (0..SAMPLES)
         .map(|i| (cosine_hemisphere(pair(i, 0)).as_vec3(), pair(i, 1)[0] as f32, pair(i, 2).map(|u| u as f32)))
         .collect()
 }
 
-fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material, model: ScatterModel) {
+/// Measures the BSDF of a material and returns its name in the registry.
+fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material, model: ScatterModel) -> &'static str {
     let inputs = inputs();
     let bsdf = material.bsdf(model);
     group.bench_function(format!("{name}/sample"), |b| {
@@ -43,6 +46,7 @@ fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material
             });
         });
     }
+    bsdf.name()
 }
 
 fn normals(group: &mut BenchmarkGroup<WallTime>, name: &str, distribution: impl SampleNormals<f32>) {
@@ -65,26 +69,34 @@ fn normals(group: &mut BenchmarkGroup<WallTime>, name: &str, distribution: impl 
 
 fn materials(c: &mut Criterion) {
     let mut group = c.benchmark_group("bsdf");
-    group.throughput(Throughput::Elements(u64::from(DRAWS)));
+    group.throughput(Throughput::Elements(u64::from(SAMPLES)));
     group.sample_size(10).warm_up_time(Duration::from_millis(100)).measurement_time(Duration::from_millis(400));
     normals(&mut group, "beckmann", Beckmann::new(0.25));
     normals(&mut group, "ggx", Ggx::new(0.25));
     let exact = ScatterModel::default();
     let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..exact };
-    material(&mut group, "diffuse", Material::Diffuse { albedo: Rgb::ONE }, exact);
-    material(&mut group, "mirror", Material::Mirror { reflectance: Rgb::ONE }, exact);
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
-    material(&mut group, "glass", glass, exact);
-    material(&mut group, "report glass", glass, report);
+    let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, 1.45);
+    let glass = Material::Glass { reflectance, transmittance, eta };
+    let mut measured = vec![
+        material(&mut group, "diffuse", Material::Diffuse { albedo: Rgb::ONE }, exact),
+        material(&mut group, "mirror", Material::Mirror { reflectance }, exact),
+        material(&mut group, "refraction", Material::Refraction { transmittance, eta }, exact),
+        material(&mut group, "glass", glass, exact),
+        material(&mut group, "report glass", glass, report),
+    ];
     for distribution in [Distribution::Beckmann, Distribution::Ggx] {
-        let (eta, k) = (Rgb::new(0.216_46, 0.428_33, 1.3284), Rgb::new(3.2390, 2.4599, 1.8661));
+        let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
         let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution, two_sided: false });
         for normals in [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere] {
-            material(&mut group, &format!("{distribution:?} {normals:?}"), metal, ScatterModel { normals, ..exact });
+            let model = ScatterModel { normals, ..exact };
+            measured.push(material(&mut group, &format!("{distribution:?} {normals:?}"), metal, model));
         }
         if distribution == Distribution::Beckmann {
-            material(&mut group, "report metal", metal, report);
+            measured.push(material(&mut group, "report metal", metal, report));
         }
+    }
+    for (name, _) in bsdf::ALL {
+        assert!(measured.contains(name), "{name} is not measured");
     }
     group.finish();
 }

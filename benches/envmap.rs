@@ -17,7 +17,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A dim gradient with bright windows and a sun: the kind of map that makes importance sampling worth it.
+/// A dim gradient with bright windows and a sun: a map that needs importance sampling.
 fn map(width: usize, height: usize) -> Arc<EnvMap> {
     Arc::new(EnvMap::new(Image::from_fn(width, height, |x, y| {
         let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
@@ -34,13 +34,14 @@ fn map(width: usize, height: usize) -> Arc<EnvMap> {
     })))
 }
 
-/// Samples per measurement, and per call of `sample_many`.
-const DRAWS: u32 = 1 << 17;
+/// Samples per measurement.
+const SAMPLES: u32 = 1 << 17;
+/// Samples per call of `sample_many`.
 const CALL: u32 = 1024;
 
 /// The random numbers of sample `i`. The index is hidden from the compiler, which would otherwise vectorize the 64-bit
 /// multiplications without an instruction for them, at twice the cost.
-fn numbers(i: u32) -> [f64; 2] {
+fn random(i: u32) -> [f64; 2] {
     Independent::new(1, 0, 0).pair_of(0, black_box(i), 1)
 }
 
@@ -56,9 +57,9 @@ fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &dyn SurfaceS
     let (mut u, mut out) = (vec![[0.0; 2]; CALL as usize], EnvSamples::default());
     group.bench_function(name, |b| {
         b.iter(|| {
-            for call in 0..DRAWS / CALL {
+            for call in 0..SAMPLES / CALL {
                 for (i, u) in (call * CALL..).zip(&mut u) {
-                    *u = numbers(i);
+                    *u = random(i);
                 }
                 sampler.sample_many_for(&u, DVec3::Y, &mut out);
                 black_box(&mut out);
@@ -70,7 +71,7 @@ fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &dyn SurfaceS
 fn single(group: &mut BenchmarkGroup<WallTime>, name: &str, sample: impl Fn(u32) -> Option<EnvSample>) {
     group.bench_function(name, |b| {
         b.iter(|| {
-            for i in 0..DRAWS {
+            for i in 0..SAMPLES {
                 black_box(sample(i));
             }
         });
@@ -88,12 +89,12 @@ fn sampling(c: &mut Criterion) {
         let map = map(width, height);
         let normals: Vec<DVec3> = (0..1024).map(direction).collect();
         let mut group = c.benchmark_group(format!("envmap-sample-{width}x{height}"));
-        group.throughput(Throughput::Elements(u64::from(DRAWS))).sample_size(20);
+        group.throughput(Throughput::Elements(u64::from(SAMPLES))).sample_size(20);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
         let cdf = CdfSampler::new(map.clone());
         many(&mut group, "cdf", &cdf);
-        single(&mut group, "cdf one by one", |i| cdf.sample(numbers(i)));
-        let directions: Vec<DVec3> = (0..DRAWS).filter_map(|i| cdf.sample(numbers(i))).map(|s| s.wi).collect();
+        single(&mut group, "cdf one by one", |i| cdf.sample(random(i)));
+        let directions: Vec<DVec3> = (0..SAMPLES).filter_map(|i| cdf.sample(random(i))).map(|s| s.wi).collect();
         group.bench_function("pdf of its own samples", |b| {
             b.iter(|| directions.iter().map(|&wi| cdf.pdf(wi)).sum::<f64>());
         });
@@ -102,7 +103,7 @@ fn sampling(c: &mut Criterion) {
             let sampler = sampling.sampler(map.clone()).unwrap();
             if sampling.needs_normal() {
                 let normal = |i: u32| normals[i as usize % normals.len()];
-                single(&mut group, sampling.entry().name, |i| sampler.sample_for(numbers(i), normal(i)));
+                single(&mut group, sampling.entry().name, |i| sampler.sample_for(random(i), normal(i)));
             } else {
                 many(&mut group, sampling.entry().name, &*sampler);
             }

@@ -1,9 +1,9 @@
-//! What leaving out saves: each scene rendered as it needs and with nothing left out (`--general`), by turns, in
-//! processes of their own; the time to prepare and render and the peak memory, as a table.
+//! Specialised kernels against the general one (`--general`): each scene rendered by both, alternating, each in a process of
+//! its own; time to prepare and render, and peak memory, as a table.
 
 use std::process::Command;
 
-/// Scenes, with what they are rendered with.
+/// Scenes, with options of the renders.
 const SCENES: [(&str, &[&str]); 6] = [
     ("sphere-env", &["-s", "16", "-l", "1"]),
     ("sphere-env, BSDF sampling", &["-s", "16", "-l", "1", "--sampling", "bsdf"]),
@@ -13,7 +13,7 @@ const SCENES: [(&str, &[&str]); 6] = [
     ("furnace", &["-s", "64"]),
 ];
 
-/// Renders of each kind; the quickest counts, as it was disturbed least.
+/// Renders of each kind, of which the fastest counts.
 const ROUNDS: usize = 5;
 
 fn main() {
@@ -50,10 +50,10 @@ struct Measured {
 }
 
 fn measure(name: &str, options: &[&str], general: bool) -> Measured {
-    let folder = tempfile::tempdir().expect("a folder for the picture");
+    let folder = tempfile::tempdir().expect("a folder for the image");
     let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
     let scene = name.split(',').next().unwrap_or(name);
-    command.args(["render", scene, "--json", "-o"]).arg(folder.path().join("picture.pfm")).args(options);
+    command.args(["render", scene, "--json", "-o"]).arg(folder.path().join("image.pfm")).args(options);
     if general {
         command.arg("--general");
     }

@@ -1,4 +1,4 @@
-//! Triangle meshes: rays a second on the statue, next to each other and all over, and how long the tree takes to build.
+//! Triangle meshes: coherent and incoherent rays per second on the statue, and the time to build the BVH.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use etalon::sampling::stream::{Independent, Stream};

@@ -1,4 +1,4 @@
-//! The harness: samples drawn, checked and counted per second, for a wide and for a narrow lobe.
+//! The harness: samples generated, checked and counted per second, for a wide and for a narrow lobe.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use etalon::study::validation::{select, suite};

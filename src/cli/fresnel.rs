@@ -85,7 +85,13 @@ impl Fresnel {
         Ok(Verdict::Good)
     }
 
-    fn metal(&self, curves: &metal::Curves, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
+    fn metal(
+        &self,
+        curves: &metal::ConductorCurves,
+        name: &str,
+        global: &Global,
+        console: &Console,
+    ) -> Result<Verdict> {
         if self.model == Model::Report {
             return Err(Error::parameter("model", "the first report plots no metals")
                 .with_hint("the second report's approximation is always plotted beside the exact curves"));

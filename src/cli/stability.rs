@@ -4,7 +4,7 @@ use super::console::Console;
 use super::global::{Global, Verdict};
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::stability::{self, BoundCheck, Effort, REGISTRY, Replay, Row};
+use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
@@ -33,10 +33,10 @@ pub struct Stability {
 
 #[derive(Serialize)]
 struct Output<'a> {
-    rows: &'a [Row],
+    rows: &'a [ErrorRow],
     #[serde(rename = "promises")]
     bounds: &'a [BoundCheck],
-    effort: Effort,
+    effort: Workload,
     interrupted: bool,
 }
 
@@ -64,7 +64,7 @@ impl Stability {
         let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability");
-        let effort = Effort::FULL;
+        let effort = Workload::FULL;
         let result = stability::run(&self.families, &effort, global.seed, &mut |name| {
             bar.set_message(name);
             bar.inc(1);

@@ -4,9 +4,10 @@
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
+use super::pixel_mean::inside;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::math::Rgb;
+use crate::math::{Rgb, mean_rgb};
 use crate::raster::{Image, Metadata};
 use crate::render::film::{Film, Part, PathClasses};
 use crate::render::{Dropped, Job, Settings, Silent, render};
@@ -18,13 +19,13 @@ use serde::Serialize;
 pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
 /// Scatterings up to which path classes have layers of their own.
-const APART: u32 = 5;
+const CLASS_DEPTH: u32 = 5;
 /// Rows that are rendered together: enough for many threads.
 const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct RadianceRow {
     /// Scatterings of the longest path.
     pub depth: u32,
     /// Kind of object, or "all".
@@ -69,7 +70,7 @@ pub struct Depths {
     /// Each image but the first, minus the one before it.
     pub differences: Vec<Image>,
     /// Radiance by depth and kind of object.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RadianceRow>,
     /// Light by path class and kind of object.
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
@@ -108,8 +109,8 @@ pub const ALL: &str = "all";
 /// Those of [`Job::new`].
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let apart = Settings { paths: Some(APART), camera_paths_only: true, ..*settings };
-    let (layers, dropped) = layers(scene, &request, &apart)?;
+    let by_class = Settings { paths: Some(CLASS_DEPTH), camera_paths_only: true, ..*settings };
+    let (layers, dropped) = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -144,7 +145,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
     });
     let rows = rows.collect();
-    // Light of each layer by kind of object: shares, lit pixels, centroid.
+    // Each layer's share of the light, pixels that are not black, and centroid, by kind of object.
     let mut classes = Vec::new();
     for (name, layer) in &layers {
         let depth = appears_at(name);
@@ -155,7 +156,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             let here = light(layer, mask);
             if here > 0.0 {
                 let [x, y] = centroid(layer, mask, here);
-                let lit = layer.pixels().iter().zip(mask).filter(|(p, inside)| **inside && **p != Rgb::ZERO).count();
+                let lit = inside(layer.pixels(), mask).filter(|p| **p != Rgb::ZERO).count();
                 classes.push(ClassRow {
                     depth,
                     class: name.clone(),
@@ -199,27 +200,34 @@ fn appears_at(class: &str) -> u32 {
     if class == "rest" { DEPTHS[DEPTHS.len() - 1] } else { class.len() as u32 - 2 }
 }
 
-fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> Row {
+fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
     let (mut sum, mut pixels) = (DVec3::ZERO, 0);
-    for (p, _) in image.pixels().iter().zip(mask).filter(|(_, inside)| **inside) {
+    for p in inside(image.pixels(), mask) {
         sum += p.as_dvec3();
         pixels += 1;
     }
     let mean = sum / f64::from(pixels);
     let share_of_light = sum.element_sum() / 3.0 / all_light;
-    Row { depth, seen_on, pixels: pixels as usize, mean_r: mean.x, mean_g: mean.y, mean_b: mean.z, share_of_light }
+    RadianceRow {
+        depth,
+        seen_on,
+        pixels: pixels as usize,
+        mean_r: mean.x,
+        mean_g: mean.y,
+        mean_b: mean.z,
+        share_of_light,
+    }
 }
 
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
 fn light(image: &Image, mask: &[bool]) -> f64 {
-    let inside = image.pixels().iter().zip(mask).filter(|(_, inside)| **inside);
-    inside.map(|(p, _)| p.as_dvec3().element_sum() / 3.0).sum()
+    inside(image.pixels(), mask).map(|p| mean_rgb(*p)).sum()
 }
 
 fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
     let mut sum = [0.0; 2];
-    for (i, (p, _)) in image.pixels().iter().zip(mask).enumerate().filter(|(_, (_, inside))| **inside) {
-        let weight = p.as_dvec3().element_sum() / 3.0;
+    for (i, p) in inside(image.pixels().iter().enumerate(), mask) {
+        let weight = mean_rgb(*p);
         let at = [i % image.width(), i / image.width()];
         (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));
     }
@@ -298,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_render_that_ends_early_is_the_deep_ones_beginning() {
+    fn a_shallow_render_is_the_beginning_of_a_deep_one() {
         let (scene, request) = small();
         for m in 0..4 {
             let t = truncation(&scene, &request, &Settings::default(), m).unwrap();

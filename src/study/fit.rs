@@ -6,6 +6,7 @@ pub fn slope(points: &[[f64; 2]]) -> f64 {
     let n = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
     let (mx, my) = (mean(0), mean(1));
+    // Sums of squares and products about the means.
     let (mut xx, mut xy) = (0.0, 0.0);
     for [x, y] in points {
         xx += (x - mx) * (x - mx);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One angle of incidence. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct DielectricRow {
     /// Angle of incidence in degrees.
     pub theta_deg: f64,
     /// Exact reflectance of parallel polarization.
@@ -23,18 +23,18 @@ pub struct Row {
     pub r_schlick: f64,
 }
 
-/// The curves of one interface and what can be read off them.
+/// The curves of one interface, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Curves {
+pub struct DielectricCurves {
     /// Index of refraction on the side of the incident light.
     pub eta_i: f64,
     /// Index of refraction on the other side.
     pub eta_t: f64,
     /// "exact", or "report" for curves by the first report's conventions.
     pub model: &'static str,
-    /// Where no parallel light is reflected; `None` without an interface (equal indices).
+    /// Angle at which no parallel light is reflected; `None` without an interface (equal indices).
     pub brewster_deg: Option<f64>,
-    /// Beyond it all light is reflected; `None` when entering the denser side.
+    /// Angle beyond which all light is reflected; `None` when entering the denser side.
     pub critical_deg: Option<f64>,
     /// Reflectance at normal incidence, the same for both polarizations.
     pub r_normal: f64,
@@ -52,7 +52,7 @@ pub struct Curves {
     pub schlick_max_rel_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<Row>,
+    pub rows: Vec<DielectricRow>,
 }
 
 /// Largest number of angles that can be asked for.
@@ -88,7 +88,7 @@ pub(super) fn cos_deg(theta_deg: f64) -> f64 {
 ///
 /// # Errors
 /// [`Error::Parameter`] for impossible indices and numbers of points.
-pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<Curves> {
+pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<DielectricCurves> {
     check_index("eta_i", eta_i)?;
     check_index("eta_t", eta_t)?;
     let eta = eta_t / eta_i;
@@ -100,7 +100,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };
     let row = |theta_deg: f64| {
         let exact = dielectric::fresnel(cos_deg(theta_deg), eta);
-        Row {
+        DielectricRow {
             theta_deg,
             r_parallel: exact.parallel,
             r_perpendicular: exact.perpendicular,
@@ -109,18 +109,12 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
             r_schlick: approximate(cos_deg(theta_deg)),
         }
     };
-    let abs_error = |theta: f64| {
-        let r = row(theta);
-        (r.r_schlick - r.r_unpolarized).abs()
-    };
-    let rel_error = |theta: f64| {
-        let r = row(theta);
-        if r.r_unpolarized > 0.0 { (r.r_schlick - r.r_unpolarized).abs() / r.r_unpolarized } else { 0.0 }
-    };
-    let (abs_at, abs_max) = largest(end, abs_error);
-    let (rel_at, rel_max) = largest(end, rel_error);
+    let error = |r: &DielectricRow| (r.r_schlick - r.r_unpolarized).abs();
+    let relative = |r: &DielectricRow| if r.r_unpolarized > 0.0 { error(r) / r.r_unpolarized } else { 0.0 };
+    let (abs_at, abs_max) = largest(end, |theta| error(&row(theta)));
+    let (rel_at, rel_max) = largest(end, |theta| relative(&row(theta)));
     let normal = dielectric::fresnel(1.0, eta);
-    Ok(Curves {
+    Ok(DielectricCurves {
         eta_i,
         eta_t,
         model: if single_cosine { "report" } else { "exact" },
@@ -138,7 +132,8 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     })
 }
 
-/// Where on \[0, `end`\] degrees `f` is largest, and its value there: the best of 4001 places, refined by thirds.
+/// The angle on \[0, `end`\] degrees at which `f` is largest, and its value there: the best of 4001 angles, refined by
+/// ternary search.
 pub(super) fn largest(end: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     const PLACES: usize = 4000;
     let at = |i: usize| end * i as f64 / PLACES as f64;

@@ -1,4 +1,4 @@
-//! The white furnace: spheres that absorb nothing, under radiance 1 from everywhere, must have radiance 1 themselves.
+//! The white furnace: spheres that absorb nothing, in a uniform environment of radiance 1, must have radiance 1.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::Mean;
@@ -21,7 +21,7 @@ pub struct FurnaceSphere {
 /// Those of [`render`].
 pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     let (mut scene, request) = builtin::furnace();
-    // The built-in scene's metal absorbs light, and the mirror shows it.
+    // Without the metal of the built-in scene, which absorbs and is reflected in the mirror.
     scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
     let rendered = render(&scene, &Request { spp, ..request }, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(&scene, &request);

@@ -10,10 +10,10 @@ use serde::Serialize;
 
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct SampleRow {
     /// Column.
     pub x: f64,
-    /// Row.
+    /// SampleRow.
     pub y: f64,
     /// Direction, x.
     pub dir_x: f64,
@@ -35,7 +35,7 @@ pub struct Row {
 #[derive(Debug, Clone)]
 pub struct MapSamples {
     /// A row for each sample.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SampleRow>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,
     /// Samples whose pdf is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
@@ -56,14 +56,15 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
             Error::parameter("n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
-    let numbers: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
+    let random: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
     let mut sampled = EnvSamples::default();
-    sampler.sample_many_for(&numbers, normal, &mut sampled);
+    sampler.sample_many_for(&random, normal, &mut sampled);
     let samples: Vec<EnvSample> = sampled.iter().collect();
+    // Monte Carlo estimate of the flux, and a row for each sample.
     let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
-        Row {
+        SampleRow {
             x,
             y,
             dir_x: s.wi.x,

@@ -19,18 +19,18 @@ pub enum Centroid {
 /// One region. Field names are the CSV columns: its texels are \[x0, x1) × \[y0, y1), the centroid is in continuous
 /// texel coordinates, the direction is the centroid's, the flux is ∫ L dω and the energy its mean over R, G, B.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct RegionRow {
     /// First column.
     pub x0: usize,
     /// First row.
     pub y0: usize,
     /// Column after the last.
     pub x1: usize,
-    /// Row after the last.
+    /// RegionRow after the last.
     pub y1: usize,
     /// Column of the centroid.
     pub centroid_x: f64,
-    /// Row of the centroid.
+    /// RegionRow of the centroid.
     pub centroid_y: f64,
     /// Direction, x.
     pub dir_x: f64,
@@ -51,17 +51,17 @@ pub struct Row {
 /// Cuts `map` into each of the numbers of regions asked for.
 pub fn cut(
     map: &EnvMap,
-    numbers: &[usize],
+    counts: &[usize],
     split: Split,
     sides: SideRule,
     centroid: Centroid,
-) -> Result<Vec<Vec<Row>>> {
+) -> Result<Vec<Vec<RegionRow>>> {
     map.request(MedianCut::bytes(split), "the summed-area tables")?;
     let tables = MedianCut::new(map, split, sides);
     let row = |region: Region| {
         let (x, y) = if centroid == Centroid::Energy { region.centroid } else { region.median };
         let direction = map.geometry().direction(x, y);
-        Row {
+        RegionRow {
             x0: region.block.x0,
             y0: region.block.y0,
             x1: region.block.x1,
@@ -77,12 +77,12 @@ pub fn cut(
             energy: region.energy,
         }
     };
-    numbers.iter().map(|&n| Ok(tables.regions(n)?.into_iter().map(row).collect())).collect()
+    counts.iter().map(|&n| Ok(tables.regions(n)?.into_iter().map(row).collect())).collect()
 }
 
 /// |Σ flux of the regions − flux of the map| / flux of the map; 0 for a black map.
 #[must_use]
-pub fn flux_error(rows: &[Row], map_flux: [f64; 3]) -> f64 {
+pub fn flux_error(rows: &[RegionRow], map_flux: [f64; 3]) -> f64 {
     let map_flux = DVec3::from_array(map_flux);
     let sum: DVec3 = rows.iter().map(|r| DVec3::new(r.flux_r, r.flux_g, r.flux_b)).sum();
     if map_flux.length() > 0.0 { (sum - map_flux).length() / map_flux.length() } else { sum.length() }
@@ -90,7 +90,7 @@ pub fn flux_error(rows: &[Row], map_flux: [f64; 3]) -> f64 {
 
 /// Largest energy of a region over the mean; 1 is a perfect cut. 0 for a black map.
 #[must_use]
-pub fn imbalance(rows: &[Row]) -> f64 {
+pub fn imbalance(rows: &[RegionRow]) -> f64 {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
     let largest = rows.iter().map(|r| r.energy).fold(0.0, f64::max);
     if total > 0.0 { largest * rows.len() as f64 / total } else { 0.0 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// One angle of incidence in one channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct ConductorRow {
     /// Name of the channel.
     pub channel: String,
     /// Angle of incidence in degrees.
@@ -51,12 +51,12 @@ pub struct Channel {
     pub schlick_max_abs_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<Row>,
+    pub rows: Vec<ConductorRow>,
 }
 
 /// A metal's three channels, or the single channel of a complex index.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Curves {
+pub struct ConductorCurves {
     /// "gold (Au)", or "complex index".
     pub metal: String,
     /// Where the metal's η and k were measured.
@@ -66,7 +66,7 @@ pub struct Curves {
 }
 
 /// The curves of a metal known by symbol or name, in air.
-pub fn by_name(name: &str, points: usize) -> Result<Curves> {
+pub fn by_name(name: &str, points: usize) -> Result<ConductorCurves> {
     let Some(metal) = metals::by_name(name) else {
         let known: Vec<_> = metals::METALS.iter().map(|m| m.symbol).collect();
         return Err(Error::parameter("metal", format!("\"{name}\" is not in the table"))
@@ -75,11 +75,11 @@ pub fn by_name(name: &str, points: usize) -> Result<Curves> {
     let channels = (0..3)
         .map(|c| channel(format!("{} nm", metals::WAVELENGTHS_NM[c]), metal.eta[c], metal.k[c], points))
         .collect::<Result<_>>()?;
-    Ok(Curves { metal: format!("{} ({})", metal.name, metal.symbol), source: Some(metal.source), channels })
+    Ok(ConductorCurves { metal: format!("{} ({})", metal.name, metal.symbol), source: Some(metal.source), channels })
 }
 
 /// The curves of the complex index (`eta_t` + i `k`) met from index `eta_i`.
-pub fn by_index(eta_i: f64, eta_t: f64, k: f64, points: usize) -> Result<Curves> {
+pub fn by_index(eta_i: f64, eta_t: f64, k: f64, points: usize) -> Result<ConductorCurves> {
     check_index("eta_i", eta_i)?;
     check_index("eta_t", eta_t)?;
     if !(0.0..=1e6).contains(&k) {
@@ -88,7 +88,7 @@ pub fn by_index(eta_i: f64, eta_t: f64, k: f64, points: usize) -> Result<Curves>
     }
     let name = format!("η = {eta_t}, k = {k}");
     let channels = vec![channel(name, eta_t / eta_i, k / eta_i, points)?];
-    Ok(Curves { metal: "complex index".into(), source: None, channels })
+    Ok(ConductorCurves { metal: "complex index".into(), source: None, channels })
 }
 
 fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
@@ -97,7 +97,7 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
         let cos = cos_deg(theta_deg);
         let exact = conductor::fresnel(cos, eta, k);
         let approximate = conductor::fresnel_approximate(cos, eta, k);
-        Row {
+        ConductorRow {
             channel: name.clone(),
             theta_deg,
             r_parallel: exact.parallel,
@@ -109,14 +109,9 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
             r_schlick: schlick::polynomial(f0, cos),
         }
     };
-    let error = |f: fn(&Row) -> f64| {
-        largest(90.0, |theta| {
-            let r = row(theta);
-            (f(&r) - r.r_unpolarized).abs()
-        })
-    };
-    let (approximate_at, approximate_error) = error(|r| r.r_unpolarized_approximate);
-    let (schlick_at, schlick_error) = error(|r| r.r_schlick);
+    let largest_error = |f: fn(&ConductorRow) -> f64| largest(90.0, |theta| f(&row(theta)).abs());
+    let (approximate_at, approximate_error) = largest_error(|r| r.r_unpolarized_approximate - r.r_unpolarized);
+    let (schlick_at, schlick_error) = largest_error(|r| r.r_schlick - r.r_unpolarized);
     Ok(Channel {
         eta,
         k,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// One metal in one colour channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct MetalRow {
     /// Chemical symbol.
     pub symbol: &'static str,
     /// Name of the metal.
@@ -40,14 +40,14 @@ pub struct Row {
 
 /// All metals side by side.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct MetalTable {
     /// Three for each metal.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MetalRow>,
     /// The curves of each metal.
-    pub curves: Vec<metal::Curves>,
+    pub curves: Vec<metal::ConductorCurves>,
 }
 
-impl Table {
+impl MetalTable {
     /// The largest difference between the curves at 0° and ((η − 1)² + k²)/((η + 1)² + k²).
     #[must_use]
     pub fn normal_error(&self) -> f64 {
@@ -87,7 +87,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 ///
 /// # Errors
 /// Too few or too many points.
-pub fn table(points: usize) -> Result<Table> {
+pub fn table(points: usize) -> Result<MetalTable> {
     let mut rows = Vec::new();
     let mut all_curves = Vec::new();
     for known in metals::METALS {
@@ -100,7 +100,7 @@ pub fn table(points: usize) -> Result<Table> {
                 let c = super::fresnel::cos_deg(theta);
                 (approximate(c).parallel - exact(c).parallel).abs()
             };
-            rows.push(Row {
+            rows.push(MetalRow {
                 symbol: known.symbol,
                 metal: known.name,
                 wavelength_nm,
@@ -119,7 +119,7 @@ pub fn table(points: usize) -> Result<Table> {
         }
         all_curves.push(curves);
     }
-    Ok(Table { rows, curves: all_curves })
+    Ok(MetalTable { rows, curves: all_curves })
 }
 
 /// 2 ∫ R(c) c dc over the cosines from 0 to 1, by Simpson's rule in √c: R rises steeply from grazing incidence on.
@@ -144,6 +144,7 @@ pub fn approximate_albedo(eta: f64, k: f64) -> f64 {
     let q = eta * eta + k * k;
     let angle = |x: f64| (x / k).atan() - (eta / k).atan();
     let twist = (k * k - eta * eta) / k;
+    // Emissivities ε⊥/8η and ε∥/8η.
     let perpendicular = 1.0 - eta * ((1.0 + 2.0 * eta + q) / q).ln() - twist * angle(1.0 + eta);
     let parallel = (1.0 - eta / q * (1.0 + 2.0 * eta + q).ln() - twist / q * angle(q + eta)) / q;
     1.0 - 4.0 * eta * (perpendicular + parallel)
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn every_metal_of_the_registry_is_in_the_table() {
-        let Table { rows, curves } = table(2).unwrap();
+        let MetalTable { rows, curves } = table(2).unwrap();
         for (i, metal) in metals::METALS.iter().enumerate() {
             assert!(rows[3 * i..3 * i + 3].iter().all(|row| row.symbol == metal.symbol && !row.source.is_empty()));
             assert!(curves[i].metal.contains(metal.symbol));
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_albedo_is_an_integral_that_can_be_had_otherwise() {
+    fn the_albedo_agrees_with_closed_forms() {
         // R = c gives 2/3; and the approximation's is known in closed form.
         assert!((albedo(|c| c) - 2.0 / 3.0).abs() < 1e-12);
         for r in table(2).unwrap().rows {

@@ -86,6 +86,7 @@ impl ObjectIdBuffer {
 
 /// Distance of every pixel to the nearest one where `mask` is `target`: first along the rows, then across them.
 fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64> {
+    // Distances along each row.
     let mut along = vec![f64::INFINITY; mask.len()];
     for (row, out) in mask.chunks(width).zip(along.chunks_mut(width)) {
         for (x, value) in out.iter_mut().enumerate() {
@@ -95,6 +96,7 @@ fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64
         }
     }
     let height = mask.len() / width;
+    // Combine the rows within reach by Pythagoras's theorem.
     let at = |i: usize| {
         let (x, y) = (i % width, i / width);
         let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);

@@ -13,12 +13,17 @@ pub struct Mean {
     pub pixels: usize,
 }
 
+/// The values at the pixels of `mask`.
+pub fn inside<T>(values: impl IntoIterator<Item = T>, mask: &[bool]) -> impl Iterator<Item = T> {
+    values.into_iter().zip(mask).filter(|(_, inside)| **inside).map(|(value, _)| value)
+}
+
 impl Mean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
     #[must_use]
-    pub fn of(exposure: &Film, mask: &[bool]) -> Self {
+    pub fn of(film: &Film, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
-        for (PixelEstimate { mean, error }, _) in exposure.estimates().zip(mask).filter(|(_, inside)| **inside) {
+        for PixelEstimate { mean, error } in inside(film.estimates(), mask) {
             for c in 0..3 {
                 sum[c] += f64::from(mean[c]);
                 square[c] += f64::from(error[c]).powi(2);

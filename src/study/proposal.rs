@@ -12,7 +12,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// One bin of rows. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Bin {
+pub struct RowBin {
     /// Where the bin begins, from the zenith.
     pub theta_from_deg: f64,
     /// Where the bin ends.
@@ -36,7 +36,7 @@ pub struct Proposal {
     pub gaussian: ChiSquare,
     /// The histograms.
     #[serde(skip)]
-    pub bins: Vec<Bin>,
+    pub bins: Vec<RowBin>,
 }
 
 /// Standard deviation of the Gaussian random numbers around ½; those outside \[0, 1) are rejected.
@@ -47,7 +47,10 @@ const POLL: usize = 1 << 16;
 
 /// Samples rows of `map` by inversion of its row CDF, `draws` times with each kind of random number.
 ///
-/// `None` when the map's light falls into too few rows to test how it is spread over them.
+/// `None` when the map has light in too few rows for a chi-square test.
+///
+/// # Errors
+/// [`Error::Parameter`] for fewer than 1000 or more than 2²⁸ samples; [`Error::Interrupted`].
 pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>> {
     if !(1000..=1 << 28).contains(&draws) {
         return Err(Error::parameter("draws", format!("{draws} draws")).with_hint("use 1000 to 2^28 draws"));
@@ -56,13 +59,13 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     let energies: Vec<f64> =
         (0..g.height()).map(|y| (0..g.width()).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y)).collect();
     let table = Table1::new(&energies);
-    let count = |number: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
+    let count = |random: &mut dyn FnMut() -> f64| -> Result<Vec<u64>> {
         let mut counts = vec![0; energies.len()];
         for i in 0..draws {
             if i % POLL == 0 {
                 interrupt::check()?;
             }
-            if let Some(draw) = table.sample(number()) {
+            if let Some(draw) = table.sample(random()) {
                 counts[draw.cell] += 1;
             }
         }
@@ -91,8 +94,8 @@ pub fn compare(map: &EnvMap, draws: usize, seed: u64) -> Result<Option<Proposal>
     }))
 }
 
-/// Rows gathered into at most 64 bins for the drawing; the tests use single rows.
-fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<Bin> {
+/// Rows merged into at most 64 bins for the drawing; the tests use single rows.
+fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Vec<RowBin> {
     let height = energies.len();
     let total: f64 = energies.iter().sum();
     let per_bin = height.div_ceil(64);
@@ -101,7 +104,7 @@ fn bins(energies: &[f64], uniform: &[u64], gaussian: &[u64], draws: usize) -> Ve
         .map(|y0| {
             let rows = y0..(y0 + per_bin).min(height);
             let share = |counts: &[u64]| counts[rows.clone()].iter().sum::<u64>() as f64 / draws as f64;
-            Bin {
+            RowBin {
                 theta_from_deg: 180.0 * rows.start as f64 / height as f64,
                 theta_to_deg: 180.0 * rows.end as f64 / height as f64,
                 target: energies[rows.clone()].iter().sum::<f64>() / total,

@@ -1,7 +1,7 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
-use super::pixel_mean::Mean;
+use super::pixel_mean::{Mean, inside};
 use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::render::{Rendered, Settings, Silent, render};
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// One image of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
 /// the standard error of the mean.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct StatueRow {
     /// Roughness α.
     pub alpha: f32,
     /// Samples per pixel.
@@ -40,10 +40,10 @@ pub struct Row {
     pub brightest_percent: f64,
 }
 
-/// An image with its numbers.
-pub struct Shot {
+/// An image with its statistics.
+pub struct StatueRender {
     /// Its row of the table.
-    pub row: Row,
+    pub row: StatueRow,
     /// The statue's mean radiance.
     pub statue: Mean,
     /// Which pixels show the statue.
@@ -58,18 +58,18 @@ pub struct Shot {
 ///
 /// # Errors
 /// Those of [`render`].
-pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Shot> {
+pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> Result<StatueRender> {
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
     let statue = Mean::of(&rendered.part.film, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
-    let estimates = rendered.part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
-    let squares = estimates.map(|(e, _)| (f64::from(e.error.element_sum()) / 3.0).powi(2));
+    let squares =
+        inside(rendered.part.film.estimates(), &mask).map(|e| (f64::from(e.error.element_sum()) / 3.0).powi(2));
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
-    let inside = rendered.image.pixels().iter().zip(&mask).filter(|(_, inside)| **inside);
-    let row = Row {
+    let light = inside(rendered.image.pixels(), &mask).map(|p| f64::from(p.element_sum()));
+    let row = StatueRow {
         alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
         spp: request.spp,
         light_samples: request.light_samples,
@@ -82,9 +82,9 @@ pub fn shoot(scene: &Scene, request: &Request, settings: &Settings) -> Result<Sh
         statue_error_g,
         statue_error_b,
         noise,
-        brightest_percent: brightest_percent(inside.map(|(p, _)| f64::from(p.element_sum())).collect()),
+        brightest_percent: brightest_percent(light.collect()),
     };
-    Ok(Shot { row, statue, mask, objects, rendered })
+    Ok(StatueRender { row, statue, mask, objects, rendered })
 }
 
 /// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random
@@ -126,14 +126,14 @@ mod tests {
 
     #[test]
     fn all_normals_agree_and_another_metal_does_not() {
-        let shot = |symbol: &str| {
+        let statue = |symbol: &str| {
             let (scene, request) = builtin::cornell_statue(metals::by_name(symbol).unwrap(), 0.25, None).unwrap();
             let request = Request { width: 48, height: 36, spp: 32, light_samples: 1, ..request };
-            let shot = shoot(&scene, &request, &Settings::default()).unwrap();
+            let shot = render_statue(&scene, &request, &Settings::default()).unwrap();
             let other = mean_by_all_normals(&scene, &request, &Settings::default(), &shot.mask).unwrap();
             (shot, other)
         };
-        let ((gold, second), (iron, _)) = (shot("Au"), shot("Fe"));
+        let ((gold, second), (iron, _)) = (statue("Au"), statue("Fe"));
         assert!(gold.statue.z(&second).abs() < 4.0, "{:?} {second:?}", gold.statue);
         assert!(gold.statue.z(&iron.statue).abs() > 4.0, "{:?} {:?}", gold.statue, iron.statue);
         assert!(gold.row.statue_r > gold.row.statue_g && gold.row.statue_g > gold.row.statue_b);

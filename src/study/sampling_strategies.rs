@@ -2,8 +2,8 @@
 //! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
 use super::object_ids::Kind;
-use super::pixel_mean::Mean;
-use super::roughness::{Shot, shoot};
+use super::pixel_mean::{Mean, inside};
+use super::roughness::{StatueRender, render_statue};
 use crate::bsdf::NormalSampling;
 use crate::errata::Conventions;
 use crate::error::Result;
@@ -21,7 +21,7 @@ pub const RIM: f64 = 3.0;
 /// All pixels at about the same distance from the silhouette. Field names are the CSV columns. Distances are negative
 /// outside the statue; radiance is (R + G + B) / 3.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Bin {
+pub struct ProfileBin {
     /// Lower end of the distances.
     pub from_px: f64,
     /// Upper end of the distances.
@@ -51,13 +51,13 @@ pub struct Bin {
 }
 
 /// Both images and their profile.
-pub struct Comparison {
+pub struct StrategyComparison {
     /// By importance sampling.
-    pub importance: Shot,
+    pub importance: StatueRender,
     /// By hemisphere sampling.
-    pub hemisphere: Shot,
+    pub hemisphere: StatueRender,
     /// By distance from the silhouette.
-    pub profile: Vec<Bin>,
+    pub profile: Vec<ProfileBin>,
     /// Difference of the means over the whole image, the statue, and the statue's rim, in units of its standard error.
     pub z_picture: f64,
     /// Over the statue.
@@ -66,7 +66,7 @@ pub struct Comparison {
     pub z_rim: f64,
 }
 
-impl Comparison {
+impl StrategyComparison {
     /// The sum of the medians over the statue's rim, hemisphere sampling over importance sampling.
     #[must_use]
     pub fn rim_median_ratio(&self) -> f64 {
@@ -82,11 +82,14 @@ impl Comparison {
 }
 
 /// Renders the scene twice, with independent random numbers.
-pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<Comparison> {
+///
+/// # Errors
+/// Those of [`render_statue`].
+pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<StrategyComparison> {
     let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
         settings.model.normals = normals;
-        shoot(scene, request, &settings)
+        render_statue(scene, request, &settings)
     };
     let (importance, hemisphere) = (shot(NormalSampling::Vndf, 0)?, shot(NormalSampling::Hemisphere, 1)?);
     let z = |mask: &[bool]| {
@@ -98,7 +101,7 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
     let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
     let (z_picture, z_statue, z_rim) = (z(&vec![true; depth.len()]), z(&importance.mask), z(&rim));
     let profile = profile(&importance, &hemisphere, &depth);
-    Ok(Comparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
+    Ok(StrategyComparison { importance, hemisphere, profile, z_picture, z_statue, z_rim })
 }
 
 /// The silhouette runs half-way between the centres of a pixel of the statue and its neighbour outside.
@@ -107,7 +110,7 @@ fn from_silhouette(depth: f64) -> f64 {
 }
 
 /// Both images at each distance from the silhouette.
-fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
+fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) -> Vec<ProfileBin> {
     let shown: Vec<bool> =
         importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).map(|from| {
@@ -118,7 +121,7 @@ fn profile(importance: &Shot, hemisphere: &Shot, depth: &[f64]) -> Vec<Bin> {
             .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
             .collect();
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
-        Bin {
+        ProfileBin {
             from_px,
             to_px,
             pixels: a.mean.pixels,
@@ -147,16 +150,16 @@ struct Side {
 
 impl Side {
     fn mean_error(&self) -> f64 {
-        // Channels are lit by the same samples: their errors do not average out.
+        // The channels of a sample are correlated: their errors do not average out.
         self.mean.error.iter().sum::<f64>() / 3.0
     }
 
-    fn of(shot: &Shot, mask: &[bool]) -> Self {
+    fn of(shot: &StatueRender, mask: &[bool]) -> Self {
         let film = &shot.rendered.part.film;
         let mean = Mean::of(film, mask);
         let mut values = Vec::with_capacity(mean.pixels);
         let mut square = 0.0;
-        for (estimate, _) in film.estimates().zip(mask).filter(|(_, inside)| **inside) {
+        for estimate in inside(film.estimates(), mask) {
             values.push(estimate.mean);
             square += (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
         }
@@ -165,6 +168,7 @@ impl Side {
         }
         let shown =
             to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));
+        // Median and mean 8-bit value of the pixels.
         let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
         light.sort_unstable_by(f64::total_cmp);
         Self {
@@ -188,7 +192,7 @@ mod tests {
         let result = compare(&scene, &request, &Settings::default()).unwrap();
         assert!(result.z_picture.abs() < 4.0 && result.z_statue.abs() < 4.0 && result.z_rim.abs() < 4.0);
         assert!(result.hemisphere.row.noise > 2.0 * result.importance.row.noise);
-        let rim: Vec<&Bin> = result.profile.iter().filter(|b| b.from_px >= 0.0 && b.to_px <= RIM).collect();
+        let rim: Vec<&ProfileBin> = result.profile.iter().filter(|b| b.from_px >= 0.0 && b.to_px <= RIM).collect();
         assert_eq!(rim.len(), 3);
         assert!(rim.iter().all(|b| b.hemisphere_median < 0.5 * b.importance_median), "{rim:?}");
         let total: usize = result.profile.iter().map(|b| b.pixels).sum();

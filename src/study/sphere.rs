@@ -52,7 +52,7 @@ fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 /// Errors of one render. Field names are the CSV columns; intensity is (R + G + B) / 3, and errors are taken over
 /// the ring of the disc described in the module.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Row {
+pub struct SphereRow {
     /// Samples per pixel.
     pub spp: u32,
     /// Light samples per camera sample.
@@ -68,9 +68,9 @@ pub struct Row {
 }
 
 /// A render with its errors.
-pub struct Shot {
+pub struct SphereRender {
     /// Its errors.
-    pub row: Row,
+    pub row: SphereRow,
     /// The render.
     pub rendered: Rendered,
     /// (I − I*) / I* per pixel, NaN off the disc.
@@ -86,7 +86,7 @@ const GROUPS: usize = 16;
 ///
 /// # Errors
 /// Those of [`render`].
-pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<Shot> {
+pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<SphereRender> {
     let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
     let request = Request { width: exact.size, height: exact.size, spp, ..request };
@@ -97,6 +97,7 @@ pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Re
     let mut group_errors = [0.0; GROUPS];
     for (i, pixel) in exact.pixels.iter().enumerate() {
         let Some(expected) = pixel.map(|p| p.element_sum() / 3.0) else { continue };
+        // Compare pixels of the disc; those of the ring count in the sums.
         let got = rendered.image.pixels()[i].as_dvec3().element_sum() / 3.0;
         relative_error[i] = if expected > 0.0 { (got - expected) / expected } else { 0.0 };
         if in_ring(i % exact.size, i / exact.size, exact.size) {
@@ -108,7 +109,7 @@ pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Re
             count += 1.0;
         }
     }
-    let row = Row {
+    let row = SphereRow {
         spp,
         light_samples: request.light_samples,
         seconds: rendered.seconds,
@@ -116,7 +117,7 @@ pub fn shoot(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Re
         rmse_of_ratio: (ratio2 / count).sqrt(),
         rel_bias: sum / truth,
     };
-    Ok(Shot { row, rendered, relative_error, group_errors })
+    Ok(SphereRender { row, rendered, relative_error, group_errors })
 }
 
 /// A strategy by its label, and the column of that name in the table.
@@ -131,7 +132,7 @@ pub struct Series {
     /// Its name.
     pub label: Label,
     /// In the order of the numbers of samples.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SphereRow>,
     /// p of RMSE ∝ sppᵖ, its error from disjoint sets of pixels.
     pub slope: Estimate,
 }
@@ -147,11 +148,11 @@ const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
 /// Renders the sphere by every strategy at each number of samples per pixel.
 ///
 /// # Errors
-/// Those of [`shoot`].
+/// Those of [`render_sphere`].
 pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, settings: &Settings) -> Result<Vec<Series>> {
     let series = |(strategy, sampling, density)| {
         let settings = Settings { sampling, density, ..*settings };
-        let shots = spp.iter().map(|&spp| shoot(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
+        let shots = spp.iter().map(|&spp| render_sphere(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
         let errors: Vec<_> = shots.iter().map(|shot| (shot.row.spp, shot.group_errors)).collect();
         let rows = shots.iter().map(|shot| shot.row).collect();
         Ok(Series { label: Label { strategy }, rows, slope: slope(&errors) })
@@ -238,7 +239,7 @@ mod tests {
             (Sampling::Mis, MapSampling::COMPENSATED, 0.02),
         ] {
             let settings = Settings { sampling, density, ..Settings::default() };
-            let shot = shoot(&map, 64, &exact, &settings).unwrap();
+            let shot = render_sphere(&map, 64, &exact, &settings).unwrap();
             assert!(shot.row.rel_rmse < tolerance, "{sampling:?} {density:?}: {:?}", shot.row);
             assert!(shot.row.rel_bias.abs() < 2e-3, "{sampling:?} {density:?}: {:?}", shot.row);
         }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
-use crate::study::converge::curve::{Curve, Level, Verdict};
+use crate::study::converge::curve::{Curve, CurveVerdict, Level};
 use serde::Serialize;
 
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
@@ -88,13 +88,13 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
 
 /// A verdict as text.
 #[must_use]
-pub fn word(verdict: Verdict) -> &'static str {
+pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
-        Verdict::Biased => "biased",
-        Verdict::MonteCarlo => "as Monte Carlo",
-        Verdict::Faster => "faster",
-        Verdict::Slower => "slower",
-        Verdict::Unknown => "unknown",
+        CurveVerdict::Biased => "biased",
+        CurveVerdict::MonteCarlo => "as Monte Carlo",
+        CurveVerdict::Faster => "faster",
+        CurveVerdict::Slower => "slower",
+        CurveVerdict::Unknown => "unknown",
     }
 }
 
@@ -102,8 +102,8 @@ pub fn word(verdict: Verdict) -> &'static str {
 fn label(curve: &Curve) -> String {
     let name = curve.strategy.name.replace('+', ", ");
     match curve.verdict {
-        Verdict::Biased => format!("{name}: bias {}", short(curve.bias2.value.sqrt())),
-        Verdict::Unknown => name,
+        CurveVerdict::Biased => format!("{name}: bias {}", short(curve.bias2.value.sqrt())),
+        CurveVerdict::Unknown => name,
         _ => format!("{name}: {}", signed(curve.slope.value, curve.slope.half_width)),
     }
 }

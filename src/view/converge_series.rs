@@ -4,7 +4,7 @@ use super::converge::duration;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
-use crate::study::converge::depth::{self, Depths};
+use crate::study::converge::depth::{DepthCurve, DepthLevel};
 use crate::study::converge::lights::CUTS;
 use crate::study::converge::roughness::{self, NORMALS};
 use etalon_stats::estimate::Estimate;
@@ -35,9 +35,9 @@ pub struct DepthRow {
 
 /// The table of all depths of all scenes.
 #[must_use]
-pub fn depth_rows(scenes: &[Depths]) -> Vec<DepthRow> {
-    let of_scene = |depths: &Depths| {
-        let Depths { scene, replicates, spp, levels } = depths.clone();
+pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
+    let of_scene = |depths: &DepthCurve| {
+        let DepthCurve { scene, replicates, spp, levels } = depths.clone();
         levels.into_iter().map(move |level| DepthRow {
             scene: scene.clone(),
             depth: level.depth,
@@ -55,7 +55,7 @@ pub fn depth_rows(scenes: &[Depths]) -> Vec<DepthRow> {
 
 /// Missing light over the depth, and over the time that the render takes.
 #[must_use]
-pub fn depths(scenes: &[Depths]) -> Drawing {
+pub fn depths(scenes: &[DepthCurve]) -> Drawing {
     let share = || Axis::log("light missing (share of all)");
     let mut over_depth = Panel::new(Axis::linear("maximum depth").range(0.0, 10.0).every(1.0), share());
     let mut over_time = Panel::new(Axis::linear("processor time (share of depth 100's)").range(0.0, 1.1), share());
@@ -65,8 +65,8 @@ pub fn depths(scenes: &[Depths]) -> Drawing {
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
         let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
         let over =
-            |at: &dyn Fn(&depth::Level) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
-        let band = |l: &depth::Level| [f64::from(l.depth), l.missing.low(), l.missing.high()];
+            |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
+        let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
         over_depth = over_depth
             .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())
@@ -111,8 +111,8 @@ pub struct RoughnessRow {
 
 /// The table of all roughnesses.
 #[must_use]
-pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
-    let row = |l: &roughness::Level| RoughnessRow {
+pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow> {
+    let row = |l: &roughness::RoughnessLevel| RoughnessRow {
         alpha: l.alpha,
         normals: l.normals,
         spp: l.spp,
@@ -129,14 +129,14 @@ pub fn roughness_rows(levels: &[roughness::Level]) -> Vec<RoughnessRow> {
 
 /// Noise and efficiency over the roughness, a curve for each way of sampling normals.
 #[must_use]
-pub fn roughness(levels: &[roughness::Level]) -> Drawing {
+pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
     let alpha = || Axis::log("/{α}");
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
     let mut efficiency = Panel::new(alpha(), Axis::log("1 / (MSE · processor time) (1/s)"));
     let colours = theme::strategies(&NORMALS.map(|(name, _)| name));
     for (i, (name, _)) in NORMALS.iter().enumerate() {
         let stroke = Stroke { colour: colours[i], ..theme::series(i) };
-        let add = |panel: Panel, of: &dyn Fn(&roughness::Level) -> [f64; 3]| {
+        let add = |panel: Panel, of: &dyn Fn(&roughness::RoughnessLevel) -> [f64; 3]| {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
             let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
             let line: Vec<_> = mine().map(|(x, [_, value, _])| [x, value]).collect();

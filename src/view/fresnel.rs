@@ -13,8 +13,10 @@ fn angle_axis() -> Axis {
 
 /// Curves of one interface, and beside them Schlick's error.
 #[must_use]
-pub fn dielectric(curves: &fresnel::Curves) -> Drawing {
-    let of = |f: fn(&fresnel::Row) -> f64| -> Vec<Point> { curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
+pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
+    let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
+        curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
+    };
     let title = format!("from /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
     let mut main = Panel::new(angle_axis(), Axis::linear("share of the power").range(0.0, 1.0))
         .title(title)
@@ -40,7 +42,7 @@ pub fn dielectric(curves: &fresnel::Curves) -> Drawing {
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
 #[must_use]
-pub fn metal(curves: &metal::Curves) -> Drawing {
+pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
     // Panels of one row share a legend; the second row need not repeat it.
     let mut panels: Vec<Panel> =
         curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
@@ -51,7 +53,8 @@ pub fn metal(curves: &metal::Curves) -> Drawing {
 
 fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
     let label = |text: &'static str| if legend { text } else { "" };
-    let of = |f: fn(&metal::Row) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
+    let of =
+        |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
     // Metals reflect most of the light: show the part of the axis where something happens.
     let lowest = of(|r| r.r_parallel.min(r.r_parallel_approximate)).iter().map(|p| p[1]).fold(1.0, f64::min);
     let title = if c.name.contains("nm") {
@@ -75,11 +78,11 @@ fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
         .vertical(c.pseudo_brewster_deg, format!("{:.1}°", c.pseudo_brewster_deg))
 }
 
-fn errors(curves: &metal::Curves) -> Panel {
+fn errors(curves: &metal::ConductorCurves) -> Panel {
     let colours = if curves.channels.len() == 1 { &[theme::UNPOLARIZED][..] } else { &theme::CHANNELS };
     let mut panel = Panel::new(angle_axis(), Axis::linear("error of /{F}")).title("approximations against exact");
     for (c, &colour) in curves.channels.iter().zip(colours) {
-        let of = |f: fn(&metal::Row) -> f64| -> Vec<Point> {
+        let of = |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> {
             c.rows.iter().map(|r| [r.theta_deg, f(r) - r.r_unpolarized]).collect()
         };
         let name = if c.name.contains("nm") { c.name.as_str() } else { "" };

@@ -79,7 +79,7 @@ impl Display {
 
     /// The map with a blue marker at each sample.
     #[must_use]
-    pub fn samples(&self, rows: &[map_samples::Row], side: usize) -> Drawing {
+    pub fn samples(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = overlay(self.base.clone());
         for r in rows {
             self.marker(&mut drawing, (r.x, r.y), side, theme::MARKER);
@@ -90,7 +90,7 @@ impl Display {
     /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
     /// than the average of the map.
     #[must_use]
-    pub fn samples_only(&self, rows: &[map_samples::Row], side: usize) -> Drawing {
+    pub fn samples_only(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = self.black();
         if rows.is_empty() {
             return drawing;
@@ -107,7 +107,7 @@ impl Display {
 
     /// The map with white lines between the regions and a blue dot at each centroid.
     #[must_use]
-    pub fn partition(&self, rows: &[median_cut::Row]) -> Drawing {
+    pub fn partition(&self, rows: &[median_cut::RegionRow]) -> Drawing {
         let s = self.scale;
         let mut drawing = overlay(self.base.clone());
         let line = Stroke::solid(theme::BORDER, 1.0);
@@ -132,7 +132,7 @@ impl Display {
     /// Black but for a marker at each centroid, in the colour of the region's total flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
     #[must_use]
-    pub fn lights(&self, rows: &[median_cut::Row], side: usize) -> Drawing {
+    pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
         let mut drawing = self.black();

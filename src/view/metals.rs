@@ -1,11 +1,11 @@
 //! The metals as small multiples: reflectance, and the error of the second report's approximation.
 
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::study::metal::{Curves, Row};
+use crate::study::metal::{ConductorCurves, ConductorRow};
 
 /// One column for each metal: reflectance above, error of the approximation below, each row on one scale.
 #[must_use]
-pub fn drawing(metals: &[Curves]) -> Drawing {
+pub fn drawing(metals: &[ConductorCurves]) -> Drawing {
     let columns: Vec<Drawing> = metals.iter().enumerate().map(|(i, metal)| column(metal, i)).collect();
     let width = columns.iter().map(Drawing::width).sum();
     let height = columns.iter().map(Drawing::height).fold(0.0, f64::max);
@@ -19,10 +19,10 @@ pub fn drawing(metals: &[Curves]) -> Drawing {
     sheet
 }
 
-fn column(metal: &Curves, place: usize) -> Drawing {
+fn column(metal: &ConductorCurves, place: usize) -> Drawing {
     // The first column names the axes, and its upper panel, where there is room, the colours.
     let of_first = |text: &'static str| if place == 0 { text } else { "" };
-    let panel = |y: Axis, value: fn(&Row) -> f64, named: bool| {
+    let panel = |y: Axis, value: fn(&ConductorRow) -> f64, named: bool| {
         let angle = Axis::linear("/{θ} (degrees)").range(0.0, 90.0).every(30.0);
         metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
             let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();

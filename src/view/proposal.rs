@@ -2,7 +2,7 @@
 
 use super::text::power_of_ten;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::study::proposal::{Bin, Proposal};
+use crate::study::proposal::{Proposal, RowBin};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
 #[must_use]
@@ -26,7 +26,7 @@ pub fn drawing(result: &Proposal) -> Drawing {
         .bars("samples", theme::OBSERVED, edges.clone(), shares)
         .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
     };
-    let share = |f: fn(&Bin) -> f64| result.bins.iter().map(f).collect();
+    let share = |f: fn(&RowBin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
         panel(format!("uniform random numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),

@@ -3,13 +3,13 @@
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{ToneMap, to_rgb8};
-use crate::study::sphere::{Label, PBRT_RMSE, Row, Series, Shot};
+use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 
 /// The render and its relative error, side by side.
 ///
 /// # Errors
 /// Those of [`Heatmap::new`].
-pub fn shot(shot: &Shot) -> Result<Drawing> {
+pub fn shot(shot: &SphereRender) -> Result<Drawing> {
     let image = &shot.rendered.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let limit = 0.05;
@@ -29,7 +29,7 @@ pub fn shot(shot: &Shot) -> Result<Drawing> {
 
 /// The table of [`errors`]: one strategy after another.
 #[must_use]
-pub fn rows(series: &[Series]) -> Vec<(Label, Row)> {
+pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
     series.iter().flat_map(|s| s.rows.iter().map(|row| (s.label, *row))).collect()
 }
 
@@ -44,7 +44,7 @@ pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
     let colours = theme::strategies(&names);
     for (i, s) in series.iter().enumerate() {
         let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
-        let points = |x: fn(&Row) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
+        let points = |x: fn(&SphereRow) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
         let (samples, time) = (points(|r| f64::from(r.spp)), points(|r| r.seconds));
         by_samples = by_samples.line(label, stroke, samples.clone()).dots(label, stroke.colour, samples);
         by_time = by_time.line(label, stroke, time.clone()).dots(label, stroke.colour, time);

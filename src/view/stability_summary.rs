@@ -1,7 +1,7 @@
 //! The worst case of every family, variant and precision on one logarithmic scale.
 
 use crate::figure::{Anchor, Colour, Drawing, Level, Paint, Rect, Stroke, Text, theme};
-use crate::study::stability::{Precision, REPORT, Row, STABLE};
+use crate::study::stability::{ErrorRow, Precision, REPORT, STABLE};
 
 /// Powers of ten of the scale; smaller and larger errors are drawn at its ends.
 const SCALE: (i32, i32) = (-17, 1);
@@ -12,7 +12,7 @@ const FRAME: [f64; 2] = [128.0, 62.0];
 
 /// A line for each family, a dot for each variant: filled for f32, open for f64.
 #[must_use]
-pub fn worst_cases(rows: &[Row]) -> Drawing {
+pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
     families.dedup();
     let [left, top] = FRAME;

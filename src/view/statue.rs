@@ -3,12 +3,12 @@
 use super::depth::{SHOWN, by_conventions};
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, contact_sheet, theme};
-use crate::study::roughness::Shot;
-use crate::study::sampling_strategies::{Bin, Comparison};
+use crate::study::roughness::StatueRender;
+use crate::study::sampling_strategies::{ProfileBin, StrategyComparison};
 
 /// One statue.
 #[must_use]
-pub fn image(shot: &Shot, metal: &str) -> Drawing {
+pub fn image(shot: &StatueRender, metal: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
         "{metal}, /{{α}} = {}; {} samples per pixel; mean radiance of the statue {:.3}, {:.3}, {:.3}; {SHOWN}",
@@ -19,7 +19,7 @@ pub fn image(shot: &Shot, metal: &str) -> Drawing {
 
 /// A copper statue by one sampling strategy.
 #[must_use]
-pub fn strategy(shot: &Shot, how: &str) -> Drawing {
+pub fn strategy(shot: &StatueRender, how: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
         "{how}; {} samples per pixel, one light sample each; standard error on the statue {:.3}; {SHOWN}",
@@ -29,7 +29,7 @@ pub fn strategy(shot: &Shot, how: &str) -> Drawing {
 }
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.
-pub fn errors(result: &Comparison) -> Result<Drawing> {
+pub fn errors(result: &StrategyComparison) -> Result<Drawing> {
     let (above, below) = (maps(result)?, profile(result));
     let width = above.width().max(below.width());
     let mut sheet = Drawing::new(width, above.height() + below.height(), 2.0);
@@ -44,8 +44,8 @@ const SCALE: (f64, f64) = (0.003, 3.0);
 /// Larger maps are averaged over blocks of pixels.
 const WIDEST: usize = 240;
 
-fn maps(result: &Comparison) -> Result<Drawing> {
-    let panel = |shot: &Shot, title: &str| -> Result<Panel> {
+fn maps(result: &StrategyComparison) -> Result<Drawing> {
+    let panel = |shot: &StatueRender, title: &str| -> Result<Panel> {
         let error = shot.rendered.part.film.standard_error();
         let (width, height) = (error.width() as f64, error.height() as f64);
         let error = error.reduced(error.width().div_ceil(WIDEST));
@@ -60,21 +60,21 @@ fn maps(result: &Comparison) -> Result<Drawing> {
 }
 
 /// Light, what the eye sees of it, and noise, at each distance from the silhouette.
-fn profile(result: &Comparison) -> Drawing {
+fn profile(result: &StrategyComparison) -> Drawing {
     let strokes =
         [theme::IMPORTANCE_SAMPLING, theme::HEMISPHERE_SAMPLING].map(|colour| Stroke::solid(colour, theme::LINE));
-    let of = |f: fn(&Bin) -> f64| -> Vec<Point> {
+    let of = |f: fn(&ProfileBin) -> f64| -> Vec<Point> {
         result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, f(b)]).collect()
     };
-    let panel = |title: &str, y: Axis, importance: fn(&Bin) -> f64, hemisphere: fn(&Bin) -> f64| {
+    let panel = |title: &str, y: Axis, importance: fn(&ProfileBin) -> f64, hemisphere: fn(&ProfileBin) -> f64| {
         Panel::new(Axis::linear("pixels inside the silhouette"), y)
             .title(title)
             .line("importance", strokes[0], of(importance))
             .line("hemisphere", strokes[1], of(hemisphere))
             .vertical(0.0, "")
     };
-    let band = |mean: fn(&Bin) -> f64, error: fn(&Bin) -> f64| -> Vec<[f64; 3]> {
-        let around = |b: &Bin| [mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
+    let band = |mean: fn(&ProfileBin) -> f64, error: fn(&ProfileBin) -> f64| -> Vec<[f64; 3]> {
+        let around = |b: &ProfileBin| [mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
         result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, around(b)[0], around(b)[1]]).collect()
     };
     Plot::new([

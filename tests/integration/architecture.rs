@@ -1,4 +1,4 @@
-//! What `ARCHITECTURE.md` promises about the sources: layers, no cycles, sizes of files, words, and where things may stand.
+//! What `ARCHITECTURE.md` states about the sources: layers, no cycles, sizes of files, words, and where things may stand.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -89,7 +89,7 @@ fn odd_pfm_files_are_refused_or_read_right() {
     assert!(info["max"].as_f64().unwrap() < 4.0, "{info}");
 }
 
-/// Damaged files: an answer or a refusal, soon, within 1 GiB of address space.
+/// Damaged files: a result or an error, soon, within 1 GiB of address space.
 #[test]
 fn damaged_files_are_refused_or_read() {
     let Some(hostile) = assets("hostile") else { return };
@@ -154,7 +154,7 @@ fn the_report_scene_has_the_known_radiance() {
             assert!((g - e).abs() < 0.01 * e + 2e-4, "n = {n:?}: {got:?} is not {expected:?}");
         }
     }
-    // All rays that miss run along -z, to the point where four texels meet: PBRT blends them, here one is seen.
+    // All rays that miss run along -z, to the point where four texels meet: PBRT interpolates them, here one is looked up.
     let texels = read(&map, ReadOptions::default()).unwrap();
     let four = [(767, 255), (768, 255), (767, 256), (768, 256)].map(|(x, y)| texels.get(x, y) * 8.0);
     let blend = four.into_iter().sum::<glam::Vec3>() / 4.0;

@@ -266,17 +266,17 @@ fn render_writes_the_same_bits_however_it_is_run() {
         assert_eq!(files.len(), if out.ends_with(".pfm") { 2 } else { 4 }, "{files:?}");
         let mean = value["mean_rgb"][0].as_f64().unwrap();
         let pfm = files.iter().find(|name| name.ends_with(".pfm")).unwrap();
-        let picture = image(&dir.path().join(pfm));
-        let expected = picture.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / (31.0 * 17.0);
+        let pixels = image(&dir.path().join(pfm));
+        let expected = pixels.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / (31.0 * 17.0);
         assert!((mean - expected).abs() < 1e-9 * expected, "{mean} {expected}");
         if !out.ends_with(".pfm") {
-            assert!(bits(&image(&dir.path().join(pfm.replace("pfm", "exr")))) == bits(&picture), "EXR is not PFM");
+            assert!(bits(&image(&dir.path().join(pfm.replace("pfm", "exr")))) == bits(&pixels), "EXR is not PFM");
         }
-        bits(&picture)
+        bits(&pixels)
     };
     let one = render("one", &["--threads", "1"]);
-    assert!(one == render("two", &["--threads", "2"]), "threads change the picture");
-    assert!(one == render("general.pfm", &["--general"]), "--general changes the picture");
+    assert!(one == render("two", &["--threads", "2"]), "threads change the image");
+    assert!(one == render("general.pfm", &["--general"]), "--general changes the image");
     for (i, other) in [
         &["--seed", "2"][..],
         &["--stream", "independent"],

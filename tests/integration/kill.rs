@@ -37,7 +37,7 @@ fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
     for trial in 0..trials {
         let here = folder.join(trial.to_string());
         let signals = WAYS[trial as usize % WAYS.len()];
-        // Moments spread evenly over the command's time, in an order and from a start that are different each time.
+        // Moments spread uniformly over the command's time, in an order and from a start that are different each time.
         let moment = time.mul_f64((f64::from(chance) * 1e-9 + f64::from(trial) * 0.618_034).fract());
         let mut child = run(&here);
         std::thread::sleep(moment);

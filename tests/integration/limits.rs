@@ -130,7 +130,7 @@ fn a_limit_of_file_sizes_is_an_error_and_leaves_nothing() {
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "a temporary file is left");
 }
 
-/// Starts a command that takes longer than anybody waits for, and interrupts it after a moment.
+/// Starts a command that takes longer than the time limit, and interrupts it after a moment.
 #[cfg(unix)]
 fn interrupted(folder: &Path, args: &[&str]) -> Ran {
     use nix::sys::signal::{Signal, kill};
@@ -174,7 +174,7 @@ fn every_long_command_can_be_interrupted() {
     }
 }
 
-/// What was not finished is inconclusive, in every form of the result.
+/// What was not finished is inconclusive, in every format of the result.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_validation_is_never_accepted() {

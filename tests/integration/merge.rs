@@ -118,14 +118,14 @@ fn merged_shards_are_the_render_in_one_go() {
 #[test]
 fn an_interrupted_part_goes_on_where_it_was() {
     let dir = folder();
-    let mut broken = part(0..4);
+    let mut interrupted = part(0..4);
     for at_most in [0, 3, 5] {
-        go_on(&mut broken, 4..16, at_most);
-        broken = Part::read(&write(dir.path(), "a.exr", &broken)).unwrap();
-        assert_eq!(broken.ranges().to_string(), "0..4 begun 4..16 of 24");
+        go_on(&mut interrupted, 4..16, at_most);
+        interrupted = Part::read(&write(dir.path(), "a.exr", &interrupted)).unwrap();
+        assert_eq!(interrupted.ranges().to_string(), "0..4 begun 4..16 of 24");
     }
     // Merged while it is open, then finished.
-    let paths = [write(dir.path(), "b.exr", &part(16..20)), write(dir.path(), "a.exr", &broken)];
+    let paths = [write(dir.path(), "b.exr", &part(16..20)), write(dir.path(), "a.exr", &interrupted)];
     let mut merged = merge_files(&paths).unwrap();
     assert_eq!(merged.ranges().to_string(), "0..4 16..20 begun 4..16 of 24");
     go_on(&mut merged, 0..SPP, u32::MAX);
@@ -180,8 +180,8 @@ fn what_does_not_belong_together_is_refused() {
     }
     assert!(merge_files(&[first.clone(), first]).unwrap_err().to_string().contains("also in"));
     assert!(matches!(merge_files(&[]), Err(Error::Parameter { .. })));
-    etalon::raster::write(&dir.path().join("picture.exr"), &Image::new(2, 2), &Metadata::default()).unwrap();
-    let error = merge_files(&[dir.path().join("picture.exr")]).unwrap_err();
+    etalon::raster::write(&dir.path().join("image.exr"), &Image::new(2, 2), &Metadata::default()).unwrap();
+    let error = merge_files(&[dir.path().join("image.exr")]).unwrap_err();
     assert!(error.to_string().contains("no part of a render"), "{error}");
 }
 

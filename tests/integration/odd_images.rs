@@ -58,7 +58,7 @@ fn a_cube_map_is_no_lat_long_map() {
     }
     let ran = etalon(dir.path(), &["envmap", "info", "latlong.exr"]);
     assert!(ran.code == 0 && ran.stderr.is_empty(), "{}", ran.stderr);
-    assert_eq!(json(dir.path(), &["compare", "cube.exr", "latlong.exr"])["mse"], 0.0, "as pictures they are equal");
+    assert_eq!(json(dir.path(), &["compare", "cube.exr", "latlong.exr"])["mse"], 0.0, "as images they are equal");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn maps_beyond_the_range_of_renders_are_refused_everywhere() {
     std::fs::write(dir.path().join("scaled.pbrt"), scene("\"warm.pfm\" \"rgb L\" [100 100 100]")).unwrap();
     let ran = etalon(dir.path(), &["render", "scaled.pbrt"]);
     assert!(ran.code == 2 && ran.stderr.contains("scaled.pbrt:1:12: "), "{}", ran.stderr);
-    // Just inside the range the picture is right: a constant map of 10^16, times 8, over a white sphere is that constant.
+    // Just inside the range the image is right: a constant map of 10^16, times 8, over a white sphere is that constant.
     write(&dir.path().join("bright.pfm"), &image.map(|_| Rgb::splat(1e16)), &Metadata::default()).unwrap();
     let value = json(dir.path(), &["render", "sphere-env", "--envmap", "bright.pfm", "-s", "4", "-r", "8", "8"]);
     assert_eq!(value["dropped"]["nonfinite"], 0, "{value}");

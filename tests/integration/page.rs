@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Figures that cost nothing: two with a counterpart each, one whose picture is large, one with many curves.
+/// Figures that cost nothing: two with a counterpart each, one whose image is large, one with many curves.
 const ONLY: &str = "fresnel-enter,fresnel-exit,median-cut-4,metals-table";
 
 fn page(folder: &Path) -> String {
@@ -78,9 +78,9 @@ fn a_browser_finds_nothing_missing_or_broken() {
         let found = if path == &alone { found.replace(&missing(dir.path()), "") } else { found };
         assert_eq!(found, "PROBED[]", "at {width} pixels");
     }
-    // The probe can fail: a picture that is none, and a link that leads nowhere.
-    let broken = text.replacen("base64,", "base64,AAAA", 1).replacen("href=\"#figure-", "href=\"#lost-", 1);
-    std::fs::write(&file, probed(&broken)).unwrap();
+    // The probe can fail: an image that is none, and a link that leads nowhere.
+    let damaged = text.replacen("base64,", "base64,AAAA", 1).replacen("href=\"#figure-", "href=\"#lost-", 1);
+    std::fs::write(&file, probed(&damaged)).unwrap();
     let found = title(browser, dir.path(), &file, 1400);
     assert!(found.contains("no picture: ") && found.contains("leads nowhere: #lost-"), "{found}");
 }

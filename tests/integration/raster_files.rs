@@ -82,7 +82,7 @@ fn display_formats_need_the_flag_to_be_read() {
 }
 
 #[test]
-fn radiance_pictures_keep_seven_bits() {
+fn radiance_images_keep_seven_bits() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.hdr");
     let image = test_image(64, 9).map(Rgb::abs);
@@ -379,17 +379,17 @@ fn false_sizes_in_a_dwa_block_are_refused() {
     }
 }
 
-/// Every damaged file gives an error or a picture: no panic, no abort.
+/// Every damaged file gives an error or an image: no panic, no abort.
 #[test]
 fn the_hostile_folder_is_survived() {
     let Some(assets) = assets() else { return };
-    let mut pictures = Vec::new();
+    let mut images = Vec::new();
     let files = ["hostile/exr", "hostile/other"].map(|f| std::fs::read_dir(assets.join(f)).unwrap());
     for entry in files.into_iter().flatten() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         match load(&path) {
-            Ok(image) => pictures.push(format!("{name} {}x{}", image.width(), image.height())),
+            Ok(image) => images.push(format!("{name} {}x{}", image.width(), image.height())),
             Err(e) => {
                 println!("{e} ({})", e.hint().unwrap_or("no hint"));
                 assert!(!e.to_string().contains("cannot be decompressed"), "the codec panicked: {e}");
@@ -397,8 +397,8 @@ fn the_hostile_folder_is_survived() {
             }
         }
     }
-    pictures.sort();
-    println!("{pictures:#?}");
+    images.sort();
+    println!("{images:#?}");
     for expected in [
         "BrightRingsNanInf.exr 800x800",
         "GrayRampsDiagonal.exr 800x800",
@@ -407,7 +407,7 @@ fn the_hostile_folder_is_survived() {
         "hopper_be.pfm 128x128",
         "old-rle.hdr",
     ] {
-        assert!(pictures.iter().any(|p| p.starts_with(expected)), "{expected}");
+        assert!(images.iter().any(|p| p.starts_with(expected)), "{expected}");
     }
 }
 

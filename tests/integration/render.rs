@@ -36,7 +36,7 @@ fn all_scenes_are_listed_and_rendered_with_or_without_leaving_out() {
         let args = format!("{scene} -r 32 24 -s 2");
         let (lean, a) = render(dir.path(), &args, "lean.exr");
         let (general, b) = render(dir.path(), &format!("{args} --general"), "general.exr");
-        assert!(a == b, "{scene}: --general changes the picture");
+        assert!(a == b, "{scene}: --general changes the image");
         assert_eq!(lean["scene"], scene);
         let left_out = |value: &Value| value["left_out"].as_array().unwrap().len();
         assert!(left_out(&general) <= left_out(&lean), "{scene}");
@@ -156,7 +156,7 @@ fn a_state_is_kept_written_again_and_given_more_samples() {
         etalon(dir.path(), &["render", "cornell-lambert", "-r", "24", "18", "--resume", "state.exr", "-o", "b.exr"]);
     assert!(again.code == 0 && again.stderr.contains("all samples are there"), "{}", again.stderr);
     assert!(layers(&dir.path().join("b.exr")) == few);
-    // The state may be the picture itself.
+    // The state may be the image itself.
     let (more, raised) = render(dir.path(), &format!("{ARGS} -s 9 --resume state.exr"), "state.exr");
     assert_eq!(more["samples"], 9);
     let (_, nine) = render(dir.path(), &format!("{ARGS} -s 9"), "nine.exr");
@@ -191,7 +191,7 @@ fn the_light_by_path_class_adds_up_and_ends_at_the_depth() {
         for path in paths {
             let (class, share) = (path["class"].as_str().unwrap(), path["share"].as_f64().unwrap());
             let lit = class != "rest" && class.len() - 2 <= depth;
-            // No path by way of both balls is found with so few samples.
+            // No path by way of both spheres is found with so few samples.
             assert!((share > 0.0) == lit || class == "LSSE", "{class} at depth {depth}: {share}");
             assert!(share == 0.0 || lit, "{class} at depth {depth}: {share}");
             shares += share;
@@ -207,7 +207,7 @@ fn the_light_by_path_class_adds_up_and_ends_at_the_depth() {
             assert_eq!(sum.as_vec3(), *pixel, "pixel {i}");
         }
         if depth == 0 {
-            // The lamp, seen through a pixel in quarters, and nothing else.
+            // The area light in quarters of a pixel, and nothing else.
             let quarters: Vec<Rgb> = (0..=4).map(|n| Rgb::splat(2.5 * n as f32)).collect();
             assert!(layers[""].pixels().iter().all(|p| quarters.contains(p)));
         }
@@ -219,7 +219,7 @@ fn the_light_by_path_class_adds_up_and_ends_at_the_depth() {
 #[test]
 fn every_model_changes_its_materials() {
     let dir = folder();
-    let picture = |scene: &str, flags: &str| {
+    let bytes = |scene: &str, flags: &str| {
         let (_, layers) = render(dir.path(), &format!("{scene} -r 48 36 -s 4{flags}"), "a.exr");
         layers[""].clone()
     };
@@ -231,26 +231,26 @@ fn every_model_changes_its_materials() {
         ),
         ("cornell-spheres", &["single-cosine-schlick", "inverse-distance", "report"], &["exact", "lambda-pi"]),
     ] {
-        let exact = picture(scene, "");
+        let exact = bytes(scene, "");
         for model in changing {
-            assert!(picture(scene, &format!(" --model {model}")) != exact, "{model} changes nothing in {scene}");
+            assert!(bytes(scene, &format!(" --model {model}")) != exact, "{model} changes nothing in {scene}");
         }
         for model in others {
-            assert!(picture(scene, &format!(" --model {model}")) == exact, "{model} changes {scene}");
+            assert!(bytes(scene, &format!(" --model {model}")) == exact, "{model} changes {scene}");
         }
     }
     let all = " --model fresnel-at-normal,approximate-fresnel,single-cosine-schlick,lambda-pi,inverse-distance";
-    assert!(picture("cornell-statue-cu", all) == picture("cornell-statue-cu", " --model report"));
+    assert!(bytes("cornell-statue-cu", all) == bytes("cornell-statue-cu", " --model report"));
 
-    let exact = picture("cornell-statue-cu", "");
+    let exact = bytes("cornell-statue-cu", "");
     for flags in [" --normals all", " --normals hemisphere", " --alpha 0.5", " --alpha 0"] {
-        assert!(picture("cornell-statue-cu", flags) != exact, "{flags} changes nothing");
+        assert!(bytes("cornell-statue-cu", flags) != exact, "{flags} changes nothing");
     }
-    assert!(picture("cornell-statue-cu", " --normals visible --alpha 0.05") == exact);
-    let exact = picture("cornell-spheres", "");
-    assert!(picture("cornell-spheres", " --fresnel schlick") != exact);
-    assert!(picture("cornell-spheres", " --fresnel exact") == exact);
-    assert!(picture("cornell-spheres", " -H") == picture("cornell-spheres", " --sampling hemisphere"));
+    assert!(bytes("cornell-statue-cu", " --normals visible --alpha 0.05") == exact);
+    let exact = bytes("cornell-spheres", "");
+    assert!(bytes("cornell-spheres", " --fresnel schlick") != exact);
+    assert!(bytes("cornell-spheres", " --fresnel exact") == exact);
+    assert!(bytes("cornell-spheres", " -H") == bytes("cornell-spheres", " --sampling hemisphere"));
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn conductors_of_pbrt_reflect_on_both_sides() {
     };
     for roughness in [0.0, 0.1] {
         let [one, other] = ["0 1 2 0 2 3", "0 2 1 0 3 2"].map(|indices| mean(indices, roughness));
-        // Copper is seen against light of radiance 1.
+        // Copper in front of light of radiance 1.
         assert!(one > 0.9 && (one / other - 1.0).abs() < 1e-3, "{roughness}: {one} {other}");
     }
 }
@@ -341,7 +341,7 @@ fn a_scene_without_lights_warns_and_takes_an_environment_map() {
     let with_map = [&args[..], &["--envmap", "constant"]].concat();
     let ran = crate::program::etalon(dir.path(), &with_map);
     assert!(ran.code == 0 && !ran.stderr.contains("no light source"), "{}", ran.stderr);
-    // Radiance 1 from everywhere, seen directly and in metal.
+    // Radiance 1 from everywhere, directly and reflected by metal.
     let mean = json(dir.path(), &with_map)["mean_rgb"][0].as_f64().unwrap();
     assert!(mean > 0.7 && mean < 1.0, "{mean}");
 }

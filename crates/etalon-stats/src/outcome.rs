@@ -7,7 +7,7 @@ use crate::text::count;
 use std::fmt;
 
 /// The decision on a test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 pub enum Verdict {
     /// Nothing speaks against the sampler, and the test would have detected an error of the stated size.
@@ -15,6 +15,7 @@ pub enum Verdict {
     /// An exact check failed, or the counts do not follow the pdf.
     Reject,
     /// Too few samples, or an integral too uncertain, for either. It is not a pass.
+    #[default]
     Inconclusive,
 }
 

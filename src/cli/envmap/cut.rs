@@ -73,7 +73,7 @@ impl Cut {
         let target = global.target(&["map", "n"]);
         let name = map_file::short_name(&self.map);
         // Draw the regions over the map, and their lights on black.
-        let one = |(&n, rows): (&usize, &Vec<median_cut::Row>)| -> Result<Output> {
+        let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
             let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;

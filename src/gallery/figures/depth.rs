@@ -4,7 +4,7 @@ use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::Request;
-use crate::study::depth::{self, DEPTHS, Depths, Row};
+use crate::study::depth::{self, DEPTHS, Depths, RadianceRow};
 use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::view::depth as view;
 
@@ -100,7 +100,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
         checks.extend(furnace(32, &inputs.settings())?.iter().map(white));
     }
     let image = &result.images[place];
-    let rows: Vec<Row> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
+    let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
     Ok(Content::new(view::image(&result, place), &rows, checks)?
         .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
 }

@@ -4,7 +4,7 @@ use crate::envmap::info::Info;
 use crate::envmap::samplers::CdfSampler;
 use crate::figure::Drawing;
 use crate::gallery::prelude::*;
-use crate::study::map_samples::{self, Row};
+use crate::study::map_samples::{self, SampleRow};
 use crate::view::map::{Display, Look};
 use glam::DVec3;
 
@@ -40,7 +40,7 @@ pub fn figures() -> Vec<Figure> {
     ]
 }
 
-fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[Row], usize) -> Drawing) -> Result<Content> {
+fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[SampleRow], usize) -> Drawing) -> Result<Content> {
     let map = &inputs.map.map;
     let result = map_samples::draw(map, &CdfSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
     let flux = Info::of(map).flux_rgb.iter().sum::<f64>() / 3.0;

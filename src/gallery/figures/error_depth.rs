@@ -3,7 +3,7 @@
 use super::error_time::{LIMIT, small};
 use crate::gallery::prelude::*;
 use crate::scene::{Request, builtin};
-use crate::study::converge::depth::{self, Depths};
+use crate::study::converge::depth::{self, DepthCurve};
 use crate::study::converge::doubling::Deadline;
 use crate::view::converge_series as view;
 
@@ -34,7 +34,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
 }
 
 /// Without any depth, which the time limit may cause, both numbers are NaN.
-fn checks(scene: &Depths) -> [Check; 2] {
+fn checks(scene: &DepthCurve) -> [Check; 2] {
     let name = &scene.scene;
     let ratios = scene.levels.windows(2).map(|pair| pair[1].missing.value / pair[0].missing.value);
     let largest = ratios.fold(f64::NAN, f64::max);

@@ -4,7 +4,7 @@ use super::error_time::{LIMIT, small};
 use crate::gallery::prelude::*;
 use crate::scene::Request;
 use crate::study::converge::doubling::Deadline;
-use crate::study::converge::roughness::{self, Level, NORMALS};
+use crate::study::converge::roughness::{self, NORMALS, RoughnessLevel};
 use crate::view::converge_series as view;
 
 /// Roughnesses of a full run and of a quick one.
@@ -43,7 +43,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
     Content::new(view::roughness(&levels), &view::roughness_rows(&levels), checks)
 }
 
-fn visible_against_all(visible: &Level, all: &Level) -> [Check; 2] {
+fn visible_against_all(visible: &RoughnessLevel, all: &RoughnessLevel) -> [Check; 2] {
     let alpha = visible.alpha;
     let z = visible.light.z(&all.light);
     let mean = format!("metal by visible normals minus by all normals (standard errors), α = {alpha}");

@@ -4,7 +4,7 @@ use crate::envmap::cut::{SideRule, Split};
 use crate::envmap::info::Info;
 use crate::figure::Drawing;
 use crate::gallery::prelude::*;
-use crate::study::median_cut::{self, Centroid, Row};
+use crate::study::median_cut::{self, Centroid, RegionRow};
 use crate::view::map::{Display, Look};
 
 /// Side of a light's marker in texels.
@@ -40,7 +40,7 @@ pub fn figures() -> Vec<Figure> {
     ]
 }
 
-fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[Row]) -> Drawing) -> Result<Content> {
+fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[RegionRow]) -> Drawing) -> Result<Content> {
     let map = &inputs.map.map;
     let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
     let error = median_cut::flux_error(&rows, Info::of(map).flux_rgb);

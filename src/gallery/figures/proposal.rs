@@ -1,7 +1,7 @@
 //! Inversion with uniform and with Gaussian random numbers: `proposal`.
 
 use crate::gallery::prelude::*;
-use crate::study::proposal::{self, Bin};
+use crate::study::proposal::{self, RowBin};
 use crate::view::proposal as view;
 
 /// Rows that are sampled.
@@ -27,7 +27,7 @@ pub fn figures() -> Vec<Figure> {
 fn content(inputs: &Inputs) -> Result<Content> {
     let Some(result) = proposal::compare(&inputs.map.map, SAMPLES, inputs.seed)? else {
         let check = Check::is_true("the map has light in enough rows for a test", false);
-        return Content::new(view::nothing_to_test(), &[] as &[Bin], vec![check]);
+        return Content::new(view::nothing_to_test(), &[] as &[RowBin], vec![check]);
     };
     let checks = vec![
         Check::at_least("p-value with uniform random numbers", result.uniform.p, LEVEL),

@@ -3,7 +3,7 @@
 use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
-use crate::study::roughness::{self, Shot};
+use crate::study::roughness::{self, StatueRender};
 use crate::view::statue as view;
 
 /// Standard errors by which two means may differ.
@@ -25,11 +25,11 @@ impl Statue {
 }
 
 impl Study for Statue {
-    type Output = Shot;
+    type Output = StatueRender;
 
-    fn run(self, inputs: &Inputs) -> Result<Shot> {
+    fn run(self, inputs: &Inputs) -> Result<StatueRender> {
         let (scene, request) = inputs.statue(self.0, self.alpha())?;
-        roughness::shoot(&scene, &request, &inputs.settings())
+        roughness::render_statue(&scene, &request, &inputs.settings())
     }
 }
 

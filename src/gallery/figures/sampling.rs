@@ -3,7 +3,7 @@
 use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
-use crate::study::sampling_strategies::{Comparison, compare};
+use crate::study::sampling_strategies::{StrategyComparison, compare};
 use crate::view::statue as view;
 
 /// Standard errors by which two means may differ.
@@ -14,9 +14,9 @@ const SIGMAS: f64 = 4.0;
 struct BothStrategies;
 
 impl Study for BothStrategies {
-    type Output = Comparison;
+    type Output = StrategyComparison;
 
-    fn run(self, inputs: &Inputs) -> Result<Comparison> {
+    fn run(self, inputs: &Inputs) -> Result<StrategyComparison> {
         let (scene, request) = inputs.copper()?;
         compare(&scene, &request, &inputs.settings())
     }

@@ -4,7 +4,7 @@ use crate::envmap::info::Info;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
-use crate::study::sphere::{Exact, PBRT_RMSE, shoot};
+use crate::study::sphere::{Exact, PBRT_RMSE, render_sphere};
 use crate::view::sphere as view;
 
 /// The exact image at a width in pixels.
@@ -42,7 +42,7 @@ pub fn figures() -> Vec<Figure> {
 
 fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> {
     let exact = studies.get(ExactImage(inputs.effort.of(511, 127)), inputs)?;
-    let shot = shoot(&inputs.map, spp, &exact, &inputs.settings())?;
+    let shot = render_sphere(&inputs.map, spp, &exact, &inputs.settings())?;
     let mut checks = vec![
         Check::within("relative bias", 0.0, shot.row.rel_bias, 2e-3),
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),

@@ -2,7 +2,7 @@
 //! `-sums`. The registry of the study says which figure shows which family.
 
 use crate::gallery::prelude::*;
-use crate::study::stability::{self, Effort, Stability};
+use crate::study::stability::{self, Stability, Workload};
 use crate::view::{stability as maps, stability_summary as summary};
 
 /// Ids and titles of the figures.
@@ -30,8 +30,8 @@ impl Study for Families {
     type Output = Stability;
 
     fn run(self, inputs: &Inputs) -> Result<Stability> {
-        let effort = inputs.effort.of(Effort::FIGURES, Effort::QUICK);
-        stability::run(&stability::of_figure(self.0), &effort, inputs.seed, &mut |_| {})
+        let workload = inputs.effort.of(Workload::FIGURES, Workload::QUICK);
+        stability::run(&stability::of_figure(self.0), &workload, inputs.seed, &mut |_| {})
     }
 }
 

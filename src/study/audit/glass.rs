@@ -1,6 +1,6 @@
 //! Both reports' glass: Schlick's polynomial of the incident cosine, inside as outside.
 
-use super::{Curves, Suspect, curve};
+use super::erratum::{Erratum, ErratumCurves, Suspect, curve};
 use crate::bsdf::{Dielectric, DielectricFresnel, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
@@ -9,12 +9,14 @@ use crate::study::validation::Case;
 use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
 
-/// Index of the glass, and an angle inside it below the critical one of 43.6°.
+/// Index of refraction of the glass.
 const ETA: f64 = 1.45;
-const SEEN_AT: f64 = 40.0;
+/// Angle of incidence inside the glass in degrees, below the critical angle of 43.6°.
+const THETA: f64 = 40.0;
 
+/// Schlick's approximation with the incident cosine.
 pub fn suspect() -> Suspect {
-    let (sin, cos) = SEEN_AT.to_radians().sin_cos();
+    let (sin, cos) = THETA.to_radians().sin_cos();
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
             let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);
@@ -27,6 +29,7 @@ pub fn suspect() -> Suspect {
             let truth = dielectric::fresnel(cos, 1.0 / ETA);
             let reflected = truth.unpolarized();
             let atom = |point: [f64; 3], probability| Atom { point, probability };
+            // Exact directions and probabilities of reflection and refraction.
             let atoms = vec![
                 atom([-sin, 0.0, -cos], reflected),
                 atom([-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)], 1.0 - reflected),
@@ -36,19 +39,18 @@ pub fn suspect() -> Suspect {
     };
     let printed = |cos: f64| schlick_incident_cosine(cos, 1.0 / ETA);
     let right = |cos: f64| dielectric::fresnel(cos, 1.0 / ETA).unpolarized();
-    Suspect {
+    let erratum = Erratum {
         title: "Schlick's cosine inside glass",
         report: "both reports",
         printed: "F₀ + (1 − F₀)(1 − cos θᵢ)⁵ on both sides",
         right: "Fresnel's equations; Schlick's cosine is that on the less dense side",
         test: "chi-square of reflected and refracted directions from inside at 40°",
-        cases: vec![case("printed", true), case("right", false)],
         error_in_picture: reflected(
             |cos| if dielectric::eta_cos_t(cos, 1.0 / ETA).is_some() { printed(cos) } else { 1.0 },
         ) / reflected(right)
             - 1.0,
         error_of: "light reflected inside",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{θ} inside (degrees)",
             every: 30.0,
             y: "reflectance",
@@ -56,7 +58,9 @@ pub fn suspect() -> Suspect {
             right: curve(0.0, 90.0, |a| right(a.to_radians().cos())),
             scattered: false,
         },
-    }
+        ..Erratum::default()
+    };
+    (erratum, [case("printed", true), case("right", false)])
 }
 
 /// The share of uniform light that is reflected: 2 ∫ R cos θ d cos θ.

@@ -1,8 +1,9 @@
 //! The first report's environment map: its weights of rows, its directions, its random numbers.
 //!
-//! A map of 32×16 shows in percent what 1024×512 would hide in the fourth digit. The image is a floor under a uniform sky.
+//! With a map of 32×16 the errors are percents; with 1024×512 they would be in the fourth digit. The image is a floor under
+//! a uniform sky.
 
-use super::{Curves, Suspect};
+use super::erratum::{Erratum, ErratumCurves, Suspect};
 use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
@@ -14,7 +15,7 @@ use crate::sampling::direction_density;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::{Table1, Table2};
 use crate::study::proposal::SIGMA;
-use crate::study::validation::Case;
+use crate::study::validation::{Case, direction_sampler};
 use etalon_stats::{Density, Directions, Discrete, Pole, Sample, density, sampler};
 use glam::DVec3;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -43,6 +44,7 @@ fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density<[f64; 3]> {
     direction_density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 
+/// The test of a sampler of directions under a uniform sky.
 fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case
 where
     S: Fn([f64; 2]) -> Option<DVec3> + Sync,
@@ -51,10 +53,7 @@ where
         let map = uniform_sky();
         let draw = pick(map.geometry());
         let right = CdfSampler::new(map);
-        (
-            sampler(2, move |u: &[f64]| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
-            by_texel(move |w| right.pdf(w)),
-        )
+        (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
     })
 }
 
@@ -75,25 +74,23 @@ fn steps(share: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     (0..HEIGHT).flat_map(|y| [[y as f64, share(y)], [(y + 1) as f64, share(y)]]).collect()
 }
 
+/// The share of uniform directions in a row.
 fn right_share(y: usize) -> f64 {
     0.5 * (edge(y) - edge(y + 1))
 }
 
+/// Weights of rows that are 0 at the poles.
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
-    Suspect {
+    let erratum = Erratum {
         title: "rows at the poles",
         report: "first report",
         printed: "row h weighs sin(hπ/(H − 1))",
         right: "row h weighs cos θₕ − cos θₕ₊₁",
         test: "chi-square of the directions, uniform sky of 32×16",
-        cases: vec![
-            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
-            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
-        ],
         error_in_picture: -of_floor(0),
         error_of: "light on a floor, 16 rows",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "row",
             every: 4.0,
             y: "share of the samples",
@@ -101,17 +98,25 @@ pub fn pole_rows() -> Suspect {
             right: steps(right_share),
             scattered: false,
         },
-    }
+        ..Erratum::default()
+    };
+    (
+        erratum,
+        [
+            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
+            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
+        ],
+    )
 }
 
+/// Directions at the corners of texels.
 pub fn corners() -> Suspect {
-    // What the report's estimator is on average: Σ L cos θ/p over the corners, each sampled with its probability.
+    // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ConventionalSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
         let claim = CdfSampler::new(uniform_sky());
-        let direction = move |u: &[f64]| draw.sample([u[0], u[1]]).map(|sample| Sample::new(sample.wi.to_array()));
-        (sampler(2, direction), by_texel(move |w| claim.pdf(w)))
+        (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
     });
     // Four by four texels.
     let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {
@@ -121,16 +126,15 @@ pub fn corners() -> Suspect {
         };
         (0..160).map(at).collect()
     };
-    Suspect {
+    let erratum = Erratum {
         title: "corners of texels",
         report: "first report (its course)",
         printed: "the direction of the sampled texel's corner",
         right: "a direction anywhere in the texel, uniformly by solid angle",
         test: "chi-square of the directions, and distinct points among them",
-        cases: vec![printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))],
         error_in_picture: corners - 1.0,
         error_of: "light on a floor, 16 rows",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "column",
             every: 1.0,
             y: "row",
@@ -138,9 +142,15 @@ pub fn corners() -> Suspect {
             right: shown(|i| Independent::new(1, 0, i).pair(0)),
             scattered: true,
         },
-    }
+        ..Erratum::default()
+    };
+    (erratum, [printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))])
 }
 
+/// Inversion of Gaussian random numbers.
+///
+/// # Errors
+/// None: the standard deviation is a constant.
 pub fn gaussian_numbers() -> Result<Suspect> {
     let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
     let (low, high) = (normal.cdf(0.0), normal.cdf(1.0));
@@ -161,25 +171,27 @@ pub fn gaussian_numbers() -> Result<Suspect> {
             (sampler(1, draw), density(move |row: usize| claim.probability(row)))
         })
     };
+    // Shares of rows under Gaussian random numbers, and the light on the floor by them.
     let ends: Vec<f64> = (0..=HEIGHT).map(|y| rows[..y].iter().sum()).collect();
-    let drawn: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
-    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * drawn[y] / rows[y]).sum();
-    Ok(Suspect {
+    let gaussian: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
+    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * gaussian[y] / rows[y]).sum();
+    let erratum = Erratum {
         title: "Gaussian random numbers",
         report: "first report",
         printed: "rows sampled by inversion of Gaussian random numbers",
         right: "rows sampled by inversion of uniform random numbers",
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
-        cases: vec![test("printed", true), test("right", false)],
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "row",
             every: 4.0,
             y: "share of the samples",
-            printed: steps(|y| drawn[y]),
+            printed: steps(|y| gaussian[y]),
             right: steps(|y| rows[y]),
             scattered: false,
         },
-    })
+        ..Erratum::default()
+    };
+    Ok((erratum, [test("printed", true), test("right", false)]))
 }

@@ -1,6 +1,6 @@
 //! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing.
 
-use super::{Curves, Suspect, curve, exact};
+use super::erratum::{Erratum, ErratumCurves, Suspect, curve, exact};
 use crate::bsdf::{ConductorFresnel, ConventionalConductor, Scatter, pdf_without_cosine};
 use crate::errata::Conventions;
 use crate::errata::microfacet::lambda_with_pi;
@@ -19,12 +19,17 @@ use glam::DVec3;
 const ALPHA: f64 = 0.5;
 /// The channel in which copper varies most with the angle.
 const BLUE: usize = 2;
-/// Pairs of directions that reciprocity is tried on.
+/// Pairs of directions on which reciprocity is tested.
 const PAIRS: u32 = 1 << 14;
-/// What f32 makes of two equal reflectances, and those that it cannot tell from 0.
+/// Relative difference of equal reflectances by rounding in f32.
 const ROUNDING: f64 = 1e-4;
+/// Smaller reflectances count as 0.
 const FAINTEST: f64 = 1e-30;
 
+/// The errors of the second report's metal.
+///
+/// # Errors
+/// Those of [`integrate`].
 pub fn suspects() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
 }
@@ -35,12 +40,13 @@ fn at(degrees: f64) -> DVec3 {
     DVec3::new(-sin, 0.0, cos.max(0.0))
 }
 
-/// Towards a viewer at that angle.
+/// The direction towards a viewer at that angle in degrees.
 fn viewer(degrees: f64) -> DVec3 {
     let w = at(degrees);
     DVec3::new(-w.x, 0.0, w.z)
 }
 
+/// The half vector.
 fn facet(wo: DVec3, wi: DVec3) -> DVec3 {
     (wo + wi).normalize()
 }
@@ -85,17 +91,17 @@ fn printed_density() -> Result<Suspect> {
         let m = facet(wo, wi);
         0.25 * facets.pdf_ndf(m.to_array()) / wo.dot(m)
     };
+    // The estimator divides by the printed pdf: its mean has a factor cos θₘ.
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
-    Ok(Suspect {
+    let erratum = Erratum {
         title: "pdf without cos θₘ",
         report: "second report",
         printed: "p(ωᵢ) = D(m)/(4 ωₒ·m)",
         right: "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)",
         test: "chi-square of the report's own directions, α = 0.5 at 30°",
-        cases: vec![case("printed", true), case("right", false)],
         error_in_picture: lost - 1.0,
         error_of: "albedo at 30°",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{θ}_{i} (degrees)",
             every: 45.0,
             y: "pdf (1/sr)",
@@ -103,7 +109,9 @@ fn printed_density() -> Result<Suspect> {
             right: curve(-90.0, 90.0, |a| right(at(a))),
             scattered: false,
         },
-    })
+        ..Erratum::default()
+    };
+    Ok((erratum, [case("printed", true), case("right", false)]))
 }
 
 fn fresnel_at_normal() -> Result<Suspect> {
@@ -121,16 +129,15 @@ fn fresnel_at_normal() -> Result<Suspect> {
     let reflectance = |cos: f64| fresnel(cos, COPPER.eta[BLUE], COPPER.k[BLUE]).unpolarized();
     let of_facet = move |wi: DVec3| reflectance(wo.dot(facet(wo, wi)));
     let changed = albedo(|wi| brdf(wo, wi) * reflectance(wi.z))? / albedo(|wi| brdf(wo, wi) * of_facet(wi))?;
-    Ok(Suspect {
+    let erratum = Erratum {
         title: "F at the surface's normal",
         report: "second report",
         printed: "F(ωᵢ·n)",
         right: "F(ωᵢ·m)",
         test: "reciprocity f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ) of copper, pair by pair",
-        cases: vec![case("printed", true), case("right", false)],
         error_in_picture: changed - 1.0,
         error_of: "albedo at 60°, copper, blue",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{θ}_{i} (degrees)",
             every: 45.0,
             y: "/{F}, blue of copper",
@@ -138,7 +145,9 @@ fn fresnel_at_normal() -> Result<Suspect> {
             right: curve(-90.0, 90.0, |a| of_facet(at(a))),
             scattered: false,
         },
-    })
+        ..Erratum::default()
+    };
+    Ok((erratum, [case("printed", true), case("right", false)]))
 }
 
 /// The largest relative difference of f(wo, wi) and f(wi, wo) over random pairs.
@@ -147,6 +156,7 @@ fn largest_asymmetry(metal: &ConventionalConductor, seed: u64) -> f64 {
         let stream = Independent::new(seed, 0, i);
         let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());
         let (there, back) = (metal.eval(wo, wi).as_dvec3(), metal.eval(wi, wo).as_dvec3());
+        // Compare where both reflectances are well above 0.
         let smaller = there.min(back).min_element();
         if smaller > FAINTEST { ((there - back).abs() / there.min(back)).max_element() } else { 0.0 }
     };
@@ -173,16 +183,15 @@ fn shadowing_with_pi() -> Result<Suspect> {
         let g2 = 1.0 / (1.0 + lambda(wo) + lambda(wi));
         0.25 * facets.d(facet(wo, wi).to_array()) * g2 / (wo.z * wi.z)
     })?;
-    Ok(Suspect {
+    let erratum = Erratum {
         title: "shadowing with π for √π",
         report: "second report (its course)",
         printed: "Λ = ½ (erf a − 1 + exp(−a²)/(a π))",
         right: "Λ = ½ (erf a − 1 + exp(−a²)/(a √π))",
         test: "integral and chi-square of the visible normals, α = 0.5 at 60°",
-        cases: vec![case("printed", true), case("right", false)],
         error_in_picture: printed / albedo(|wi| brdf(wo, wi))? - 1.0,
         error_of: "albedo at 60°",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{θ} (degrees)",
             every: 30.0,
             y: "/{G}_{1}",
@@ -190,5 +199,7 @@ fn shadowing_with_pi() -> Result<Suspect> {
             right: curve(1.0, 89.9, |a| facets.g1(at(a).to_array())),
             scattered: false,
         },
-    })
+        ..Erratum::default()
+    };
+    Ok((erratum, [case("printed", true), case("right", false)]))
 }

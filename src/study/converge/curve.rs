@@ -54,13 +54,13 @@ impl Level {
     }
 }
 
-/// What a curve says.
+/// The conclusion from a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum CurveVerdict {
     /// The error of the mean over all replicates is more than chance explains: the curve flattens.
     Biased,
-    /// As −½, within the slope's interval.
+    /// The slope's interval contains −½.
     MonteCarlo,
     /// The slope's interval lies below −½.
     Faster,
@@ -83,25 +83,25 @@ pub struct Curve {
     pub slope: Estimate,
     /// Mean squared bias of the last level; its standard error has the reference's noise in it.
     pub bias2: Estimate,
-    /// What slope and bias say together.
-    pub verdict: Verdict,
+    /// The conclusion from slope and bias.
+    pub verdict: CurveVerdict,
     /// Mean wall-clock time of the preparation: tables, trees.
     pub preparation_seconds: f64,
-    /// The first replicate's picture at each level.
+    /// The first replicate's image at each level.
     #[serde(skip)]
     pub images: Vec<Image>,
 }
 
-/// Levels with fewer samples per pixel are left out of the fit: Sobol' points need some company.
+/// Levels with fewer samples per pixel are left out of the fit: so few Sobol' points are not stratified yet.
 pub const FIT_FROM: u32 = 4;
 /// Levels that a slope needs.
 const FIT_LEVELS: usize = 3;
-/// Standard errors beyond which the error of the mean picture is bias.
+/// Number of standard errors beyond which the error of the mean image is bias.
 pub const SIGMAS: f64 = 3.0;
 /// Levels whose RMSE is not this many times that of the reference's mean are left out of the fit.
 const ABOVE_REFERENCE: f64 = 1.0;
 
-/// What one replicate left behind: its levels, and its last picture.
+/// The result of one replicate.
 pub struct Run {
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,
@@ -140,6 +140,7 @@ impl Curve {
             }
         };
         let levels: Vec<Level> = (0..count).map(level).collect();
+        // Fit a slope for each replicate over the levels above the noise of the reference.
         let fitted: Vec<usize> =
             (0..count).filter(|&i| levels[i].spp >= FIT_FROM && reference.is_clear(levels[i].mse.value)).collect();
         let slope_of = |run: &Run| {
@@ -160,8 +161,8 @@ impl Curve {
     /// The level whose processor time is nearest to `seconds`, by their ratio.
     #[must_use]
     pub fn nearest(&self, seconds: f64) -> Option<usize> {
-        let off = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
-        (0..self.levels.len()).min_by(|&a, &b| off(&self.levels[a]).total_cmp(&off(&self.levels[b])))
+        let ratio = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
+        (0..self.levels.len()).min_by(|&a, &b| ratio(&self.levels[a]).total_cmp(&ratio(&self.levels[b])))
     }
 
     /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
@@ -182,7 +183,7 @@ impl Reference {
 
 /// The mean over all pixels of the squared bias of the last level, which replicates do not average away.
 ///
-/// With x̄ the mean picture of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
+/// With x̄ the mean image of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
 /// bias² + variance; so bias² = (R MSE(x̄) − mean MSE)/(R − 1). Without bias it comes out about 0, and may be below.
 /// Unknown from fewer than three replicates.
 fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
@@ -190,18 +191,20 @@ fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
         runs.iter().filter_map(|run| Some((&run.last, run.levels.last()?.errors.mse))).collect();
     let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
     reference.compare(first)?;
-    // Leaving one out must leave a pair.
+    // The jackknife leaves one out, and the estimate needs two.
     if images.len() < 3 {
         return Ok(Estimate::default());
     }
+    // bias² = (R MSE(x̄) − mean MSE)/(R − 1), its error by leaving out each replicate.
     let estimate = Estimate::jackknife(&images, |some| {
         let n = some.len() as f64;
-        let pictures: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();
-        // The sizes were compared above.
-        let of_mean = reference.compare(&mean(&pictures)).map_or(f64::NAN, |c| c.mse);
+        let images: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();
+        // Errors of mismatched sizes were returned above.
+        let of_mean = reference.compare(&mean(&images)).map_or(f64::NAN, |c| c.mse);
         let mean_mse = some.iter().map(|(_, mse)| mse).sum::<f64>() / n;
         (n * of_mean - mean_mse) / (n - 1.0)
     });
+    // Add the noise of the reference, which the replicates have in common.
     let widened = estimate.standard_error.hypot(reference.mse_resolution());
     let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
     Ok(Estimate { standard_error: widened, half_width: widened * ratio, ..estimate })
@@ -216,18 +219,18 @@ fn mean(images: &[&Image]) -> Image {
     Image::from_pixels(images[0].width(), images[0].height(), pixels)
 }
 
-/// Bias must be significant, and of weight: a hundredth of what is left of the error at the end.
-fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> Verdict {
+/// Bias must be significant, and at least a hundredth of the last level's mean squared error.
+fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> CurveVerdict {
     let last = last.map_or(f64::NAN, |level| level.mse.value);
     if bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last {
-        Verdict::Biased
+        CurveVerdict::Biased
     } else if !slope.half_width.is_finite() {
-        Verdict::Unknown
+        CurveVerdict::Unknown
     } else if slope.high() < -0.5 {
-        Verdict::Faster
+        CurveVerdict::Faster
     } else if slope.low() > -0.5 {
-        Verdict::Slower
+        CurveVerdict::Slower
     } else {
-        Verdict::MonteCarlo
+        CurveVerdict::MonteCarlo
     }
 }

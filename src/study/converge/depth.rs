@@ -7,25 +7,25 @@ use crate::render::Settings;
 use crate::scene::{Request, Scene};
 use etalon_stats::estimate::Estimate;
 
-/// Depths that are measured; the last one stands for all light.
+/// DepthCurve that are measured; the last one stands for all light.
 pub const DEPTHS: [u32; 9] = [0, 1, 2, 3, 4, 5, 7, 10, 100];
 
 /// One depth of one scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
-    /// Most scatterings of a path.
+pub struct DepthLevel {
+    /// Largest number of scatterings of a path.
     pub depth: u32,
-    /// 1 − the picture's light over that of the deepest one of the same random numbers.
+    /// 1 − mean of the image over mean of the deepest image with the same random numbers.
     pub missing: Estimate,
     /// Mean over the replicates.
     pub cpu_seconds: Estimate,
-    /// Processor time over that of the deepest picture.
+    /// Processor time over that of the deepest image.
     pub time_share: f64,
 }
 
 /// A scene's depths.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Depths {
+pub struct DepthCurve {
     /// Its name.
     pub scene: String,
     /// Renders of each depth.
@@ -33,22 +33,29 @@ pub struct Depths {
     /// Samples per pixel.
     pub spp: u32,
     /// One for each of [`DEPTHS`].
-    pub levels: Vec<Level>,
+    pub levels: Vec<DepthLevel>,
 }
 
-/// Renders a scene to every depth, `replicates` times with seeds of their own, all depths in turns. A picture that ends
-/// early is the beginning of a deep one (see [`truncation`](crate::study::depth::truncation)), so that their noise is
-/// the same and what is missing is known far better than either of them. Without a level if the deadline comes first.
+/// Renders a scene to every depth, `replicates` times with different seeds, all depths alternating. The paths of a shallow
+/// image are the beginnings of those of a deep one (see [`truncation`](crate::study::depth::truncation)): their noise is
+/// the same, so that the difference is known far better than either of them. Without levels if the deadline comes first.
 ///
 /// # Errors
 /// As [`Doubling::new`].
-pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, deadline: &Deadline) -> Result<Depths> {
+pub fn measure(
+    scene: &Scene,
+    request: &Request,
+    replicates: u32,
+    seed: u64,
+    deadline: &Deadline,
+) -> Result<DepthCurve> {
     let mut light: Vec<Vec<f64>> = vec![Vec::new(); DEPTHS.len()];
     let mut times = light.clone();
     for replicate in 0..replicates {
         let settings = Settings { seed: seed.wrapping_add(u64::from(replicate)), ..Settings::default() };
         let renders = DEPTHS.map(|max_depth| Doubling::new(scene, &Request { max_depth, ..*request }, &settings));
         let mut renders = renders.into_iter().collect::<Result<Vec<_>>>()?;
+        // Double the samples of all depths, alternating.
         while renders[0].spp() <= request.spp / 2 {
             for render in &mut renders {
                 render.double(deadline);
@@ -66,7 +73,7 @@ pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, dea
     let all_time: f64 = times[deepest].iter().sum();
     let level = |i: usize| {
         let missing = light[i].iter().zip(&light[deepest]).map(|(some, all)| 1.0 - some / all);
-        Level {
+        DepthLevel {
             depth: DEPTHS[i],
             missing: Estimate::mean(&missing.collect::<Vec<_>>()),
             cpu_seconds: Estimate::mean(&times[i]),
@@ -74,7 +81,7 @@ pub fn measure(scene: &Scene, request: &Request, replicates: u32, seed: u64, dea
         }
     };
     let count = if light[0].is_empty() { 0 } else { DEPTHS.len() };
-    Ok(Depths {
+    Ok(DepthCurve {
         scene: scene.name.clone(),
         replicates: light[0].len() as u32,
         spp: request.spp,

@@ -1,4 +1,4 @@
-//! A render that doubles its samples step by step, its time taken around the rendering alone.
+//! A render that doubles its samples step by step, timed without its preparation.
 
 use crate::error::Result;
 use crate::interrupt;
@@ -9,12 +9,12 @@ use crate::scene::{Request, Scene};
 use cpu_time::ProcessTime;
 use std::time::{Duration, Instant};
 
-/// When everything must be over: at a moment, or as soon as the process is asked to stop.
+/// The end of a study: at a time, or as soon as the process is asked to stop.
 #[derive(Debug, Clone, Copy)]
 pub struct Deadline(Instant);
 
 impl Deadline {
-    /// So many seconds from now.
+    /// That many seconds from now.
     #[must_use]
     pub fn after(seconds: f64) -> Self {
         Self(Instant::now() + Duration::from_secs_f64(seconds))
@@ -32,7 +32,7 @@ impl Deadline {
         if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
-    /// Whether nothing more is to be begun.
+    /// Whether the deadline has passed.
     #[must_use]
     pub fn is_over(&self) -> bool {
         interrupt::requested() || Instant::now() >= self.0
@@ -50,14 +50,14 @@ impl Control for Deadline {
 /// Time that something took.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Times {
-    /// By the clock on the wall.
+    /// Wall-clock seconds.
     pub wall: f64,
-    /// Of all processors together.
+    /// Processor seconds, all threads together.
     pub cpu: f64,
 }
 
 impl Times {
-    /// Does something and adds how long it took. Where the system does not know processor time, it counts as wall time.
+    /// Runs `work` and adds its times. Where the system does not measure processor time, wall-clock time counts instead.
     pub fn of<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let (wall, cpu) = (Instant::now(), ProcessTime::try_now());
         let result = work();
@@ -97,13 +97,13 @@ impl<'a> Doubling<'a> {
         self.spp
     }
 
-    /// What the next step is going to take, by what the samples so far took.
+    /// Estimate of the next step's wall-clock seconds: as many as those of all samples so far.
     #[must_use]
     pub fn next_step(&self) -> f64 {
         self.times.wall
     }
 
-    /// Doubles the samples (from none to one). False, and of no use any more, if the deadline came first.
+    /// Doubles the samples (from none to one). If the deadline comes first, returns false, and the render is unusable.
     pub fn double(&mut self, deadline: &Deadline) -> bool {
         let next = (2 * self.spp).max(1);
         self.times.of(|| self.job.run(&mut self.part, self.spp..next, deadline));
@@ -111,7 +111,7 @@ impl<'a> Doubling<'a> {
         self.part.ranges().have(&(0..next))
     }
 
-    /// The picture so far.
+    /// The image so far.
     #[must_use]
     pub fn image(&self) -> Image {
         self.part.film.image()
@@ -131,7 +131,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn step_by_step_is_the_same_picture() {
+    fn step_by_step_gives_the_same_image() {
         let (scene, request) = builtin::cornell_lambert();
         let request = Request { width: 24, height: 18, spp: 8, ..request };
         let mut doubling = Doubling::new(&scene, &request, &Settings::default()).unwrap();

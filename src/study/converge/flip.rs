@@ -1,4 +1,4 @@
-//! HDR-FLIP, the difference of two pictures as an eye sees it that flips between them.
+//! HDR-FLIP: the visible difference of two images in alternation.
 //!
 //! Source: Andersson et al., "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics 2021.
 
@@ -6,18 +6,18 @@ use crate::raster::Image;
 use flip_rs::{HdrOptions, RgbImage, hdr_flip};
 
 /// The mean over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
-/// a black reference. Pixels that are not finite in either picture are black in both.
+/// a black reference. Pixels that are not finite in either image are black in both.
 #[must_use]
 pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
     let pairs = || image.pixels().iter().zip(reference.pixels());
     let usable = |pair: &(&glam::Vec3, &glam::Vec3)| pair.0.is_finite() && pair.1.is_finite();
-    let picture = |which: fn((&glam::Vec3, &glam::Vec3)) -> [f32; 3]| {
+    let rgb = |which: fn((&glam::Vec3, &glam::Vec3)) -> [f32; 3]| {
         let values = pairs().flat_map(|pair| if usable(&pair) { which(pair) } else { [0.0; 3] }).collect();
         RgbImage::new(image.width(), image.height(), values).ok()
     };
     let mut options = HdrOptions::default();
     options.return_exposure_map = false;
-    let result = hdr_flip(&picture(|p| p.1.to_array())?, &picture(|p| p.0.to_array())?, options).ok()?;
+    let result = hdr_flip(&rgb(|p| p.1.to_array())?, &rgb(|p| p.0.to_array())?, options).ok()?;
     let errors = result.error_map.pixels();
     Some(errors.iter().map(|e| f64::from(*e)).sum::<f64>() / errors.len() as f64)
 }
@@ -28,20 +28,20 @@ mod tests {
     use crate::math::Rgb;
 
     #[test]
-    fn nothing_for_equal_pictures_and_more_for_more_noise() {
-        let picture = |noise: f32| {
+    fn zero_for_equal_images_and_more_for_more_noise() {
+        let noisy = |noise: f32| {
             Image::from_fn(32, 24, |x, y| {
                 let sign = if (x * 7 + y * 13) % 5 < 2 { 1.0 } else { -0.66 };
                 Rgb::new(0.5, 0.3 + 0.01 * x as f32, 0.2) * (1.0 + noise * sign)
             })
         };
-        let of = |noise| mean(&picture(noise), &picture(0.0)).unwrap();
+        let of = |noise| mean(&noisy(noise), &noisy(0.0)).unwrap();
         assert_eq!(of(0.0), 0.0);
         assert!(of(0.3) > 2.0 * of(0.1) && of(0.1) > 0.0 && of(0.3) < 1.0, "{} {}", of(0.1), of(0.3));
     }
 
     #[test]
-    fn what_is_not_compared_does_not_count() {
+    fn pixels_that_are_not_finite_do_not_count() {
         let image = Image::from_fn(16, 16, |_, _| Rgb::splat(0.4));
         let mut holed = image.clone();
         holed.pixels_mut()[20] = Rgb::NAN;

@@ -1,4 +1,4 @@
-//! Fixed lights in place of an environment: the error that is left, however many samples, over the number of lights.
+//! Fixed lights in place of an environment: their bias, which no number of samples reduces, over the number of lights.
 
 use super::reference::Reference;
 use super::strategy::Strategy;

@@ -1,9 +1,9 @@
-//! Error against run time: how far each sampling strategy's picture is from the truth as its samples double.
+//! Error against run time: the error of each sampling strategy's image as its samples double.
 //!
 //! A replicate renders every strategy once, with a seed of its own. All strategies take each step (1, 2, 4, … samples
-//! per pixel) in turns, so that a machine that slows down slows all of them, and only the rendering itself is timed.
-//! Errors are taken against an exact picture where there is one, else against two independent long renders whose own
-//! errors drop out (see [`compare_with_halves`](crate::raster::compare_with_halves)).
+//! per pixel) alternating, so that a machine that slows down slows all of them, and only the rendering itself is timed.
+//! Errors are relative to an exact image where there is one, else to two independent long renders whose own errors
+//! cancel (see [`compare_with_halves`](crate::raster::compare_with_halves)).
 
 pub mod curve;
 pub mod depth;
@@ -17,8 +17,9 @@ pub mod strategy;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
+use crate::raster::Image;
 use crate::scene::{Request, Scene};
-use curve::{Curve, Measured, Run, Verdict};
+use curve::{Curve, CurveVerdict, Measured, Run};
 use doubling::{Deadline, Doubling};
 use reference::{Facts, Reference};
 use serde::Serialize;
@@ -70,7 +71,7 @@ impl Plan {
 }
 
 /// The curves of all strategies on one scene.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Convergence {
     /// Its name.
     pub scene: String,
@@ -82,22 +83,22 @@ pub struct Convergence {
     pub reference: Option<Facts>,
     /// One for each strategy, in their order.
     pub curves: Vec<Curve>,
-    /// What the budget did not allow, in words.
+    /// What was left out for lack of time, in words.
     pub cut: Vec<String>,
     /// Whether the process was asked to stop before the end of the budget.
     pub interrupted: bool,
     /// Wall-clock time of everything.
     pub seconds: f64,
-    /// What errors were taken against.
+    /// The reference of the errors.
     #[serde(skip)]
     pub truth: Option<Reference>,
 }
 
-/// Each half of a rendered reference has at most so many times the samples of what is compared with it, each with several
-/// light samples: together a mean squared error of less than a tenth.
+/// Samples of each half of a rendered reference over those of the last level. With several light samples each, its mean
+/// squared error is less than a tenth of that level's.
 const FURTHER: u32 = 8;
 
-/// The share of the time that is kept back for evaluating errors.
+/// The share of the time that is reserved for evaluating errors.
 const RESERVE: f64 = 0.03;
 
 /// Measures the strategies on a scene.
@@ -120,12 +121,7 @@ pub fn measure(
         scene: scene.name.clone(),
         width: request.width,
         height: request.height,
-        reference: None,
-        curves: Vec::new(),
-        cut: Vec::new(),
-        interrupted: false,
-        seconds: 0.0,
-        truth: None,
+        ..Convergence::default()
     };
     let truth = match known {
         Some(known) => Some(known.clone()),
@@ -151,6 +147,14 @@ fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Dead
     Reference::rendered(scene, request, plan.seed, max_spp, deadline)
 }
 
+/// The finished replicates of a strategy, and the images of the first one, level by level.
+struct Track<'a> {
+    strategy: &'a Strategy,
+    runs: Vec<Run>,
+    images: Vec<Image>,
+    flips: Vec<Option<f64>>,
+}
+
 /// Renders replicate after replicate as long as the next one fits into the time that is left.
 fn run_schedule(
     scene: &Scene,
@@ -162,57 +166,57 @@ fn run_schedule(
     result: &mut Convergence,
 ) -> Result<()> {
     let request = Request { spp: plan.max_spp, ..*request };
-    let picture = truth.image();
-    let mut runs: Vec<Vec<Run>> = strategies.iter().map(|_| Vec::new()).collect();
-    let mut images = vec![Vec::new(); strategies.len()];
-    let mut flips = vec![Vec::new(); strategies.len()];
+    let exact = truth.image();
+    let track = |strategy| Track { strategy, runs: Vec::new(), images: Vec::new(), flips: Vec::new() };
+    let mut tracks: Vec<Track> = strategies.iter().map(track).collect();
     let mut longest = 0.0_f64;
     for replicate in 0..plan.replicates {
+        let left_out = || format!("{} of {} replicates", plan.replicates - replicate, plan.replicates);
         let before = all.left();
         if before < longest * (1.0 + RESERVE) {
-            result.cut.push(format!("{} of {} replicates", plan.replicates - replicate, plan.replicates));
+            result.cut.push(left_out());
             break;
         }
-        // What one strategy may take in one replicate.
+        // The time of one strategy in one replicate.
         let share = before * (1.0 - RESERVE) / f64::from(plan.replicates - replicate) / strategies.len() as f64;
         let seed = plan.seed.wrapping_add(u64::from(replicate));
-        let renders = strategies.iter().map(|s| Doubling::new(scene, &request, &s.settings(seed)));
-        let mut renders = renders.collect::<Result<Vec<_>>>()?;
-        let mut levels: Vec<Vec<Measured>> = vec![Vec::new(); strategies.len()];
-        let mut growing: Vec<usize> = (0..strategies.len()).collect();
-        while !growing.is_empty() && !all.is_over() {
-            let mut on = Vec::new();
-            for i in growing {
-                let render = &mut renders[i];
-                let fits = match runs[i].first() {
+        let renders = strategies.iter().map(|s| Ok((Doubling::new(scene, &request, &s.settings(seed))?, Vec::new())));
+        let mut renders: Vec<(Doubling, Vec<Measured>)> = renders.collect::<Result<_>>()?;
+        // Double the samples of all strategies, alternating, until none of them has a next level.
+        let mut growing = vec![true; strategies.len()];
+        while growing.contains(&true) && !all.is_over() {
+            let unfinished = tracks.iter_mut().zip(&mut renders).zip(&mut growing).filter(|(_, growing)| **growing);
+            for ((track, (render, levels)), growing) in unfinished {
+                let fits = match track.runs.first() {
                     // All replicates have the levels of the first one.
-                    Some(first) => levels[i].len() < first.levels.len(),
+                    Some(first) => levels.len() < first.levels.len(),
                     None => render.preparation.wall + render.times.wall + render.next_step() <= share,
                 };
-                if render.spp() > plan.max_spp / 2 || !fits || !render.double(all) {
+                *growing = render.spp() <= plan.max_spp / 2 && fits && render.double(all);
+                if !*growing {
                     continue;
                 }
                 let image = render.image();
-                levels[i].push(Measured { spp: render.spp(), times: render.times, errors: truth.compare(&image)? });
+                levels.push(Measured { spp: render.spp(), times: render.times, errors: truth.compare(&image)? });
                 if replicate == 0 {
-                    flips[i].push(flip::mean(&image, &picture));
-                    images[i].push(image);
+                    track.flips.push(flip::mean(&image, &exact));
+                    track.images.push(image);
                 }
-                on.push(i);
             }
-            growing = on;
         }
-        let whole = |i: usize| runs[i].first().is_none_or(|first: &Run| levels[i].len() == first.levels.len());
-        if all.is_over() || !(0..strategies.len()).all(whole) {
-            result.cut.push(format!("{} of {} replicates", plan.replicates - replicate, plan.replicates));
+        let is_complete = |(track, (_, levels)): (&Track, &(Doubling, Vec<Measured>))| {
+            track.runs.first().is_none_or(|first| levels.len() == first.levels.len())
+        };
+        if all.is_over() || !tracks.iter().zip(&renders).all(is_complete) {
+            result.cut.push(left_out());
             break;
         }
-        for ((runs, levels), render) in runs.iter_mut().zip(levels).zip(&renders) {
-            runs.push(Run { levels, last: render.image(), preparation: render.preparation.wall });
+        for (track, (render, levels)) in tracks.iter_mut().zip(renders) {
+            track.runs.push(Run { levels, last: render.image(), preparation: render.preparation.wall });
         }
         longest = longest.max(before - all.left());
     }
-    for (((strategy, runs), images), flips) in strategies.iter().zip(runs).zip(images).zip(flips) {
+    for Track { strategy, runs, images, flips } in tracks {
         let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
         if reached <= plan.max_spp / 2 {
             result.cut.push(format!("{}: {reached} of {} samples per pixel", strategy.name, plan.max_spp));
@@ -241,14 +245,14 @@ impl Convergence {
     /// The smallest RMSE that every strategy without bias has reached.
     #[must_use]
     pub fn common_rmse(&self) -> f64 {
-        let unbiased = self.curves.iter().filter(|curve| curve.verdict != Verdict::Biased);
+        let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
         let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
         unbiased.map(least).fold(f64::NAN, f64::max)
     }
 
-    /// Whether anything can be said of any strategy.
+    /// Whether any strategy has a verdict.
     #[must_use]
     pub fn has_verdict(&self) -> bool {
-        self.curves.iter().any(|curve| curve.verdict != Verdict::Unknown)
+        self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }
 }

@@ -1,4 +1,4 @@
-//! What renders are compared with: the exact picture where there is one, else two independent long renders.
+//! References of errors: the exact image where there is one, else two independent long renders.
 
 use super::doubling::{Deadline, Doubling};
 use crate::envmap::irradiance::IrradianceTree;
@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// A reference. Pixels that are not finite do not count.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// Two independent estimates; twice the same picture where it is exact.
+    /// Two independent estimates; twice the same image where it is exact.
     halves: [Image; 2],
     /// What is known of it.
     pub facts: Facts,
@@ -38,14 +38,14 @@ pub struct Facts {
 
 /// Steps of light samples in the long renders.
 const LIGHT_SAMPLES: u32 = 4;
-/// Offset of the seed of the long renders, whose numbers must have nothing in common with the others'.
-const APART: u64 = 0x5eed_0000_0000;
-/// Inner and outer radius of the pixels of a lit sphere that count, in units of its own: in the middle the report's
-/// camera touches it, and at the rim radiance changes too fast for four points in a pixel.
+/// Offset of the seed of the long renders, whose random numbers must be independent of the others'.
+const SEED_OFFSET: u64 = 0x5eed_0000_0000;
+/// Inner and outer radius of the pixels of the sphere that count, in units of its radius: in the middle the report's
+/// camera touches it, and at the silhouette radiance changes too fast for four points in a pixel.
 const RING: [f64; 2] = [0.05, 0.95];
 
 impl Reference {
-    /// The exact picture where there is one; `None` for other scenes and if the deadline comes first.
+    /// The exact image where there is one; `None` for other scenes and if the deadline comes first.
     #[must_use]
     pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Self> {
         let image = lit_sphere(scene, request, deadline).or_else(|| white_furnace(scene, request))?;
@@ -54,7 +54,7 @@ impl Reference {
         Some(Self { halves: [image.clone(), image], facts })
     }
 
-    /// Renders two halves by the renderer's default strategy, in turns, each twice as long as before until the deadline
+    /// Renders two halves by the renderer's default strategy, alternating, each twice as long as before until the deadline
     /// or `max_spp` forbids another step; `None` if it forbids the first one.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Reference {
     ) -> Result<Option<Self>> {
         let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
         let doubling = |i: u64| {
-            let settings = Settings { seed: seed.wrapping_add(APART + i), ..Settings::default() };
+            let settings = Settings { seed: seed.wrapping_add(SEED_OFFSET + i), ..Settings::default() };
             Doubling::new(scene, &request, &settings)
         };
         let mut renders = [doubling(0)?, doubling(1)?];
@@ -80,6 +80,7 @@ impl Reference {
             }
         }
         let halves = [renders[0].image(), renders[1].image()];
+        // The difference of the halves gives the error of their mean.
         let difference = compare(&halves[0], &halves[1])?;
         let facts = Facts {
             exact: false,
@@ -91,7 +92,7 @@ impl Reference {
         Ok(Some(Self { halves, facts }).filter(|r| r.facts.spp > 0))
     }
 
-    /// How far a picture is from the truth, the reference's own noise taken out on average.
+    /// The errors of an image, unbiased by the noise of the reference.
     ///
     /// # Errors
     /// As [`compare_with_halves`].
@@ -115,12 +116,13 @@ impl Reference {
     }
 }
 
-/// The mean radiance over each pixel's square of a diffuse sphere alone in an environment, seen in parallel so that it
-/// fills a square picture.
+/// The mean radiance over each pixel of a diffuse sphere alone in an environment, in orthographic projection so that it
+/// fills a square image.
 fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Image> {
     let (environment, albedo) = lone_sphere(scene, request)?;
     let tree = IrradianceTree::new(&environment.map);
     let size = request.width;
+    // Radiance at a point of the image, in pixels; none outside the ring.
     let radiance = |x: f64, y: f64| {
         let (nx, ny) = (2.0 * x / size as f64 - 1.0, 1.0 - 2.0 * y / size as f64);
         let r2 = nx * nx + ny * ny;
@@ -129,13 +131,13 @@ fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<I
         Some(tree.irradiance(environment.to_map(n)).value)
     };
     let scale = (albedo * environment.scale).as_dvec3() / PI;
-    // Gauss' two points along either side.
+    // Gauss quadrature with two points per axis.
     let at = 0.5 / 3.0_f64.sqrt();
     let pixel = |i: usize| {
         let centre = [(i % size) as f64 + 0.5, (i / size) as f64 + 0.5];
         let mut sum = DVec3::ZERO;
         for [dx, dy] in [[-at, -at], [at, -at], [-at, at], [at, at]] {
-            // A pixel counts if all of it does.
+            // A pixel counts if all of its corners do.
             radiance(centre[0] + dx.signum() * 0.5, centre[1] + dy.signum() * 0.5).filter(|_| !deadline.is_over())?;
             sum += radiance(centre[0] + dx, centre[1] + dy)?;
         }
@@ -146,7 +148,7 @@ fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<I
     (!deadline.is_over()).then_some(image)
 }
 
-/// The picture of white spheres that lose no light, in even light from everywhere: that light.
+/// The image of lossless white spheres under a uniform environment: its radiance everywhere.
 fn white_furnace(scene: &Scene, request: &Request) -> Option<Image> {
     let environment = scene.environment.as_ref()?;
     let texels = environment.map.image().pixels();
@@ -159,21 +161,22 @@ fn white_furnace(scene: &Scene, request: &Request) -> Option<Image> {
         };
         white && matches!(object.shape, Shape::Sphere(_)) && object.emission.is_none()
     };
-    let even = texels.iter().all(|texel| *texel == texels[0]);
+    let uniform = texels.iter().all(|texel| *texel == texels[0]);
     let whole = request.max_depth >= DEEP && scene.lights.is_empty() && scene.objects.iter().all(lossless);
-    (even && whole).then(|| Image::from_fn(request.width, request.height, |_, _| texels[0] * environment.scale))
+    (uniform && whole).then(|| Image::from_fn(request.width, request.height, |_, _| texels[0] * environment.scale))
 }
 
-/// Paths of so many segments have found their way out from between spheres.
+/// Number of path segments after which practically all paths have left the spheres.
 const DEEP: u32 = 50;
 
-/// The environment and albedo of a scene whose picture is known exactly.
+/// The environment and albedo of a scene whose image is known exactly.
 fn lone_sphere<'a>(scene: &'a Scene, request: &Request) -> Option<(&'a Environment, Rgb)> {
     let [object] = scene.objects.as_slice() else { return None };
     let (Shape::Sphere(sphere), Material::Diffuse { albedo }) = (&object.shape, &object.material) else { return None };
     let camera = &scene.camera;
     let Projection::Orthographic { half_width, half_height } = camera.projection else { return None };
     let radius = f64::from(sphere.radius);
+    // The camera looks along −z, and the sphere fills its image.
     let fills = half_width == radius && half_height == radius && request.width == request.height;
     let along_z = (camera.right, camera.up, camera.forward) == (DVec3::X, DVec3::Y, DVec3::NEG_Z);
     let offset = camera.position - sphere.centre.as_dvec3();
@@ -191,7 +194,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn the_exact_picture_is_what_the_default_strategy_converges_to() {
+    fn the_exact_image_is_what_the_default_strategy_converges_to() {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 8.0));
         let request = Request { width: 40, height: 40, ..request };
@@ -204,16 +207,16 @@ mod tests {
         assert!(off.rmse < 1.2 * rendered.facts.rmse, "{off:?} {:?}", rendered.facts);
         assert!((700..1257).contains(&exact.facts.pixels) && off.non_finite == 1600 - exact.facts.pixels);
         assert!(Reference::exact(&scene, &request, &Deadline::after(0.0)).is_none());
-        let (room, request) = builtin::cornell_lambert();
-        assert!(Reference::exact(&room, &request, &deadline).is_none());
+        let (box_scene, request) = builtin::cornell_lambert();
+        assert!(Reference::exact(&box_scene, &request, &deadline).is_none());
     }
 
     #[test]
-    fn a_furnace_is_even_if_nothing_in_it_takes_light() {
+    fn a_furnace_is_uniform_if_nothing_in_it_absorbs() {
         let (mut scene, request) = builtin::furnace();
         let request = Request { width: 48, height: 12, light_samples: 1, ..request };
         let deadline = Deadline::after(60.0);
-        assert!(Reference::exact(&scene, &request, &deadline).is_none(), "its metal takes some");
+        assert!(Reference::exact(&scene, &request, &deadline).is_none(), "its metal absorbs");
         scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
         let exact = Reference::exact(&scene, &request, &deadline).unwrap();
         let rendered = Reference::rendered(&scene, &request, 1, 64, &deadline).unwrap().unwrap();

@@ -1,4 +1,4 @@
-//! What the choice of microfacet normals costs and brings, over the roughness of a metal.
+//! Time and noise of the ways of sampling microfacet normals, over the roughness of a metal.
 
 use super::doubling::{Deadline, Times};
 use crate::bsdf::NormalSampling;
@@ -8,26 +8,26 @@ use crate::render::{Job, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Material, Request, Scene};
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
-use crate::study::pixel_mean::Mean;
+use crate::study::pixel_mean::{Mean, inside};
 use etalon_stats::estimate::Estimate;
 
-/// The ways of drawing normals, by name.
+/// The ways of sampling normals, by name.
 pub const NORMALS: [(&str, NormalSampling); 3] = [
     ("visible normals", NormalSampling::Vndf),
     ("all normals", NormalSampling::Ndf),
     ("hemisphere", NormalSampling::Hemisphere),
 ];
 
-/// One way of drawing normals at one roughness, on the pixels that show metal.
+/// One way of sampling normals at one roughness, on the pixels that show metal.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
-    /// Width of the lobe.
+pub struct RoughnessLevel {
+    /// Roughness α of the metals.
     pub alpha: f32,
     /// One of [`NORMALS`].
     pub normals: &'static str,
     /// Samples per pixel of each replicate.
     pub spp: u32,
-    /// Renders of their own samples.
+    /// Renders with samples of their own.
     pub replicates: u32,
     /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
     pub mse: Estimate,
@@ -39,9 +39,9 @@ pub struct Level {
     pub light: Mean,
 }
 
-/// Renders a scene with its metals at each roughness, drawing normals in every way, each `replicates` times in turns.
+/// Renders a scene with its metals at each roughness, sampling normals in every way, each `replicates` times, alternating.
 ///
-/// Numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
+/// Random numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
 /// is no bias, and replicates are ranges of samples of one render. Fewer roughnesses if the deadline comes first.
 ///
 /// # Errors
@@ -53,7 +53,7 @@ pub fn measure(
     replicates: u32,
     seed: u64,
     deadline: &Deadline,
-) -> Result<Vec<Level>> {
+) -> Result<Vec<RoughnessLevel>> {
     let mask = ObjectIdBuffer::new(scene, request).mask(Kind::Metal);
     let each = request.spp;
     let request = Request { spp: each * replicates, ..*request };
@@ -70,6 +70,7 @@ pub fn measure(
             settings.model.normals = normals;
             Job::new(&scene, &request, &settings)
         };
+        // A render for each way of sampling normals; replicates are ranges of its samples.
         let jobs = NORMALS.into_iter().map(job).collect::<Result<Vec<_>>>()?;
         let mut parts = jobs.iter().map(|job| job.part(Metadata::default())).collect::<Result<Vec<_>>>()?;
         let mut measured: Vec<[Vec<f64>; 2]> = vec![Default::default(); NORMALS.len()];
@@ -78,8 +79,9 @@ pub fn measure(
                 let mut part = job.part(Metadata::default())?;
                 let mut times = Times::default();
                 times.of(|| job.run(&mut part, replicate * each..(replicate + 1) * each, deadline));
-                let estimates = part.film.estimates().zip(&mask).filter(|(_, inside)| **inside);
-                let squares: Vec<f64> = estimates.map(|(e, _)| e.error.as_dvec3().length_squared() / 3.0).collect();
+                let estimates = inside(part.film.estimates(), &mask);
+                let squares: Vec<f64> = estimates.map(|e| e.error.as_dvec3().length_squared() / 3.0).collect();
+                // Mean variance of the pixels of metal.
                 measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
                 measured[1].push(times.cpu);
                 whole.film.merge(&part.film)?;
@@ -90,7 +92,7 @@ pub fn measure(
         }
         for (((normals, _), part), [mse, cpu]) in NORMALS.iter().zip(&parts).zip(&measured) {
             let efficiency = Estimate::mean(&mse.iter().zip(cpu).map(|(mse, s)| 1.0 / (mse * s)).collect::<Vec<_>>());
-            levels.push(Level {
+            levels.push(RoughnessLevel {
                 alpha,
                 normals,
                 spp: each,

@@ -9,11 +9,11 @@ use crate::scene::Scene;
 use serde::Serialize;
 use std::str::FromStr;
 
-/// A sampling strategy by its name: one of [`methods`], then any of [`SUFFIXES`].
+/// A sampling strategy, named by one of [`methods`], then any of [`SUFFIXES`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
-    /// As it was given.
+    /// The name from which it was parsed.
     pub name: String,
     sampling: Sampling,
     density: MapSampling,
@@ -27,19 +27,21 @@ impl From<Strategy> for String {
     }
 }
 
-/// The name of every way of choosing directions, and what it does; `K` stands for a number of regions.
+/// The methods whose names contain no environment-map sampler: name, what it does, and the setting of the renderer.
+const METHODS: [(&str, &str, Sampling); 4] = [
+    ("light", "by the light: the environment's radiance, the area lights' solid angles", Sampling::Light),
+    ("bsdf", "by the material (cosine at diffuse surfaces)", Sampling::Bsdf),
+    ("hemisphere", "uniformly over the hemisphere", Sampling::Hemisphere),
+    ("mis", "light and bsdf by multiple importance sampling; caustics by light tracing", Sampling::Mis),
+];
+
+/// The name of every method of sampling directions, and what it does; `K` stands for a number of regions.
 ///
-/// They are made of the registry of environment-map samplers: `light` and `mis` are by its first density; `light-NAME` and
-/// `mis-NAME` by another; a sampler of regions stands for light sampling by its own name.
+/// The list follows from the registry of environment-map samplers: `light` and `mis` use the first one; `light-NAME` and
+/// `mis-NAME` another; the name of a sampler of regions alone means light sampling by it.
 #[must_use]
 pub fn methods() -> Vec<(String, String)> {
-    let fixed = [
-        ("light", "by the light: the environment's radiance, the area lights' solid angles"),
-        ("bsdf", "by the material (cosine at diffuse surfaces)"),
-        ("hemisphere", "uniformly over the hemisphere"),
-        ("mis", "light and bsdf by multiple importance sampling; caustics by light tracing"),
-    ];
-    let mut names: Vec<(String, String)> = fixed.map(|(name, doc)| (name.into(), doc.into())).into();
+    let mut names: Vec<(String, String)> = METHODS.map(|(name, doc, _)| (name.into(), doc.into())).into();
     for entry in samplers::ALL.iter().skip(1) {
         let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
@@ -107,31 +109,27 @@ impl FromStr for Strategy {
     }
 }
 
+/// How a method samples directions; `None` for an unknown or impossible one.
 fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
-    match name {
-        "light" => return Some((Sampling::Light, MapSampling::MAP)),
-        "bsdf" => return Some((Sampling::Bsdf, MapSampling::MAP)),
-        "hemisphere" => return Some((Sampling::Hemisphere, MapSampling::MAP)),
-        "mis" => return Some((Sampling::Mis, MapSampling::MAP)),
-        _ => {}
+    if let Some((_, _, sampling)) = METHODS.iter().find(|(method, ..)| *method == name) {
+        return Some((*sampling, MapSampling::MAP));
     }
-    let (sampling, density) = [("light-", Sampling::Light), ("mis-", Sampling::Mis)]
-        .into_iter()
-        .find_map(|(prefix, sampling)| Some((sampling, name.strip_prefix(prefix)?)))
-        .map_or_else(
-            || {
-                let density: MapSampling = name.parse().ok()?;
-                density.entry().has_regions.then_some((Sampling::Light, density))
-            },
-            |(sampling, density)| Some((sampling, density.parse().ok()?)),
-        )?;
+    let prefixes = [("light-", Sampling::Light), ("mis-", Sampling::Mis)];
+    let stripped = prefixes.into_iter().find_map(|(prefix, sampling)| Some((sampling, name.strip_prefix(prefix)?)));
+    // A name without a prefix must be that of a sampler of regions.
+    let (sampling, density) = stripped.unwrap_or((Sampling::Light, name));
+    let density: MapSampling = density.parse().ok()?;
+    if stripped.is_none() && !density.entry().has_regions {
+        return None;
+    }
+    // Fixed lights have no pdf for MIS, and light sampling alone needs a pdf that is positive wherever there is light.
     let alone = sampling == Sampling::Light;
     let possible = if density.has_fixed_lights() { alone } else { !alone || density.entry().complete };
     possible.then_some((sampling, density))
 }
 
 impl Strategy {
-    /// Those that are compared when nobody asks for others.
+    /// The strategies that are compared by default.
     #[must_use]
     pub fn usual(scene: &Scene) -> Vec<Self> {
         let names: &[&str] = if scene.environment.is_some() {
@@ -181,7 +179,10 @@ impl Strategy {
         self.density.has_fixed_lights()
     }
 
-    /// An error if the scene has no environment to sample as the strategy says.
+    /// Checks that the scene has an environment map if the strategy needs one.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if it has none.
     pub fn check(&self, scene: &Scene) -> Result<()> {
         if scene.environment.is_some() || self.density == MapSampling::MAP {
             return Ok(());
@@ -226,12 +227,12 @@ mod tests {
     }
 
     #[test]
-    fn a_room_without_a_map_has_no_regions() {
-        let (room, _) = builtin::cornell_lambert();
+    fn a_cornell_box_without_a_map_has_no_regions() {
+        let (cornell, _) = builtin::cornell_lambert();
         let (furnace, _) = builtin::furnace();
         let check = |name: &str, scene| name.parse::<Strategy>().unwrap().check(scene).is_ok();
-        assert!(check("mis", &room) && !check("strata-16", &room) && check("strata-16", &furnace));
-        assert!(Strategy::usual(&room).iter().all(|s| s.check(&room).is_ok()));
-        assert_eq!((Strategy::usual(&room).len(), Strategy::usual(&furnace).len()), (8, 8));
+        assert!(check("mis", &cornell) && !check("strata-16", &cornell) && check("strata-16", &furnace));
+        assert!(Strategy::usual(&cornell).iter().all(|s| s.check(&cornell).is_ok()));
+        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (8, 8));
     }
 }

@@ -1,13 +1,11 @@
-//! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against counts of whole numbers.
+//! Summed-area tables: blocks of 8 × 8 texels behind one bright texel, against sums in integers.
 
-use super::bound::Bound;
-use super::experiment::{Effort, Experiment, Tally};
-use super::family::{Precision, STABLE, TEXTBOOK};
-use super::row::Row;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use crate::envmap::latlong::Block;
 use crate::envmap::sat::SummedArea;
 use crate::error::Result;
 
+/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "areas",
     about: "summed-area tables with one texel of 2^20 among 1 (areas), of 2^40 among 2^-40 (areas-extreme)",
@@ -24,8 +22,8 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// Texels along the sides of a block.
 const BLOCK: usize = 8;
 
-fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
-    let [width, height] = effort.map.map(|side| side / 8);
+fn run(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
+    let [width, height] = workload.map.map(|side| side / 8);
     let rows = [("areas", 2f64.powi(20), 1.0 + 2f64.powi(-12)), ("areas-extreme", 2f64.powi(40), 2f64.powi(-40))];
     let rows = rows.into_iter().flat_map(|(name, hot, cold)| {
         let at = (width / 8, height / 8);
@@ -37,15 +35,17 @@ fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
         for (x0, y0) in (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (x * BLOCK, y * BLOCK))) {
             let block = Block { x0, y0, x1: x0 + BLOCK, y1: y0 + BLOCK };
             let inside = |r: Block| (r.x0..r.x1).contains(&at.0) && (r.y0..r.y1).contains(&at.1);
-            // Numbers of few digits, so that counting texels is exact.
+            // Both values have few digits, so that this is exact.
             let exact = |r: Block| {
                 let cells = ((r.x1 - r.x0) * (r.y1 - r.y0)) as f64;
                 if inside(r) { hot + (cells - 1.0) * cold } else { cells * cold }
             };
             let sum = exact(block);
+            // Condition of the difference of four sums.
             let condition = 4.0 * exact(Block { x0: 0, y0: 0, ..block }) / sum;
             let what = || format!("block from ({x0}, {y0}) of {width}x{height}");
             stable.compare(table.sum(block), sum, condition, what);
+            // The same difference of four sums in f32.
             let corner = |x: usize, y: usize| single[y * (width + 1) + x];
             let four = corner(block.x1, block.y1) - corner(x0, block.y1) - corner(block.x1, y0) + corner(x0, y0);
             textbook.compare(f64::from(four), sum, condition, what);
@@ -55,7 +55,7 @@ fn run(effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
     Ok(rows.collect())
 }
 
-/// The table in f32.
+/// The table in f32, row by row.
 fn single_sums(width: usize, height: usize, value: impl Fn(usize, usize) -> f64) -> Vec<f32> {
     let stride = width + 1;
     let mut sums = vec![0.0; stride * (height + 1)];

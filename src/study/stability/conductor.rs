@@ -1,19 +1,20 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
-use super::bound::{Bound, rounding};
-use super::family::{Family, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
-use super::fresnel::COSINE;
-use super::number::{Machine, Number};
+use super::directions::COSINE;
+use super::family::{
+    Bound, Family, Machine, Number, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar, variant,
+};
 use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;
 
+/// R of a conductor, from 0 to 1.
 pub const FAMILY: Family = Family {
     name: "conductor",
     about: "conductor reflectance of unpolarized light",
     figure: "stability-conductor",
     inputs: &["eta", "k", "cos"],
-    // Beyond, the renderer takes the metal for a perfect one.
+    // Beyond, the renderer uses a reflectance of 1.
     domains: &[(0.0, 1e6), (0.0, 1e6), (0.0, 1.0)],
     sections: &[
         Section {
@@ -44,22 +45,18 @@ pub const FAMILY: Family = Family {
         &[1e4, 1e4, 0.0],
     ],
     reference: |x| defined(x),
-    variants: &[
-        Variant::new(STABLE, rendered, stable),
-        Variant::new(TEXTBOOK, textbook, textbook),
-        Variant::new(REPORT, report, report),
-    ],
+    variants: &[Variant::new(STABLE, rendered, stable), variant!(TEXTBOOK, textbook), variant!(REPORT, report)],
     range: Range::UpTo(1.0),
     bounds: &[Bound {
         name: "roundings over the cancellation in (η + ik)² − s²",
         limit: 93.0,
         reason: "7 of the root, twice in each of 4 squares, and 37 of what is computed from them",
-        error: |case| case.deviations[0].map(|d| d.relative / (rounding(case.precision) * cancellation(&case.inputs))),
+        error: |case| case.rendered().map(|d| d.relative / (case.precision.rounding() * cancellation(&case.inputs))),
     }],
     coarser: 1,
 };
 
-/// The renderer's, three channels at once without branches.
+/// The renderer's, which evaluates three channels at once without branches.
 fn rendered(x: &[f32]) -> Value<f32> {
     scalar(ConductorFresnel::new(Rgb::splat(x[0]), Rgb::splat(x[1])).reflectance(x[2]).x)
 }
@@ -68,7 +65,7 @@ fn stable(x: &[f64]) -> Value<f64> {
     scalar(conductor::fresnel(x[2], x[0], x[1]).unpolarized())
 }
 
-/// The textbook's, where that is no quotient of zeros: grazing light meets no interface between equal indices.
+/// The textbook's, except where that is 0/0: between equal indices nothing is reflected.
 fn defined<T: Number>(x: &[T]) -> Value<T> {
     if x[0] == T::of(1.0) && x[1] == T::of(0.0) { scalar(T::of(0.0)) } else { textbook(x) }
 }
@@ -79,9 +76,11 @@ fn textbook<T: Number>(x: &[T]) -> Value<T> {
     let (eta, k, c) = (x[0], x[1], x[2]);
     let two = T::of(2.0);
     let s2 = T::of(1.0) - c.square();
+    // A and a, as defined above.
     let difference = eta.square() - k.square() - s2;
     let modulus = (difference.square() + T::of(4.0) * eta.square() * k.square()).sqrt();
     let a = ((modulus + difference) / two).sqrt();
+    // Both polarizations.
     let middle = two * a * c;
     let perpendicular = (modulus + c.square() - middle) / (modulus + c.square() + middle);
     let sum = modulus * c.square() + s2.square();
@@ -94,7 +93,7 @@ fn report<T: Machine>(x: &[T]) -> Value<T> {
     scalar(conductor::fresnel_approximate(x[2], x[0], x[1]).unpolarized())
 }
 
-/// By how much the rounding of the terms of (η + ik)² − s² grows relative to their sum:
+/// Condition of the sum (η + ik)² − s²: by how much the relative errors of its terms grow,
 /// κ = (|η² − 1| + c² + k²) / |(η + ik)² − s²|, at least 1.
 ///
 /// Let z² be that sum and u one rounding. (η−1)(η+1) − k² + c² has 5 roundings of its terms, so |Δz²| ≤ (5κ + 1) u |z²|
@@ -104,7 +103,7 @@ fn cancellation(inputs: &[f64]) -> f64 {
     let [eta, k, c] = [inputs[0], inputs[1], inputs[2]];
     let q = (eta - 1.0) * (eta + 1.0);
     let terms = q.abs() + c * c + k * k;
-    // η² − s² by the smaller of two pairs of factors, which loses nothing.
+    // η² − s² as a product, without cancellation.
     let sin = ((1.0 - c) * (1.0 + c)).sqrt();
     let modulus = ((eta - sin) * (eta + sin) - k * k).hypot(2.0 * eta * k);
     if terms <= modulus { 1.0 } else { terms / modulus }

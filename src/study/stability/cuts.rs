@@ -1,15 +1,13 @@
-//! Median cut of maps that offer nothing to halve: constant, black, one bright texel.
+//! Median cut of maps that cannot be halved by energy: constant, black, one bright texel.
 
-use super::bound::Bound;
-use super::experiment::{Effort, Experiment, Tally};
-use super::family::{Precision, STABLE};
-use super::row::Row;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::envmap::synthetic::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL, Synthetic};
 use crate::error::Result;
 use std::f64::consts::PI;
 
+/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "cuts",
     about: "light of the regions of a median cut of constant, black and one-hot maps; out of range: missing regions",
@@ -28,7 +26,7 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 const REGIONS: [usize; 5] = [1, 2, 64, 1000, 2048];
 
-fn run(_effort: &Effort, _seed: u64) -> Result<Vec<Row>> {
+fn run(_workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
     let mut tally = Tally::new("cuts", STABLE, Precision::Double);
     for kind in [Synthetic::Constant, Synthetic::Black, Synthetic::Onehot] {
         let (map, name) = (EnvMap::new(kind.make()), kind.name());

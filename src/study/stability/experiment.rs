@@ -1,63 +1,69 @@
-//! What has no formula to compare with but an exact answer: sums, tables, cuts, paths.
+//! Experiments whose exact results no formula of the inputs gives: sums, tables, cuts, paths.
+//!
+//! It re-exports what an experiment is written with.
 
-use super::bound::Bound;
-use super::family::Precision;
-use super::row::Row;
+pub use super::bound::Bound;
+pub use super::precision::Precision;
+pub use super::row::ErrorRow;
+pub use super::variant::{STABLE, TEXTBOOK};
+
 use crate::error::Result;
 
-/// An experiment whose right answer is known by integers, by construction, or in closed variant.
+/// An experiment whose exact result is known by integers, by construction, or in closed form.
 pub struct Experiment {
     /// Its name.
     pub name: &'static str,
     /// What it does, in a line.
     pub about: &'static str,
-    /// The figure that shows it.
+    /// Id of the figure that shows it.
     pub figure: &'static str,
-    /// What the errors of the code that renders may be.
-    pub bounds: &'static [Bound<Row>],
-    /// Runs it with some effort and a seed.
-    pub run: fn(&Effort, u64) -> Result<Vec<Row>>,
+    /// Upper bounds of the errors of the code that renders.
+    pub bounds: &'static [Bound<ErrorRow>],
+    /// Runs it with an amount of work and a seed.
+    pub run: fn(&Workload, u64) -> Result<Vec<ErrorRow>>,
 }
 
 /// How much work to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub struct Effort {
+pub struct Workload {
     /// Places along each side of the grids.
     pub side: usize,
     /// Samples of one pixel of the film.
     pub film_samples: u32,
-    /// Columns and rows of the map whose tables are tried.
+    /// Columns and rows of the map whose tables are tested.
     pub map: [usize; 2],
-    /// Samples that are drawn from the tables.
-    pub draws: u32,
+    /// Samples from the tables.
+    #[serde(rename = "draws")]
+    pub table_samples: u32,
     /// Bounces of the paths.
     pub bounces: u32,
 }
 
-impl Effort {
-    /// What the command line runs.
+impl Workload {
+    /// Of the subcommand.
     pub const FULL: Self =
-        Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], draws: 10_000_000, bounces: 10_000 };
+        Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], table_samples: 10_000_000, bounces: 10_000 };
 
     /// For figures: finer than a page shows, and a quarter of the map.
     pub const FIGURES: Self = Self { side: 25, map: [4096, 2048], ..Self::FULL };
 
     /// For a quick look: coarse grids, small sums.
     pub const QUICK: Self =
-        Self { side: 9, film_samples: 1_000_000, map: [1024, 512], draws: 100_000, bounces: 10_000 };
+        Self { side: 9, film_samples: 1_000_000, map: [1024, 512], table_samples: 100_000, bounces: 10_000 };
 }
 
-/// Errors of one variant of an experiment on their way into a [`Row`].
-pub struct Tally(Row);
+/// The errors of one variant of an experiment, accumulated into an [`ErrorRow`].
+pub struct Tally(ErrorRow);
 
 impl Tally {
+    /// Without any case yet.
     #[must_use]
     pub fn new(family: &'static str, variant: &'static str, precision: Precision) -> Self {
-        Self(Row { family, variant, precision, ..Row::default() })
+        Self(ErrorRow { family, variant, precision, ..ErrorRow::default() })
     }
 
-    /// Compares one result with the exact one. `condition` is the sum of what was added over the result, by modulus: a
-    /// rounding of the parts alone moves the result by that many units of its last place.
+    /// Compares one result with the exact one. `condition` is the sum of the summands' moduli over the result: rounding
+    /// of the summands alone changes the result by that many units of its last place.
     pub fn compare(&mut self, value: f64, exact: f64, condition: f64, what: impl FnOnce() -> String) {
         let row = &mut self.0;
         let first = row.cases == 0;
@@ -79,12 +85,12 @@ impl Tally {
         self.0.out_of_range += count;
     }
 
-    /// Counts cases that are only possible or impossible.
+    /// Counts cases that are possible or impossible, with no error to measure.
     pub fn cases(&mut self, count: u64) {
         self.0.cases += count;
     }
 
-    /// Takes in what another thread found of the same variant.
+    /// Adds the errors that another thread found of the same variant.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
         let (mine, theirs) = (&mut self.0, other.0);
@@ -101,8 +107,9 @@ impl Tally {
         self
     }
 
+    /// The row of the table.
     #[must_use]
-    pub fn row(self) -> Row {
+    pub fn row(self) -> ErrorRow {
         self.0
     }
 }

@@ -1,13 +1,13 @@
 //! Dielectric Fresnel reflectance of unpolarized light.
 
-use super::bound::Bound;
+use super::directions::COSINE;
 use super::family::{
-    Family, INDEX, Precision, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar,
+    Bound, Family, INDEX, Number, Precision, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, scalar, variant,
 };
-use super::number::{Machine, Number};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::dielectric;
 
+/// R of a dielectric, from 0 to 1.
 pub const FAMILY: Family = Family {
     name: "fresnel",
     about: "dielectric reflectance of unpolarized light",
@@ -22,19 +22,15 @@ pub const FAMILY: Family = Family {
             y: COSINE,
             at: |more, cos| vec![1.0 + more, cos],
         },
-        Section {
-            title: "near the critical angle",
-            x: Scale::new("/{η}", 1e-3, 0.999),
-            y: Scale::new("cos /{θ} / cos /{θ}_{c} − 1", 1e-7, 1.0),
-            at: |eta, more| vec![eta, (critical_cosine(eta) * (1.0 + more)).min(1.0)],
-        },
+        Section { at: |eta, more| vec![eta, above_critical(eta, more)], ..CRITICAL },
     ],
     edges: &[&[1.0, 0.0], &[1.0, 1e-12], &[1.0, 1.0], &[1.5, 0.0], &[1.5, 1.0], &[0.5, 0.0], &[0.5, 1.0]],
     reference: |x| defined(x),
     variants: &[
-        Variant::new(STABLE, stable, stable),
-        Variant::new(TEXTBOOK, textbook, textbook),
-        Variant::new(REPORT, report, report),
+        variant!(STABLE, |x| scalar(dielectric::fresnel(x[1], x[0]).unpolarized())),
+        variant!(TEXTBOOK, textbook),
+        // The first report's Schlick, which uses the incident cosine on both sides.
+        variant!(REPORT, |x| scalar(schlick_incident_cosine(x[1], x[0]))),
     ],
     range: Range::UpTo(1.0),
     bounds: &[
@@ -45,7 +41,7 @@ pub const FAMILY: Family = Family {
             error: |case| {
                 let [eta, cos] = [case.inputs[0], case.inputs[1]];
                 let judged = case.precision == Precision::Single && (1e-3..=1e3).contains(&eta) && is_away(eta, cos);
-                judged.then(|| case.deviations[0].map(|d| d.relative)).flatten()
+                case.rendered().filter(|_| judged).map(|d| d.relative)
             },
         },
         Bound::roundings(
@@ -56,18 +52,20 @@ pub const FAMILY: Family = Family {
     coarser: 1,
 };
 
-/// From grazing to normal incidence.
-pub(super) const COSINE: Scale = Scale::new("cos /{θ}", 1e-12, 1.0);
+/// Cosines above that of the critical angle, by their relative distance from it; the inputs are left to the family.
+pub(super) const CRITICAL: Section = Section {
+    title: "near the critical angle",
+    x: Scale::new("/{η}", 1e-3, 0.999),
+    y: Scale::new("cos /{θ} / cos /{θ}_{c} − 1", 1e-7, 1.0),
+    at: |_, _| Vec::new(),
+};
 
-pub(super) fn critical_cosine(eta: f64) -> f64 {
-    ((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt()
+/// The cosine of the critical angle times (1 + `more`), at most 1.
+pub(super) fn above_critical(eta: f64, more: f64) -> f64 {
+    (((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt() * (1.0 + more)).min(1.0)
 }
 
-fn stable<T: Machine>(x: &[T]) -> Value<T> {
-    scalar(dielectric::fresnel(x[1], x[0]).unpolarized())
-}
-
-/// The textbook's, but that grazing light between equal indices is not reflected.
+/// The textbook's, except where that is 0/0: between equal indices nothing is reflected.
 fn defined<T: Number>(x: &[T]) -> Value<T> {
     if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook(x) }
 }
@@ -76,6 +74,7 @@ fn defined<T: Number>(x: &[T]) -> Value<T> {
 fn textbook<T: Number>(x: &[T]) -> Value<T> {
     let (eta, cos_i) = (x[0], x[1]);
     let one = T::of(1.0);
+    // Snell's law.
     let sin2_t = (one - cos_i.square()) / eta.square();
     if sin2_t >= one {
         return scalar(one);
@@ -84,11 +83,6 @@ fn textbook<T: Number>(x: &[T]) -> Value<T> {
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     scalar((perpendicular.square() + parallel.square()) / T::of(2.0))
-}
-
-/// The first report's Schlick, which takes the incident cosine on both sides.
-fn report<T: Machine>(x: &[T]) -> Value<T> {
-    scalar(schlick_incident_cosine(x[1], x[0]))
 }
 
 /// Whether a direction is a degree or more from the critical angle.

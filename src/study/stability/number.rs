@@ -1,7 +1,18 @@
-//! What a textbook formula is written in: `f32`, `f64`, and the arbitrary precision that judges both.
+//! The trait that textbook formulas are generic over: `f32`, `f64`, and the arbitrary precision of the reference.
 
 use crate::math::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// What a formula gives: a number (the others are 0), a vector, or nothing, such as a ray that misses.
+pub type Value<T> = Option<[T; 3]>;
+
+/// A formula of several inputs.
+pub type Formula<T> = fn(&[T]) -> Value<T>;
+
+/// The value of a formula for a number.
+pub fn scalar<T: Number>(value: T) -> Value<T> {
+    Some([value, T::of(0.0), T::of(0.0)])
+}
 
 /// A number that a formula can be written in once and evaluated in any precision.
 pub trait Number:
@@ -16,10 +27,13 @@ pub trait Number:
     /// A constant, exact in f64.
     fn of(value: f64) -> Self;
 
+    /// π, rounded.
     fn pi() -> Self;
 
+    /// √x; NaN below 0.
     fn sqrt(self) -> Self;
 
+    /// eˣ.
     fn exp(self) -> Self;
 
     /// 1 − erf(x) for x ≥ 0.
@@ -28,6 +42,7 @@ pub trait Number:
     /// Sine and cosine of `self` · 2π.
     fn sin_cos_turns(self) -> [Self; 2];
 
+    /// x².
     #[must_use]
     fn square(self) -> Self {
         self * self
@@ -68,7 +83,7 @@ macro_rules! machine_number {
 machine_number!(f32, libm::erfcf, std::f32::consts::PI);
 machine_number!(f64, libm::erfc, std::f64::consts::PI);
 
-/// Products of the components, summed from the first on.
+/// a · b, summed from the first component on.
 pub fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -79,6 +94,7 @@ pub fn normalized<T: Number>(v: [T; 3]) -> [T; 3] {
     v.map(|x| x / length)
 }
 
+/// a × b.
 pub fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -86,11 +102,12 @@ pub fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     })
 }
 
+/// a − b.
 pub fn minus<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// One of the two precisions that kernels can run in, also a [`Number`].
+/// A float of the machine: what the code that renders is generic over, also a [`Number`].
 pub trait Machine: Real + Number {}
 
 impl Machine for f32 {}

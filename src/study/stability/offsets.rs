@@ -1,15 +1,13 @@
-//! Rays that leave a triangle must not hit it again, at any scale: the offset of their origins.
+//! Offsets of ray origins: rays that leave a triangle must not hit it again, at any scale.
 
-use super::bound::Bound;
-use super::experiment::{Effort, Experiment, Tally};
-use super::family::{Precision, STABLE, TEXTBOOK};
-use super::row::Row;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
 use crate::error::Result;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Mesh, MeshBvh, Ray, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "offsets",
     about: "offsets of leaving rays, relative to the scene; out of range: rays that hit what they leave",
@@ -29,10 +27,10 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// The fixed offset of many textbooks.
 const FIXED: f32 = 1e-4;
 
-fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
-    let count = (effort.side * effort.side) as u64 * 16;
+fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
+    let count = (workload.side * workload.side) as u64 * 16;
     let rows = [STABLE, TEXTBOOK].into_iter().map(|variant| {
-        // The renderer's is 16 ε times the largest coordinate.
+        // The renderer's offset is 16 ε times the largest coordinate.
         let offset = |mesh: &Mesh| if variant == STABLE { 4.0 * mesh.error() } else { FIXED };
         let tally = || Tally::new("offsets", variant, Precision::Single);
         let found = (0..count).into_par_iter().filter_map(|i| {
@@ -41,13 +39,14 @@ fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
             let offset = offset(&mesh);
             let bvh = MeshBvh::build(&[&mesh]);
             let tangent = around.cross(normal).normalize();
+            // Along a random direction, the normal, and almost along the surface.
             let directions = [around, normal, (tangent + 1e-4 * normal).normalize()];
             let again = directions.into_iter().filter(|direction| {
                 let origin = point + normal * offset.copysign(normal.dot(*direction));
                 bvh.nearest(&Ray { origin, direction: *direction }, f32::INFINITY).is_some()
             });
             let mut tally = tally();
-            // An offset is no error of a result; what it is off the surface is.
+            // The error is the distance from the surface.
             let away = 1.0 + f64::from(offset / scale);
             tally.compare(away, 1.0, 1.0, || format!("triangle {i} of size {scale:e}"));
             tally.impossible(again.count() as u64);
@@ -61,14 +60,15 @@ fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
 /// A triangle of a size from 10⁻⁶ to 10⁶, from plump to a sliver of one part in 10⁶, near or far from the origin; a
 /// place on it, a direction, and its size.
 fn random(seed: u64, i: u64) -> Option<(Mesh, [f32; 2], Vec3, f32)> {
-    let number = |j: u32| (2.0 * Independent::new(seed, i, j).pair(0)[0] - 1.0) as f32;
-    let vector = |j: u32| Vec3::new(number(3 * j), number(3 * j + 1), number(3 * j + 2));
+    let component = |j: u32| (2.0 * Independent::new(seed, i, j).pair(0)[0] - 1.0) as f32;
+    let vector = |j: u32| Vec3::new(component(3 * j), component(3 * j + 1), component(3 * j + 2));
+    // Size, distance from the origin in sizes, and thinness, by the index.
     let scale = 10f32.powi((i % 13) as i32 - 6);
     let away = [0.0, 3.0, 100.0][i as usize / 13 % 3] * vector(0);
     let thin = [1.0, 1e-2, 1e-4, 1e-6][i as usize / 39 % 4];
     let (p, q, r) = (vector(1), vector(2), vector(3));
     let corners = [p, q, p + 0.5 * (q - p) + thin * r].map(|corner| scale * (corner + away));
-    let (u, v) = (number(12).abs(), number(13).abs());
+    let (u, v) = (component(12).abs(), component(13).abs());
     let inside = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
     let mesh = Mesh::new(corners.to_vec(), Vec::new(), vec![[0, 1, 2]]).ok()?;
     Some((mesh, inside, vector(5).try_normalize()?, scale))

@@ -1,9 +1,6 @@
-//! Long paths where no light is lost: a closed white room that glows, and a walk over materials that absorb nothing.
+//! Long paths that lose no energy: a closed white emitting box, and a walk over materials that absorb nothing.
 
-use super::bound::Bound;
-use super::experiment::{Effort, Experiment, Tally};
-use super::family::{Precision, STABLE};
-use super::row::Row;
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
 use crate::bsdf::Scatter;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
@@ -14,6 +11,7 @@ use crate::scene::{
 };
 use glam::{DVec3, Vec3};
 
+/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "paths",
     about: "energy after 10 000 bounces in a furnace (paths) and over materials (walks)",
@@ -35,29 +33,29 @@ pub const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-fn run(effort: &Effort, seed: u64) -> Result<Vec<Row>> {
-    Ok(vec![room(effort, seed)?, walks(effort, seed)])
+fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
+    Ok(vec![furnace(workload, seed)?, walks(workload, seed)])
 }
 
-/// Every bounce finds a wall of radiance 1 and loses nothing: n bounces see n + 1.
-fn room(effort: &Effort, seed: u64) -> Result<Row> {
-    let scene = closed_room()?;
-    let request = Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: effort.bounces };
+/// Every path vertex adds a radiance of 1 and loses nothing: n bounces give n + 1.
+fn furnace(workload: &Workload, seed: u64) -> Result<ErrorRow> {
+    let scene = closed_box()?;
+    let request = Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: workload.bounces };
     let settings = Settings { sampling: Sampling::Bsdf, seed, ..Settings::default() };
     let rendered = render(&scene, &request, &settings, &Silent)?;
-    let exact = f64::from(effort.bounces) + 1.0;
+    let exact = f64::from(workload.bounces) + 1.0;
     let mut tally = Tally::new("paths", STABLE, Precision::Single);
     for (i, pixel) in rendered.image.pixels().iter().enumerate() {
         tally.compare(f64::from(pixel.x), exact, 1.0, || {
-            format!("{} bounces from pixel ({}, {})", effort.bounces, i % request.width, i / request.width)
+            format!("{} bounces from pixel ({}, {})", workload.bounces, i % request.width, i / request.width)
         });
     }
     tally.impossible(rendered.dropped.total());
     Ok(tally.row())
 }
 
-/// A cube of side 2 around the camera, its size no round number.
-fn closed_room() -> Result<Scene> {
+/// A cube of side 2.06 around the camera: no power of 2.
+fn closed_box() -> Result<Scene> {
     const HALF: f32 = 1.03;
     let wall = |normal: Vec3, x: Vec3, y: Vec3| {
         let rectangle = Rectangle::new(normal * HALF, x * HALF, y * HALF);
@@ -79,7 +77,7 @@ fn closed_room() -> Result<Scene> {
         projection: Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 },
     };
     Ok(Scene {
-        name: "closed room".into(),
+        name: "closed box".into(),
         camera,
         objects: walls.collect::<Result<_>>()?,
         lights: Vec::new(),
@@ -90,9 +88,9 @@ fn closed_room() -> Result<Scene> {
 /// Index of the glass on the walk.
 const ETA: f32 = 1.5;
 
-/// The product of the weights of directions drawn from diffuse, mirror and glass surfaces by turns, each white. What
-/// refraction takes on the way in it gives back on the way out.
-fn walks(effort: &Effort, seed: u64) -> Row {
+/// The product of the weights of directions sampled from white diffuse, mirror and glass surfaces, alternating. Radiance
+/// scales by η² on the way into the glass, and by its inverse on the way out.
+fn walks(workload: &Workload, seed: u64) -> ErrorRow {
     let white = Rgb::ONE;
     let materials = [
         Material::Diffuse { albedo: white },
@@ -103,12 +101,12 @@ fn walks(effort: &Effort, seed: u64) -> Row {
     let mut tally = Tally::new("walks", STABLE, Precision::Single);
     for walk in 0..64 {
         let (mut wo, mut inside, mut throughput) = (Vec3::new(0.6, 0.0, 0.8), false, 1f32);
-        for bounce in 0..effort.bounces {
-            let numbers = Independent::new(seed, walk, bounce);
-            let [u, v] = numbers.pair(0).map(|u| u as f32);
-            let uc = numbers.pair(1)[0] as f32;
+        for bounce in 0..workload.bounces {
+            let random = Independent::new(seed, walk, bounce);
+            let [u, v] = random.pair(0).map(|u| u as f32);
+            let uc = random.pair(1)[0] as f32;
             let glass = bounce % 3 == 2;
-            // Solid surfaces are met from above, glass from the side that the path is on.
+            // Opaque surfaces are hit from above, glass from the side that the path is on.
             wo.z = if glass && inside { -wo.z.abs() } else { wo.z.abs() };
             let Some(sample) = materials[bounce as usize % 3].sample(wo, uc, [u, v]) else { continue };
             throughput *= sample.weight.x;
@@ -117,8 +115,8 @@ fn walks(effort: &Effort, seed: u64) -> Row {
         }
         let scale = if inside { f64::from(ETA).powi(2) } else { 1.0 };
         // The condition number of a product is the number of its factors.
-        tally.compare(f64::from(throughput) * scale, 1.0, f64::from(effort.bounces), || {
-            format!("walk {walk} of {} bounces", effort.bounces)
+        tally.compare(f64::from(throughput) * scale, 1.0, f64::from(workload.bounces), || {
+            format!("walk {walk} of {} bounces", workload.bounces)
         });
     }
     tally.row()

@@ -1,4 +1,4 @@
-//! Numbers of 256 bits (77 digits), from an arbitrary-precision library, as plain values that formulas can be written in.
+//! Floating-point numbers of 256 bits (77 digits): an arbitrary-precision library behind a [`Number`] that is `Copy`.
 
 use super::number::Number;
 use dashu_float::round::mode::HalfEven;
@@ -13,16 +13,16 @@ type Big = FBig<HalfEven, 2>;
 /// Bits of the mantissa.
 const BITS: usize = 256;
 
-/// Bytes that hold them and the one digit more that sums may have.
+/// Bytes of the mantissa, with one more for the carry of sums.
 const BYTES: usize = BITS / 8 + 1;
 
 const CONTEXT: Context<HalfEven> = Context::new(BITS);
 
-/// Below this exponent exp(x) is 0 for every purpose; the library would run out of exponents much later.
+/// Below this exponent exp(x) is taken for 0, long before the library runs out of exponents.
 const VANISHING: f64 = -1e7;
 
-/// A number of [`BITS`] bits, rounded to the nearest after each operation. What has no value (0/0, √−1, what is not
-/// finite in the machine) is not a number, as in IEEE 754, and equal to nothing.
+/// A number of [`BITS`] bits, rounded to the nearest after each operation. Undefined results (0/0, √−1) and infinities are
+/// NaN, unequal to everything as in IEEE 754.
 #[derive(Debug, Clone, Copy)]
 pub struct Precise {
     mantissa: [u8; BYTES],
@@ -32,6 +32,7 @@ pub struct Precise {
 }
 
 impl Precise {
+    /// Not a number.
     pub const NAN: Self = Self { mantissa: [0; BYTES], negative: false, exponent: 0, exists: false };
 
     /// The nearest double; infinite beyond the range, NaN where there is no number.
@@ -40,6 +41,7 @@ impl Precise {
         if self.exists { self.big().to_f64().value() } else { f64::NAN }
     }
 
+    /// The modulus.
     #[must_use]
     pub fn abs(self) -> Self {
         Self { negative: false, ..self }
@@ -74,32 +76,27 @@ impl Precise {
         Self { mantissa, negative: sign == Sign::Negative, exponent, exists: true }
     }
 
-    /// `f` of one number or of two, where all exist.
+    /// `f` of both numbers; NaN if one of them is.
     fn with(self, other: Self, f: impl FnOnce(Big, Big) -> Big) -> Self {
         if self.exists && other.exists { Self::from_big(f(self.big(), other.big())) } else { Self::NAN }
     }
 }
 
-impl Add for Precise {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+/// An operator of two numbers.
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl $trait for Precise {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.with(other, |a, b| a $operator b)
+            }
+        }
+    };
 }
 
-impl Sub for Precise {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Precise {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
 
 impl Div for Precise {
     type Output = Self;
@@ -199,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_value_is_no_number() {
+    fn undefined_results_are_nan() {
         let (zero, one) = (Precise::of(0.0), Precise::of(1.0));
         for x in
             [one / zero, zero / zero, (-one).sqrt(), Precise::of(f64::NAN), Precise::of(f64::INFINITY), -Precise::NAN]
@@ -222,7 +219,7 @@ mod tests {
             let expected = libm::erfc(x);
             assert!((Precise::of(x).erfc().to_f64() - expected).abs() <= 4.0 * f64::EPSILON * expected, "{x}");
         }
-        // Both ways of erfc meet: its derivative is −2/√π exp(−x²).
+        // Series and continued fraction of erfc agree where one gives way to the other: its derivative is −2/√π exp(−x²).
         let step = Precise::power_of_two(-60);
         let (x, half) = (Precise::of(6.0), step / Precise::of(2.0));
         let slope = (x - half).erfc() - (x + half).erfc();

@@ -1,24 +1,25 @@
-//! One input again: every variant in every precision.
+//! Replay of one input: every variant in every precision.
 
-use super::error::{Exact, Flaw};
-use super::family::{Family, Precision};
+use super::deviation::{Exact, Flaw};
+use super::family::Family;
+use super::precision::Precision;
+use super::registry::{families, names};
 use super::sweep::case;
-use super::{families, names};
 use crate::error::{Error, Result};
 use crate::import::number::number;
 use serde::Serialize;
 
 /// One variant at the input.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Line {
+pub struct Replayed {
     /// The variant's name.
     #[serde(rename = "form")]
     pub variant: &'static str,
-    /// That it ran in.
+    /// Precision of the computation.
     pub precision: Precision,
-    /// Nothing for an answer such as "the ray misses"; one number, or three of a vector.
+    /// Empty where there is no value, as for a ray that misses; one number, or the three of a vector.
     pub value: Vec<f64>,
-    /// The exact value, in the same form.
+    /// The exact value, likewise.
     pub reference: Vec<f64>,
     /// Error in units of the last place.
     pub ulp: f64,
@@ -30,15 +31,15 @@ pub struct Line {
     pub flaw: &'static str,
 }
 
-/// A case that was given exactly.
+/// All variants at one input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
-    /// Its name.
+    /// Name of the family.
     pub family: &'static str,
     /// Names and values of the inputs.
     pub inputs: Vec<(&'static str, f64)>,
     /// One for each variant and precision.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Replayed>,
 }
 
 /// Runs a case such as `fresnel:eta=1.5,cos=0x1p-3`: numbers are decimals or hexadecimal floats, and all inputs of the
@@ -58,15 +59,15 @@ pub fn replay(text: &str) -> Result<Replay> {
     let mut lines = Vec::new();
     for precision in Precision::ALL.into_iter().filter(|p| family.runs_in(*p)) {
         let case = case(family, precision, &inputs);
-        let numbers = |answer: [f64; 3]| answer[..family.range.components()].to_vec();
-        let reference = Exact::at(family, &case.inputs).answer.map(|answer| answer.map(|x| x.to_f64()));
+        let components = |value: [f64; 3]| value[..family.range.components()].to_vec();
+        let reference = Exact::at(family.reference, &case.inputs).value.map(|value| value.map(|x| x.to_f64()));
         for (variant, deviation) in family.variants.iter().zip(&case.deviations) {
             let Some(deviation) = deviation else { continue };
-            lines.push(Line {
+            lines.push(Replayed {
                 variant: variant.name,
                 precision,
-                value: deviation.value.map_or(Vec::new(), numbers),
-                reference: reference.map_or(Vec::new(), numbers),
+                value: deviation.value.map_or(Vec::new(), components),
+                reference: reference.map_or(Vec::new(), components),
                 ulp: deviation.ulp,
                 relative: deviation.relative,
                 condition: case.condition,
@@ -84,8 +85,8 @@ pub fn replay(text: &str) -> Result<Replay> {
 
 fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
     let refuse = |message: String| {
-        let form: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
-        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, form.join(",")))
+        let usage: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
+        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, usage.join(",")))
     };
     let mut inputs = vec![None; family.inputs.len()];
     for part in text.split(',').filter(|part| !part.is_empty()) {
@@ -114,7 +115,7 @@ fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::stability::family::{STABLE, Section};
+    use crate::study::stability::{STABLE, Section};
 
     #[test]
     fn the_grids_and_edges_lie_in_the_domains() {
@@ -130,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn forms_are_finite_to_the_ends_of_the_domain_of_indices() {
+    fn variants_are_finite_to_the_ends_of_the_domain_of_indices() {
         for (eta, cos) in [("1e18", "0.5"), ("1e18", "0"), ("1e-18", "1"), ("1e-18", "0.5"), ("1e18", "1e-18")] {
             for line in super::replay(&format!("fresnel:eta={eta},cos={cos}")).unwrap().lines {
                 assert!(line.variant != STABLE || line.relative < 1e-6, "{eta} {cos}: {line:?}");
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_is_run_in_all_forms_and_bad_ones_are_refused() {
+    fn a_case_is_run_in_all_variants_and_bad_ones_are_refused() {
         let replay = super::replay("fresnel:cos=0x1p-1,eta=1.5").unwrap();
         assert_eq!(replay.inputs, [("eta", 1.5), ("cos", 0.5)]);
         assert_eq!(replay.lines.len(), 6);

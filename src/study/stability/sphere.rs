@@ -1,11 +1,13 @@
-//! Where a ray meets a sphere.
+//! Intersection of a ray with a sphere.
 
-use super::bound::Bound;
-use super::family::{Family, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
-use super::number::{Number, dot};
+use super::directions::vector;
+use super::family::{
+    Bound, Family, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, dot, scalar, variant,
+};
 use crate::scene::Sphere;
 use glam::Vec3;
 
+/// The distance of the nearest point of the sphere along a ray; none if the ray misses.
 pub const FAMILY: Family = Family {
     name: "sphere",
     about: "distance to a sphere from the origin",
@@ -14,13 +16,13 @@ pub const FAMILY: Family = Family {
     domains: &[POSITIVE],
     sections: &[
         Section {
-            title: "by its size and how far off its edge",
+            title: "by its size and the distance from its silhouette",
             x: Scale::new("radius / distance of the centre", 1e-6, 1e6),
             y: Scale::new("1 − /{b} / /{b}_{max}", 1e-6, 1.0),
             at: |radius, inside| aimed(radius, 1.0, (1.0 - inside) * radius.min(1.0)),
         },
         Section {
-            title: "seen from its surface",
+            title: "from near its surface",
             x: Scale::new("radius", 1e-6, 1e6),
             y: Scale::new("height above it / radius", 1e-6, 1.0),
             at: |radius, height| aimed(radius, radius * (1.0 + height), 0.3 * radius),
@@ -28,7 +30,7 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0]],
     reference: quadratic,
-    variants: &[Variant::single(STABLE, rendered), Variant::new(TEXTBOOK, quadratic, quadratic)],
+    variants: &[Variant::single(STABLE, rendered), variant!(TEXTBOOK, quadratic)],
     range: Range::UpTo(f64::MAX),
     bounds: &[Bound::roundings(20.0, "5 of b, 8 of the discriminant, 5 of c, 2 of the root and the quotient")],
     coarser: 1,
@@ -45,15 +47,16 @@ fn aimed(radius: f64, distance: f64, aside: f64) -> Vec<f64> {
 }
 
 fn rendered(x: &[f32]) -> Value<f32> {
-    let sphere = Sphere { centre: Vec3::new(x[1], x[2], x[3]), radius: x[0] };
-    let t = sphere.distance(Vec3::ZERO, Vec3::new(x[4], x[5], x[6]));
+    let sphere = Sphere { centre: vector(x, 1).into(), radius: x[0] };
+    let t = sphere.distance(Vec3::ZERO, vector(x, 4).into());
     if t.is_infinite() { None } else { scalar(t) }
 }
 
 /// The smaller root of a t² + b t + c = 0, or the larger where that lies behind: (−b ± √(b² − 4ac)) / 2a.
 fn quadratic<T: Number>(x: &[T]) -> Value<T> {
-    let (centre, direction) = ([x[1], x[2], x[3]], [x[4], x[5], x[6]]);
+    let (centre, direction) = (vector(x, 1), vector(x, 4));
     let (zero, two) = (T::of(0.0), T::of(2.0));
+    // Coefficients of the quadratic equation, and its discriminant.
     let (a, b) = (dot(direction, direction), -two * dot(direction, centre));
     let discriminant = b.square() - T::of(4.0) * a * (dot(centre, centre) - x[0].square());
     if discriminant < zero {

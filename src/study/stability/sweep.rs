@@ -1,32 +1,11 @@
-//! A family swept over its grids: every variant in every precision against the exact answer at the rounded input.
+//! A family swept over its grids: every variant in every precision against the exact value at the rounded input.
 
-use super::error::{Deviation, Exact, on_the_edge};
-use super::family::{Family, Precision};
+use super::case::{Case, Place};
+use super::deviation::{Deviation, Exact, Flaw, on_the_edge};
+use super::family::Family;
+use super::precision::Precision;
+use super::row::ErrorRow;
 use rayon::prelude::*;
-
-/// One input in one precision.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Case {
-    /// Where in which grid; `None` for an input that is in no grid.
-    pub place: Option<Place>,
-    /// That all variants ran in.
-    pub precision: Precision,
-    /// Rounded to that precision.
-    pub inputs: Vec<f64>,
-    /// Relative change of the exact answer per relative change of the inputs; infinite where rounding decides whether
-    /// there is an answer.
-    pub condition: f64,
-    /// In the order of the family's variants; `None` for one that does not run in that precision.
-    pub deviations: Vec<Option<Deviation>>,
-}
-
-/// A place in a family's grids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    pub section: usize,
-    pub column: usize,
-    pub row: usize,
-}
 
 /// All cases of a family.
 pub struct Sweep {
@@ -57,13 +36,44 @@ impl Sweep {
         });
         Self { family, side, cases: cases.collect() }
     }
-}
 
-impl Family {
-    /// Whether any variant runs in that precision.
+    /// A row for each variant and precision.
     #[must_use]
-    pub fn runs_in(&self, precision: Precision) -> bool {
-        precision == Precision::Single || self.variants.iter().any(|variant| variant.double.is_some())
+    pub fn rows(&self) -> Vec<ErrorRow> {
+        let variants = 0..self.family.variants.len();
+        variants.flat_map(|variant| Precision::ALL.map(|precision| self.row(variant, precision))).flatten().collect()
+    }
+
+    fn row(&self, variant: usize, precision: Precision) -> Option<ErrorRow> {
+        let cases = self.cases.iter().filter(|case| case.precision == precision);
+        let mut cases = cases.filter_map(|case| case.deviations[variant].map(|deviation| (case, deviation))).peekable();
+        cases.peek()?;
+        let (family, variant) = (self.family.name, self.family.variants[variant].name);
+        let mut row = ErrorRow { family, variant, precision, ..ErrorRow::default() };
+        let mut worst = None;
+        for (case, deviation) in cases {
+            row.cases += 1;
+            match deviation.flaw {
+                Some(Flaw::NonFinite) => row.non_finite += 1,
+                Some(Flaw::Negative) => row.negative += 1,
+                Some(Flaw::OutOfRange) => row.out_of_range += 1,
+                None => {}
+            }
+            // Where rounding alone decides whether there is a value, errors do not count.
+            if case.condition.is_infinite() {
+                continue;
+            }
+            if worst.is_none() || deviation.relative > row.max_relative {
+                (row.max_relative, worst) = (deviation.relative, Some(case));
+            }
+            row.max_ulp = row.max_ulp.max(deviation.ulp);
+            row.max_ulp_per_condition = row.max_ulp_per_condition.max(deviation.ulp / case.amplification());
+        }
+        if let Some(case) = worst {
+            row.condition_at_worst = case.condition;
+            row.worst = self.family.text(case);
+        }
+        Some(row)
     }
 }
 
@@ -71,11 +81,13 @@ impl Family {
 #[must_use]
 pub fn case(family: &Family, precision: Precision, inputs: &[f64]) -> Case {
     let inputs: Vec<f64> = inputs.iter().map(|&x| precision.round(x)).collect();
-    let exact = Exact::at(family, &inputs);
-    let deviations: Vec<Option<Deviation>> =
-        family.variants.iter().map(|variant| Deviation::of(family, variant, precision, &inputs, &exact)).collect();
-    let disputed = deviations.iter().flatten().any(|d| d.value.is_some() != exact.answer.is_some());
-    let decided_by_rounding = disputed && on_the_edge(family, precision, &inputs);
+    let exact = Exact::at(family.reference, &inputs);
+    let values = family.variants.iter().map(|variant| variant.evaluate(precision, &inputs));
+    let deviation = |value| Deviation::between(family.range, precision, value, &exact);
+    let deviations: Vec<Option<Deviation>> = values.map(|value| value.map(deviation)).collect();
+    // Rounding decides if a variant and the reference disagree next to an edge.
+    let disputed = deviations.iter().flatten().any(|d| d.value.is_some() != exact.value.is_some());
+    let decided_by_rounding = disputed && on_the_edge(family.reference, precision, &inputs);
     let condition = if decided_by_rounding { f64::INFINITY } else { exact.condition };
     Case { place: None, precision, inputs, condition, deviations }
 }

@@ -1,14 +1,13 @@
-//! The study finds what is planted, and what it prints can be replayed.
+//! The study detects planted faults, and the inputs that it prints can be replayed.
 
-use super::error::{Deviation, Exact};
-use super::family::Range;
+use super::deviation::{Deviation, Exact, Range};
 use super::*;
 
 /// The bounds of a family that do not hold when the values of the code that renders are changed.
 fn violated(family: &'static Family, change: &dyn Fn([f64; 3]) -> [f64; 3]) -> Vec<String> {
-    let mut sweep = Sweep::new(family, Effort::QUICK.side);
+    let mut sweep = Sweep::new(family, Workload::QUICK.side);
     for case in &mut sweep.cases {
-        let exact = Exact::at(family, &case.inputs);
+        let exact = Exact::at(family.reference, &case.inputs);
         if let Some(deviation) = &mut case.deviations[0] {
             *deviation = Deviation::between(family.range, case.precision, deviation.value.map(change), &exact);
         }
@@ -17,7 +16,7 @@ fn violated(family: &'static Family, change: &dyn Fn([f64; 3]) -> [f64; 3]) -> V
     bounds.map(|bound| format!("{}: {} at {}", bound.name, bound.got, bound.worst)).collect()
 }
 
-/// Ten per cent more of a number; a unit vector turned a little.
+/// A number with an error of 10 %; a unit vector turned by a few degrees.
 fn fault(range: Range, [x, y, z]: [f64; 3]) -> [f64; 3] {
     if range == Range::Unit {
         let length = ((x + 0.1).powi(2) + y * y + z * z).sqrt();
@@ -49,15 +48,15 @@ fn bounds_hold_and_faults_violate_them() {
                 (violated(family, &|value| value), violated(family, &|value| fault(family.range, value)))
             }
             Entry::Experiment(experiment) => {
-                let rows = (experiment.run)(&Effort::QUICK, 1).unwrap();
-                let wrong = |row: &Row| Row {
+                let rows = (experiment.run)(&Workload::QUICK, 1).unwrap();
+                let wrong = |row: &ErrorRow| ErrorRow {
                     max_relative: row.max_relative + 0.1,
                     max_ulp: row.max_ulp + 1e6,
                     max_ulp_per_condition: row.max_ulp_per_condition + 1e6,
                     out_of_range: row.out_of_range + 1,
                     ..row.clone()
                 };
-                let violated = |rows: &[Row]| {
+                let violated = |rows: &[ErrorRow]| {
                     let bounds = BoundCheck::of_rows(experiment, rows).into_iter().filter(|bound| !bound.holds);
                     bounds.map(|bound| format!("{}: {}", bound.name, bound.got)).collect::<Vec<_>>()
                 };
@@ -65,7 +64,7 @@ fn bounds_hold_and_faults_violate_them() {
             }
         };
         assert!(violated.is_empty(), "{violated:?}");
-        assert!(!with_fault.is_empty(), "{}: no bound sees a fault", entry.name());
+        assert!(!with_fault.is_empty(), "{}: no bound detects a fault", entry.name());
     }
 }
 
@@ -74,7 +73,7 @@ fn textbook_variants_violate_the_bounds() {
     for name in ["fresnel", "refraction", "beckmann-d", "ggx-d", "ggx-pdf", "half-cosine"] {
         let family = families().find(|family| family.name == name).unwrap();
         let textbook = family.variants.iter().position(|variant| variant.name == TEXTBOOK).unwrap();
-        let mut sweep = Sweep::new(family, Effort::QUICK.side);
+        let mut sweep = Sweep::new(family, Workload::QUICK.side);
         sweep.cases.iter_mut().for_each(|case| case.deviations.swap(0, textbook));
         assert!(BoundCheck::of_sweep(&sweep).iter().any(|bound| !bound.holds), "{name}");
     }
@@ -82,7 +81,7 @@ fn textbook_variants_violate_the_bounds() {
 
 #[test]
 fn plain_sums_and_tables_fail_where_the_renderers_do_not() {
-    let quick = run(&["tables", "areas", "film", "offsets"], &Effort::QUICK, 1, &mut |_| {}).unwrap();
+    let quick = run(&["tables", "areas", "film", "offsets"], &Workload::QUICK, 1, &mut |_| {}).unwrap();
     let row = |family: &str, variant: &str, precision| {
         quick.rows.iter().find(|r| r.family == family && r.variant == variant && r.precision == precision).unwrap()
     };
@@ -98,7 +97,7 @@ fn plain_sums_and_tables_fail_where_the_renderers_do_not() {
 
 #[test]
 fn worst_cases_can_be_replayed() {
-    let result = run(&["fresnel", "conductor", "sphere"], &Effort::QUICK, 1, &mut |_| {}).unwrap();
+    let result = run(&["fresnel", "conductor", "sphere"], &Workload::QUICK, 1, &mut |_| {}).unwrap();
     assert_eq!(result.rows.len(), 6 + 6 + 3);
     for row in &result.rows {
         let replay = replay(&row.worst).unwrap();
@@ -109,6 +108,6 @@ fn worst_cases_can_be_replayed() {
 
 #[test]
 fn unknown_families_are_refused() {
-    let error = run(&["glass"], &Effort::QUICK, 1, &mut |_| {}).err().unwrap();
+    let error = run(&["glass"], &Workload::QUICK, 1, &mut |_| {}).err().unwrap();
     assert!(error.hint().unwrap().contains("fresnel"));
 }

@@ -1,11 +1,13 @@
-//! Where a ray meets a triangle, slivers included.
+//! Intersection of a ray with a triangle, slivers included.
 
-use super::bound::Bound;
-use super::family::{Family, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar};
-use super::number::{Number, cross, dot, minus};
+use super::directions::vector;
+use super::family::{
+    Bound, Family, Number, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, cross, dot, minus, scalar, variant,
+};
 use crate::scene::{Mesh, MeshBvh, Ray};
 use glam::Vec3;
 
+/// The distance of the triangle along a ray; none if the ray misses.
 pub const FAMILY: Family = Family {
     name: "triangle",
     about: "distance to a triangle from the origin",
@@ -28,7 +30,7 @@ pub const FAMILY: Family = Family {
     ],
     edges: &[],
     reference: crossing,
-    variants: &[Variant::single(STABLE, rendered), Variant::new(TEXTBOOK, crossing, crossing)],
+    variants: &[Variant::single(STABLE, rendered), variant!(TEXTBOOK, crossing)],
     range: Range::UpTo(f64::MAX),
     bounds: &[Bound::roundings(
         24.0,
@@ -51,12 +53,13 @@ fn aimed(thin: f64, size: f64, cos: f64) -> Vec<f64> {
     [corner(-0.45, -0.4), corner(0.55, -0.3), corner(0.1, 0.6), direction].concat()
 }
 
-fn corners<T: Number>(x: &[T]) -> [[T; 3]; 4] {
-    std::array::from_fn(|i| std::array::from_fn(|c| x[3 * i + c]))
+/// The corners, and the direction of the ray.
+fn split<T: Number>(x: &[T]) -> [[T; 3]; 4] {
+    std::array::from_fn(|i| vector(x, 3 * i))
 }
 
 fn rendered(x: &[f32]) -> Value<f32> {
-    let [a, b, c, direction] = corners(x).map(Vec3::from_array);
+    let [a, b, c, direction] = split(x).map(Vec3::from_array);
     let mesh = Mesh::new(vec![a, b, c], Vec::new(), vec![[0, 1, 2]]).ok()?;
     let ray = Ray { origin: Vec3::ZERO, direction };
     MeshBvh::build(&[&mesh]).nearest(&ray, f32::INFINITY).and_then(|hit| scalar(hit.t))
@@ -64,14 +67,16 @@ fn rendered(x: &[f32]) -> Value<f32> {
 
 /// By Cramer's rule. Source: Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
 fn crossing<T: Number>(x: &[T]) -> Value<T> {
-    let [a, b, c, direction] = corners(x);
+    let [a, b, c, direction] = split(x);
     let (zero, one) = (T::of(0.0), T::of(1.0));
+    // Edges and determinant; 0 for a ray parallel to the plane.
     let (e1, e2) = (minus(b, a), minus(c, a));
     let p = cross(direction, e2);
     let determinant = dot(e1, p);
     if determinant == zero {
         return None;
     }
+    // Barycentric coordinates u and v, and the distance t.
     let from_a = a.map(|x| -x);
     let q = cross(from_a, e1);
     let (u, v) = (dot(from_a, p) / determinant, dot(direction, q) / determinant);

@@ -1,4 +1,4 @@
-//! The harness tests itself: over many seeds, are the p-values of right samplers uniform?
+//! Calibration of the harness: whether the p-values of right samplers are uniform over many seeds.
 
 use super::case::Case;
 use super::run::of_each;
@@ -13,20 +13,23 @@ use serde::Serialize;
 /// The p-values of one test.
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibrated {
+    /// Name of the test.
     pub name: String,
+    /// Of its p-values over the seeds.
     #[serde(rename = "evenness")]
     pub uniformity: Uniformity,
-    /// Whether they are so far from uniform that chance does not explain it.
+    /// Whether they are not uniform, at the level of this test.
     #[serde(rename = "uneven")]
     pub skewed: bool,
-    /// What the first exact check that failed found wrong.
+    /// The violation of the first exact check that failed.
     #[serde(rename = "fault")]
     pub violation: Option<String>,
 }
 
-/// What many seeds found.
+/// The result of a calibration.
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibration {
+    /// Number of seeds.
     pub seeds: u64,
     /// Samples of each test at each seed.
     pub samples: u64,
@@ -35,27 +38,34 @@ pub struct Calibration {
     /// Of the p-values of all tests together.
     #[serde(rename = "evenness")]
     pub uniformity: Uniformity,
-    /// Share of p-values below 5 % and below 1 %.
+    /// Share of p-values below 0.05.
     pub below_5_percent: f64,
+    /// Share of p-values below 0.01.
     pub below_1_percent: f64,
+    /// One for each finished test.
     pub tests: Vec<Calibrated>,
     /// Tests with skewed p-values or a violation.
     #[serde(rename = "uneven")]
     pub skewed: usize,
     /// Whether the process was asked to stop before all tests were finished; those that were not are left out.
     pub interrupted: bool,
+    /// Whether nothing is skewed, violated or unfinished.
     pub accepted: bool,
+    /// The p-values of all tests and seeds.
     #[serde(skip)]
     pub p: Vec<f64>,
 }
 
-/// Samples and cells of a calibration: few, so that many seeds are quick, and hundreds of samples per cell, so that the
-/// chi-square distribution is the statistic's own.
+/// Samples and cells of a calibration: few, so that many seeds are quick, but hundreds of samples per cell, so that the
+/// statistic is chi-square distributed.
 const SAMPLES: u64 = 20_000;
 const CELLS: usize = 50;
 
 /// Runs every case under `seeds` seeds that follow one another from the protocol's, and tests by Kolmogorov and Smirnov
 /// whether p-values are uniform, all together and test by test, at the protocol's level in all.
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible protocol or number of seeds; those of [`Case::examine`] but for interruption.
 pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn(&str) + Sync)) -> Result<Calibration> {
     if !(5..=100_000).contains(&seeds) {
         return Err(Error::parameter("seeds", format!("{seeds} seeds")).with_hint("use 5 to 100000 seeds"));
@@ -64,6 +74,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let protocol = Protocol { samples: SampleCount::Fixed(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
     cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
+    // All seeds of a case in parallel, unless its tables are large.
     let of_case = |case: &Case| {
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
         let outcomes = if case.is_large() {
@@ -81,7 +92,9 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let interrupted = finished.iter().any(Option::is_none);
     let finished: Vec<(&Case, Vec<Outcome>)> =
         cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();
+    // Half of the level for all p-values together, half shared among the tests.
     let own = sidak(0.5 * protocol.level, cases.len());
+    // Kolmogorov's and Smirnov's test of the p-values of each case, then of all together.
     let tests: Vec<Calibrated> = finished
         .iter()
         .map(|(case, outcomes)| {
@@ -128,7 +141,7 @@ mod tests {
         let right = select(suite::cases(), &["warp".to_owned()]).unwrap();
         let found = calibrate(&right, &Protocol::default(), 20, &|_| ()).unwrap();
         assert!(found.accepted && found.uniformity.count == 20 * right.len(), "{found:?}");
-        // 2 % off: each single run would accept most of the time.
+        // An error of 2 %, which a single run would accept most of the time.
         let found = calibrate(&[skewed(1.02)], &Protocol::default(), 40, &|_| ()).unwrap();
         assert!(!found.accepted && found.skewed == 1, "{:?}", found.tests);
         assert!(calibrate(&[skewed(1.0)], &Protocol::default(), 2, &|_| ()).is_err());

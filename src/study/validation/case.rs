@@ -1,25 +1,34 @@
-//! A named test, ready to run: what a suite is a list of.
+//! A named test, ready to run: the element of a suite.
 
 use crate::error::Result;
 use crate::interrupt;
 use crate::memory;
 use crate::sampling::hash;
-use etalon_stats::{Density, Domain, Outcome, Protocol, Sampler, examine};
+use etalon_stats::{Density, Domain, Outcome, Protocol, Sample, Sampler, SamplerFn, examine, sampler};
+use glam::DVec3;
 
 /// One round of a test; see [`examine`].
 type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
 
-/// A test with its name: words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
+/// A test with a name.
 pub struct Case {
+    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
     pub name: String,
     test: Box<Test>,
-    /// What has to be there before tests run side by side.
+    /// Computes shared values before tests run in parallel.
     preparation: Option<Box<dyn Fn() + Send + Sync>>,
-    /// Bytes that its tables take.
+    /// Bytes of its tables.
     memory: usize,
 }
 
-/// Tests whose tables take more bytes than this are run one after the other.
+/// The sampler of directions from two random numbers.
+pub fn direction_sampler<F: Fn([f64; 2]) -> Option<DVec3> + Sync>(
+    sample: F,
+) -> SamplerFn<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync + use<F>, fn([f64; 3]) -> Option<Vec<f64>>> {
+    sampler(2, move |u| sample([u[0], u[1]]).map(|w| Sample::new(w.to_array())))
+}
+
+/// Tests with tables of more bytes than this run one after the other.
 const LARGE: usize = 1 << 26;
 
 impl Case {
@@ -31,19 +40,19 @@ impl Case {
         Self { name: name.into(), test: Box::new(test), preparation: None, memory: 0 }
     }
 
-    /// Adds the making of what the test shares with others, which is then not made twice by tests side by side.
+    /// Adds the computation of values that the test shares with others, so that parallel tests do not repeat it.
     #[must_use]
     pub fn with_preparation(self, preparation: impl Fn() + Send + Sync + 'static) -> Self {
         Self { preparation: Some(Box::new(preparation)), ..self }
     }
 
-    /// Says how many bytes the tables of the test take, if they are many.
+    /// Sets the number of bytes of the tables of the test, if they are large.
     #[must_use]
     pub fn with_memory(self, memory: usize) -> Self {
         Self { memory, ..self }
     }
 
-    /// Whether the test is to be run while no other is: it uses all threads by itself.
+    /// Whether no other test must run beside this one, which uses all threads itself.
     pub(super) fn is_large(&self) -> bool {
         self.memory > LARGE
     }
@@ -62,15 +71,18 @@ impl Case {
         })
     }
 
-    /// Makes what the test shares with others.
+    /// Computes the values that the test shares with others.
     pub fn prepare(&self) {
         if let Some(prepare) = &self.preparation {
             prepare();
         }
     }
 
-    /// Runs one round, until the process is asked to stop. The random numbers depend on the name and the seed alone, not on
-    /// what else is in the run.
+    /// Runs one round. The random numbers depend on the name and the seed alone, not on the other tests of the run.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted) if the process is asked to stop; too little memory for the
+    /// tables; those of [`examine`].
     pub fn examine(&self, protocol: &Protocol, round: u64) -> Result<Outcome> {
         memory::request(self.memory, || format!("the tables of the test {}", self.name))?;
         let seed = self.name.bytes().fold(protocol.seed, |key, byte| hash::mix64(key ^ u64::from(byte)));

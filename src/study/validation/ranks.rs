@@ -1,11 +1,11 @@
-//! The p-values of a run in ascending order, beside what true claims give at each rank.
+//! The p-values of a run in ascending order, beside the distribution of p-values of right samplers at each rank.
 
 use super::run::Validation;
 use etalon_stats::Verdict;
 use etalon_stats::multiple::holm_level;
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// The share of true claims inside [`Ranked::interval`].
+/// The share of right samplers inside [`Ranked::interval`].
 const INSIDE: f64 = 0.99;
 
 /// One p-value at its rank i of n, from 1.
@@ -15,11 +15,11 @@ pub struct Ranked {
     pub p: f64,
     /// The verdict of its test.
     pub verdict: Verdict,
-    /// i/(n + 1), the expected p-value of true claims at this rank.
+    /// i/(n + 1), the expected p-value of right samplers at this rank.
     pub expected: f64,
-    /// Holds 99 % of the p-values of true claims at this rank.
+    /// Contains 99 % of the p-values of right samplers at this rank.
     pub interval: [f64; 2],
-    /// A smaller p-value is rejected, if all before it are.
+    /// Holm's threshold: a smaller p-value is rejected, if all before it are.
     pub threshold: f64,
 }
 
@@ -30,6 +30,7 @@ impl Validation {
         let tests = self.tests.iter().map(|test| &test.outcome);
         let mut known: Vec<(f64, Verdict)> =
             tests.filter_map(|outcome| Some((outcome.continuous_p()?, outcome.verdict))).collect();
+        // Sort by p-value: the rank of each decides its expected value and its threshold.
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let n = known.len();
         let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {

@@ -1,4 +1,4 @@
-//! A run of tests: all rounds, and the verdicts on all of them together.
+//! A run of tests: all rounds, and verdicts at one level for all tests together.
 
 use super::case::Case;
 use crate::error::{Error, Result};
@@ -9,23 +9,30 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
 
-/// A test's name and what it found.
+/// The result of a test.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tested {
+    /// Of the test.
     pub name: String,
+    /// Statistic, p-value, verdict.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
-/// What a run found.
+/// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
     /// Probability that a run of right samplers rejects any.
     pub level: f64,
+    /// Of the random numbers of all tests.
     pub seed: u64,
+    /// In the order of the cases.
     pub tests: Vec<Tested>,
+    /// Number of accepted tests.
     pub accepted: usize,
+    /// Number of rejected tests.
     pub rejected: usize,
+    /// Number of tests that could not be decided.
     pub inconclusive: usize,
     /// Whether the process was asked to stop before all tests were finished; those that were not are inconclusive.
     pub interrupted: bool,
@@ -54,14 +61,17 @@ impl Validation {
     }
 }
 
-/// Does something with every case: with large ones one after the other, with the others side by side.
+/// Applies `one` to every case: to large cases one after the other, to the others in parallel.
 pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<T>> {
     let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { one(case).map(Some) });
     let small = small.collect::<Result<Vec<Option<T>>>>()?;
     cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| one(case), Ok)).collect()
 }
 
-/// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` after each.
+/// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` with the name of each finished one.
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible protocol; those of [`Case::examine`] but for interruption.
 pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Validation> {
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };

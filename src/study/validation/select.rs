@@ -1,6 +1,6 @@
-//! Choosing cases by their names: whole ones, families, patterns.
+//! Selection of cases by their names: whole ones, families, patterns.
 
-use super::Case;
+use super::case::Case;
 use crate::error::{Error, Result};
 
 /// The cases that any of `patterns` names, in their own order; all of them without patterns.
@@ -11,24 +11,24 @@ use crate::error::{Error, Result};
 /// # Errors
 /// When a pattern names nothing; the hint has the nearest names.
 pub fn select(cases: Vec<Case>, patterns: &[String]) -> Result<Vec<Case>> {
-    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !names(pattern, &case.name))) {
+    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !matches_name(pattern, &case.name))) {
         return Err(Error::parameter("names", format!("there is no test \"{unknown}\""))
             .with_hint(format!("the nearest: {}; `list` shows all", nearest(&cases, unknown).join(", "))));
     }
-    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| names(pattern, &case.name));
+    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| matches_name(pattern, &case.name));
     Ok(cases.into_iter().filter(wanted).collect())
 }
 
-/// Whether `pattern` is the name, that of a family it is in, or fits one of them.
-fn names(pattern: &str, name: &str) -> bool {
+/// Whether `pattern` matches the name or that of a family of the case.
+fn matches_name(pattern: &str, name: &str) -> bool {
     let family = pattern.trim_end_matches('/');
-    fits(pattern, name) || fits(&format!("{family}/*"), name)
+    matches(pattern, name) || matches(&format!("{family}/*"), name)
 }
 
 /// Whether `name` is `pattern` with `*` and `?` filled in.
-fn fits(pattern: &str, name: &str) -> bool {
+fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    // `reached[i]`: whether the part of the pattern that was read can end after i characters of the name.
+    // `reached[i]`: whether the pattern up to here matches the first i characters of the name.
     let mut reached = vec![false; name.len() + 1];
     reached[0] = true;
     for symbol in pattern {
@@ -48,31 +48,14 @@ fn fits(pattern: &str, name: &str) -> bool {
 
 /// The three names of cases or families that take the fewest changes to become `wanted`.
 fn nearest(cases: &[Case], wanted: &str) -> Vec<String> {
-    let parts =
-        |name: &str| name.char_indices().filter(|(_, c)| *c == '/').map(|(i, _)| name[..i].to_owned()).collect();
     let mut known: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
-    known.extend(cases.iter().flat_map(|case| -> Vec<String> { parts(&case.name) }));
+    let families = |name: &str| name.match_indices('/').map(|(i, _)| name[..i].to_owned()).collect::<Vec<_>>();
+    known.extend(cases.iter().flat_map(|case| families(&case.name)));
     known.sort();
     known.dedup();
-    known.sort_by_key(|name| distance(name, wanted));
+    known.sort_by_key(|name| strsim::levenshtein(name, wanted));
     known.truncate(3);
     known
-}
-
-/// Characters to insert, delete or exchange to turn `a` into `b`. Source: Levenshtein, Soviet Physics Doklady 10(8), 1966.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut before = i;
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let changed = before + usize::from(from != *to);
-            before = row[j + 1];
-            row[j + 1] = changed.min(before + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
@@ -98,18 +81,11 @@ mod tests {
     }
 
     #[test]
-    fn what_names_nothing_is_refused_with_the_nearest() {
+    fn unknown_names_are_refused_with_the_nearest() {
         for bad in ["", "norm", "warp/cosin", "WARP"] {
             assert!(chosen(&[bad]).is_err(), "{bad}");
         }
         let error = chosen(&["normals/gxg/all/0.5"]).unwrap_err();
         assert!(error.hint().unwrap().contains("normals/ggx/all/0.5"), "{error}");
-    }
-
-    #[test]
-    fn distances_by_hand() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("abc", "abc"), 0);
     }
 }

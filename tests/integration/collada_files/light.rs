@@ -1,16 +1,17 @@
-//! Lights, and which of them are seen.
+//! Lights, and which of them the camera shows.
 
 use super::*;
 
 /// A scene with a light of the given technique and a node for it.
-fn lit(technique: &str, transforms: &str) -> String {
+fn with_light(technique: &str, transforms: &str) -> String {
     let light = format!("<light id=\"lamp\">{technique}</light>");
     more(&light, &format!("<node>{transforms}<instance_light url=\"#lamp\"/></node>"))
 }
 
 #[test]
 fn lights_of_every_kind() {
-    let lights = |technique: &str, transforms: &str| read_text(&lit(technique, transforms)).unwrap().scene.lights;
+    let lights =
+        |technique: &str, transforms: &str| read_text(&with_light(technique, transforms)).unwrap().scene.lights;
     let point =
         Light::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity: Rgb::new(5.0, 4.0, 3.0), falloff: Falloff::None };
     let place = "<translate>1 2 3</translate>";
@@ -19,7 +20,7 @@ fn lights_of_every_kind() {
     assert_eq!(lights(&common("directional", "2 2 2"), &format!("{place}<rotate>1 0 0 -90</rotate>")), [sun]);
     assert_eq!(lights(&common("ambient", "1 1 1"), ""), [Light::Hemisphere { radiance: Rgb::ONE }]);
     assert_eq!(lights(&common("ambient", "0 0 0"), ""), []);
-    let spot = read_text(&lit(&common("spot", "1 1 1"), "")).unwrap();
+    let spot = read_text(&with_light(&common("spot", "1 1 1"), "")).unwrap();
     assert_eq!(spot.scene.lights, []);
     assert!(spot.warnings.iter().any(|w| w.contains("s.dae:3:36: a spot light is black")), "{:?}", spot.warnings);
     // The course's profile overrides the common one; other profiles do not.
@@ -41,7 +42,7 @@ fn lights_of_every_kind() {
         (common("area", "1 1 1"), "<scale>1 0 1</scale>", "makes no rectangle"),
         (common("area", "1 1 1"), "<matrix>1 1 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>", "makes no rectangle"),
     ] {
-        fails(&lit(&technique, transforms), message);
+        fails(&with_light(&technique, transforms), message);
     }
 }
 
@@ -50,20 +51,20 @@ fn area_lights_are_seen_once_and_light_once() {
     let area = common("area", "3 2 1");
     // Alone, the light becomes an object: 4 by 2, its front along its -z.
     let place = "<translate>0 9 0</translate><rotate>1 0 0 -90</rotate><scale>4 2 1</scale>";
-    let alone = read_text(&lit(&area, place)).unwrap();
+    let alone = read_text(&with_light(&area, place)).unwrap();
     assert_eq!(alone.scene.lights, []);
-    let lamp = alone.scene.objects.last().unwrap();
+    let light = alone.scene.objects.last().unwrap();
     let radiance = Rgb::new(3.0, 2.0, 1.0);
-    assert_eq!(lamp.emission, Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }));
-    assert_eq!(lamp.material, Material::Diffuse { albedo: Rgb::ZERO });
-    let shape = rectangle(lamp);
+    assert_eq!(light.emission, Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }));
+    assert_eq!(light.material, Material::Diffuse { albedo: Rgb::ZERO });
+    let shape = rectangle(light);
     assert_eq!((shape.centre(), shape.normal(), shape.area()), (Vec3::new(0.0, 9.0, 0.0), Vec3::NEG_Y, 8.0));
     // It does not move the camera, which looks at objects of the file only.
     assert_eq!(alone.scene.camera, read_text(&more("", "")).unwrap().scene.camera);
     // A mirror image shines along its own -z, too.
-    let mirrored = read_text(&lit(&area, &format!("{place}<scale>-1 1 1</scale>"))).unwrap();
+    let mirrored = read_text(&with_light(&area, &format!("{place}<scale>-1 1 1</scale>"))).unwrap();
     assert_eq!(rectangle(mirrored.scene.objects.last().unwrap()).normal(), Vec3::NEG_Y);
-    // With a glowing mesh in its place, the mesh is the picture and the light stays a light.
+    // With an emitting mesh in its place, the camera shows the mesh, and light is still sampled from the light.
     let glow = effect("glow", "<emission><radiance>9 9 9</radiance></emission>");
     let glow = format!("{glow}<light id=\"lamp\">{area}</light>");
     let both = |y: f32| {

@@ -20,20 +20,23 @@ fn up_axes_turn_the_world() {
 
 #[test]
 fn transforms_are_those_of_the_standard() {
-    let ball = |transforms: &str| {
+    let sphere = |transforms: &str| {
         let text = format!("<node>{transforms}<instance_geometry url=\"#ball\"/></node>");
         match last(&more("", &text)).shape {
             Shape::Sphere(sphere) => (sphere.centre, sphere.radius),
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(ball(""), (Vec3::ZERO, 2.0));
-    assert_eq!(ball("<translate>1 2 3</translate><scale>.5 .5 .5</scale>"), (Vec3::new(1.0, 2.0, 3.0), 1.0));
-    assert_eq!(ball("<scale>2 2 2</scale><translate>1 2 3</translate>"), (Vec3::new(2.0, 4.0, 6.0), 4.0));
-    assert_eq!(ball("<rotate>0 0 1 90</rotate><translate>1 0 0</translate>"), (Vec3::Y, 2.0));
+    assert_eq!(sphere(""), (Vec3::ZERO, 2.0));
+    assert_eq!(sphere("<translate>1 2 3</translate><scale>.5 .5 .5</scale>"), (Vec3::new(1.0, 2.0, 3.0), 1.0));
+    assert_eq!(sphere("<scale>2 2 2</scale><translate>1 2 3</translate>"), (Vec3::new(2.0, 4.0, 6.0), 4.0));
+    assert_eq!(sphere("<rotate>0 0 1 90</rotate><translate>1 0 0</translate>"), (Vec3::Y, 2.0));
     let matrix = "<matrix sid=\"transform\">0 -2 0 4  2 0 0 5  0 0 2 6  0 0 0 1</matrix>";
-    assert_eq!(ball(matrix), (Vec3::new(4.0, 5.0, 6.0), 4.0));
-    assert_eq!(ball(&format!("<scale>9 9 9</scale>{matrix}<translate>1 1 1</translate>")).0, Vec3::new(4.0, 5.0, 6.0));
+    assert_eq!(sphere(matrix), (Vec3::new(4.0, 5.0, 6.0), 4.0));
+    assert_eq!(
+        sphere(&format!("<scale>9 9 9</scale>{matrix}<translate>1 1 1</translate>")).0,
+        Vec3::new(4.0, 5.0, 6.0)
+    );
     // Nodes in nodes, and nodes that are instanced.
     let nested =
         format!("<node><translate>1 0 0</translate><node>{matrix}<instance_geometry url=\"#ball\"/></node></node>");

@@ -80,9 +80,9 @@ fn the_courses_spheres_are_read_whole() {
         walls.push((wall.centre(), wall.normal()));
         let albedo = match (object.emission, wall.centre()) {
             (Some(emission), centre) => {
-                let picture =
+                let camera_only =
                     Emission { radiance: Rgb::splat(10.0), two_sided: true, visibility: EmitterVisibility::CameraOnly };
-                assert_eq!(emission, picture);
+                assert_eq!(emission, camera_only);
                 assert!(centre.abs_diff_eq(Vec3::new(0.0, 1.49, 0.0), 5e-3), "{centre}");
                 assert!(wall.half_sides().iter().any(|s| s.abs().abs_diff_eq(0.4 * Vec3::X, 1e-4)));
                 Rgb::ZERO
@@ -93,7 +93,7 @@ fn the_courses_spheres_are_read_whole() {
         };
         assert_eq!(object.material, Material::Diffuse { albedo });
     }
-    // Ceiling, lamp, floor, left, right, back. The walls' corners run so that their fronts are outside, all of the box.
+    // Ceiling, area light, floor, left, right, back. The walls' corners run so that their fronts are outside, all of the box.
     let centres = [[0.0, 1.5, 0.0], [0.0, 1.49, 0.0], [0.0; 3], [-1.0, 0.75, 0.0], [1.0, 0.75, 0.0], [0.0, 0.75, -1.0]];
     let normals = [Vec3::Y, Vec3::NEG_Y, Vec3::NEG_Y, Vec3::NEG_X, Vec3::X, Vec3::NEG_Z];
     for ((centre, normal), (c, n)) in walls.iter().zip(centres.into_iter().zip(normals)) {
@@ -128,7 +128,7 @@ fn the_courses_other_boxes_have_their_parts() {
             Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false }),
             "{name}"
         );
-        // Wound counter-clockwise seen from outside: the volume is positive.
+        // Wound counter-clockwise as viewed from outside: the volume is positive.
         let volume = |[a, b, c]: [u32; 3]| {
             let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize].as_dvec3());
             a.dot(b.cross(c)) / 6.0

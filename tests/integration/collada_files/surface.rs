@@ -37,10 +37,13 @@ fn materials_of_every_kind() {
         let object = of(&effect("m", &children));
         assert_eq!((object.material, object.emission), (material, None), "{children}");
     }
-    let glow = of(&effect("m", "<emission><radiance>9 8 7</radiance></emission>"));
+    let emitter = of(&effect("m", "<emission><radiance>9 8 7</radiance></emission>"));
     let radiance = Rgb::new(9.0, 8.0, 7.0);
-    assert_eq!(glow.emission, Some(Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly }));
-    assert_eq!(glow.material, Material::Diffuse { albedo: Rgb::ZERO });
+    assert_eq!(
+        emitter.emission,
+        Some(Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly })
+    );
+    assert_eq!(emitter.material, Material::Diffuse { albedo: Rgb::ZERO });
     // Without the course's profile: phong's diffuse colour, and grey for all else.
     let common = |shader: &str| {
         let text = format!(

@@ -132,7 +132,7 @@ fn lamps_are_shapes_that_glow() {
     let both = objects(text);
     assert_eq!((both[0].emission, both[1].emission), (Some(white), None));
     assert_eq!(both[0].material, Material::Mirror { reflectance: Rgb::splat(0.9) });
-    // The lamp that asks for the most samples decides.
+    // The light that asks for the most samples decides.
     let direct =
         in_world("AreaLightSource \"diffuse\" \"integer nsamples\" 3\nLightSource \"infinite\" \"integer samples\" 7")
             .replace("\"path\"", "\"directlighting\"");

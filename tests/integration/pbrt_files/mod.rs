@@ -300,11 +300,11 @@ fn the_scenes_for_comparisons_are_read() {
         );
         assert_eq!(found, (spheres, rectangles, meshes), "{name}");
         assert_eq!(imported.warnings, [""; 0], "{name}");
-        let lamps: Vec<&Object> = imported.scene.objects.iter().filter(|o| o.emission.is_some()).collect();
-        assert_eq!(lamps.len(), usize::from(rectangles > 0), "{name}");
-        for lamp in lamps {
-            let Shape::Rectangle(lamp) = lamp.shape else { panic!("{lamp:?}") };
-            assert_eq!((lamp.normal(), lamp.centre()), (Vec3::NEG_Y, Vec3::new(0.0, 1.495, 0.0)), "{name}");
+        let area_lights: Vec<&Object> = imported.scene.objects.iter().filter(|o| o.emission.is_some()).collect();
+        assert_eq!(area_lights.len(), usize::from(rectangles > 0), "{name}");
+        for light in area_lights {
+            let Shape::Rectangle(rectangle) = light.shape else { panic!("{light:?}") };
+            assert_eq!((rectangle.normal(), rectangle.centre()), (Vec3::NEG_Y, Vec3::new(0.0, 1.495, 0.0)), "{name}");
         }
     }
 }

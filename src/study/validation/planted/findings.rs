@@ -1,7 +1,8 @@
-//! A run over planted faults: what rejected each, and how large it is.
+//! A run over planted faults: what detected each, and how large its error is.
 
-use super::super::run as run_cases;
-use super::{Case, Planted};
+use super::super::case::Case;
+use super::super::run::run as run_cases;
+use super::fault::PlantedFault;
 use crate::error::Result;
 use etalon_stats::multiple::sidak;
 use etalon_stats::power::noncentrality;
@@ -11,9 +12,10 @@ use serde::Serialize;
 /// What detected a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum By {
-    /// A deterministic check: an integral, a value, a sample outside, an inverse.
+    /// A deterministic check: an integral, a value, a sample outside the support, an inverse.
     #[serde(rename = "exact check")]
     Exact,
+    /// The chi-square test of the samples.
     #[serde(rename = "chi-square")]
     ChiSquare,
     /// Either alone would have sufficed.
@@ -31,7 +33,7 @@ impl By {
         }
     }
 
-    /// As it stands in tables.
+    /// Its name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,32 +44,39 @@ impl By {
     }
 }
 
-/// What became of one fault.
+/// The result of one planted fault.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
+    /// Of the fault.
     pub name: &'static str,
+    /// What the mistake is.
     pub mistake: &'static str,
+    /// Of the test with the mistake.
     #[serde(flatten)]
     pub outcome: Outcome,
-    /// What rejected it; nothing if it was missed.
+    /// What detected it; `None` if nothing did.
     pub by: Option<By>,
-    /// The relative error as the samples show it: of the pdf, root mean square over the cells, √((χ² − dof)/N); of an
-    /// image's light, as if it were the same everywhere.
+    /// Estimate of the relative error: of the pdf, root mean square over the cells, √((χ² − dof)/N); of the radiance of an
+    /// image, as if it were the same everywhere.
     pub error: Option<f64>,
-    /// The same test without the mistake.
+    /// Verdict of the same test without the mistake.
     pub sound: Verdict,
+    /// The p-value of that test.
     pub sound_p: Option<f64>,
 }
 
-/// What a run found.
+/// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Findings {
     /// Probability that any of the tests without a mistake is rejected.
     pub level: f64,
+    /// One for each planted fault.
     pub tests: Vec<Finding>,
-    /// Faults by verdict: all should be rejected.
+    /// Planted faults that were accepted: should be 0.
     pub accepted: usize,
+    /// Planted faults that were rejected: should be all.
     pub rejected: usize,
+    /// Planted faults that could not be decided: should be 0.
     pub inconclusive: usize,
     /// Tests without a mistake that were not accepted.
     pub false_alarms: usize,
@@ -86,14 +95,18 @@ impl Findings {
 }
 
 /// Tests all of `planted` with and without their mistakes, in one run, and calls `done` after each test.
-pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Findings> {
+///
+/// # Errors
+/// Those of [`run`](run_cases).
+pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Findings> {
     let mut about = Vec::new();
     let mut cases: Vec<Case> = Vec::new();
-    for Planted { name, mistake, faulty, sound } in planted {
+    for PlantedFault { name, mistake, faulty, sound } in planted {
         about.push((name, mistake));
         cases.extend([faulty, sound]);
     }
     let validation = run_cases(&cases, protocol, done)?;
+    // Pairs of outcomes: with the mistake, then without it.
     let own_level = sidak(protocol.level, cases.len());
     let mut outcomes = validation.tests.into_iter().map(|test| test.outcome);
     let mut tests = Vec::with_capacity(about.len());
@@ -116,8 +129,8 @@ pub fn run(planted: Vec<Planted>, protocol: &Protocol, done: &(dyn Fn(&str) + Sy
     })
 }
 
-/// The error that the first round shows. Its statistic is on average dof + λ, λ grows with the square of the error, and
-/// the test finds the λ of its detectable error.
+/// Estimate of the error from the first round. The mean of its statistic is dof + λ with the noncentrality λ, which is
+/// proportional to the square of the error and known for the detectable error.
 fn error(outcome: &Outcome, level: f64) -> Option<f64> {
     let found = (outcome.statistic - outcome.dof as f64).max(0.0);
     let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;

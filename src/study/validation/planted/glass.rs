@@ -1,6 +1,6 @@
 //! Mistakes at a smooth boundary of glass, whose directions are two: reflected and refracted.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::{dielectric, schlick};
 use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
@@ -42,8 +42,14 @@ impl Boundary {
     }
 }
 
-fn planted(name: &'static str, mistake: &'static str, degrees: f64, eta: f64, spoil: fn(&mut Boundary)) -> Planted {
-    Planted::of(name, mistake, Directions::sphere(Pole::Z), move |faulty| {
+fn planted(
+    name: &'static str,
+    mistake: &'static str,
+    degrees: f64,
+    eta: f64,
+    spoil: fn(&mut Boundary),
+) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::sphere(Pole::Z), move |faulty| {
         let truth = Boundary::at(degrees, eta);
         let mut boundary = truth;
         if faulty {
@@ -53,7 +59,8 @@ fn planted(name: &'static str, mistake: &'static str, degrees: f64, eta: f64, sp
     })
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(
             "glass/incident-cosine",

@@ -1,6 +1,6 @@
 //! Mistakes in sampling environment maps.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::envmap::{EnvMap, LatLong};
 use crate::math::Rgb;
 use crate::raster::Image;
@@ -10,7 +10,7 @@ use etalon_stats::{Density, Directions, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A map is sampled by a table over its texels; mistakes change one of the parts.
+/// Sampling of a map by a table over its texels; each mistake replaces one part.
 struct Scheme {
     map: EnvMap,
     /// What a texel is sampled in proportion to.
@@ -24,6 +24,7 @@ struct Scheme {
 }
 
 impl Scheme {
+    /// Without a mistake.
     fn right() -> Self {
         let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
         Self {
@@ -40,15 +41,17 @@ impl Scheme {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
         let (width, height) = (g.width(), g.height());
-        let drawn = Table2::new(width, height, |x, y| weight(&map, x, y));
+        // The sampler's table, and that of the pdf.
+        let sampled = Table2::new(width, height, |x, y| weight(&map, x, y));
         let claimed = Table2::new(width, height, |x, y| map.energy(x, y));
         let steps = g.edges();
         let geometry = g.clone();
         let draw = move |u: &[f64]| {
-            let draw = drawn.sample([u[0], u[1]])?;
+            let draw = sampled.sample([u[0], u[1]])?;
             Some(Sample::new(place(&geometry, draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset).to_array()))
         };
         let pdf = move |w: DVec3| {
+            // Probability of the texel over its solid angle.
             let (x, y) = g.texel(look_up(w));
             let solid_angle = solid_angle(&g, y);
             if solid_angle > 0.0 { claimed.probability(x, y) / solid_angle } else { 0.0 }
@@ -63,8 +66,8 @@ fn by_sine(g: &LatLong, y: f64) -> f64 {
     2.0 * PI * PI / (width * height) * (PI * y / height).sin()
 }
 
-fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> Planted {
-    Planted::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
+fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
         let mut scheme = Scheme::right();
         if faulty {
             spoil(&mut scheme);
@@ -73,11 +76,12 @@ fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) ->
     })
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(
             "maps/half-texel",
-            "texel centres taken for their left edges: all light is half a texel off",
+            "texel centres taken for their left edges: all directions have an error of half a texel",
             |scheme| {
                 scheme.place = |g, x, y, fx, fy| {
                     g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)

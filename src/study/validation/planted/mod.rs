@@ -1,57 +1,26 @@
-//! Planted faults: mistakes that people make, each in a sampler or a pdf small enough to read, which the suite must
-//! reject. Without its mistake each is a test of its own that must be accepted, so that the rejection is not due to the
-//! setting.
+//! Planted faults: frequent mistakes, each in a small sampler or pdf, which the suite must reject. The same test without
+//! the mistake must be accepted, so that the mistake alone explains the rejection.
 
+mod fault;
 mod findings;
 mod glass;
 mod hemispheres;
-mod lamps;
+mod lights;
 mod maps;
 mod normals;
 mod reflection;
 mod renders;
 mod tables;
 
+pub use fault::PlantedFault;
 pub use findings::{By, Finding, Findings, run};
 
-use super::Case;
-use etalon_stats::{Density, Domain, Sampler};
-
-/// A mistake in its setting.
-pub struct Planted {
-    /// Family and mistake (`normals/missing-cosine`).
-    pub name: &'static str,
-    /// What the mistake is, and who makes it.
-    pub mistake: &'static str,
-    faulty: Case,
-    sound: Case,
-}
-
-impl Planted {
-    /// `make` builds sampler and pdf with the mistake or without it.
-    fn of<D, S, P, F>(name: &'static str, mistake: &'static str, domain: D, make: F) -> Self
-    where
-        D: Domain + Copy + Send + Sync + 'static,
-        S: Sampler<D::Point>,
-        P: Density<D::Point>,
-        F: Fn(bool) -> (S, P) + Clone + Send + Sync + 'static,
-    {
-        let right = make.clone();
-        Self {
-            name,
-            mistake,
-            faulty: Case::of(format!("planted/{name}"), domain, move || make(true)),
-            sound: Case::of(format!("sound/{name}"), domain, move || right(false)),
-        }
-    }
-}
-
-/// All of them, family by family.
+/// All planted faults, family by family.
 #[must_use]
-pub fn all() -> Vec<Planted> {
+pub fn all() -> Vec<PlantedFault> {
     [
         hemispheres::faults(),
-        lamps::faults(),
+        lights::faults(),
         tables::faults(),
         maps::faults(),
         normals::faults(),

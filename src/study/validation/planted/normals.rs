@@ -1,6 +1,6 @@
 //! Mistakes in sampling microfacet normals.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use crate::errata::microfacet::normal_pdf_by_angles;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::variants::g1_rational;
@@ -19,8 +19,8 @@ fn view() -> DVec3 {
 }
 
 /// A mistake in the pdf of the full distribution of normals of Beckmann's distribution.
-fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> Planted {
-    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+fn all(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
         let draw = move |u: &[f64]| Some(Sample::new(facets.sample_ndf([u[0], u[1]])));
         (
@@ -37,11 +37,11 @@ fn visible<M>(
     facets: M,
     wo: DVec3,
     wrong: fn(&M, DVec3, DVec3) -> f64,
-) -> Planted
+) -> PlantedFault
 where
     M: SampleNormals<f64> + Send + Sync + 'static,
 {
-    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let draw = move |u: &[f64]| Some(Sample::new(facets.sample_vndf(wo.to_array(), [u[0], u[1]])));
         let pdf = move |m: DVec3| {
             if faulty { wrong(&facets, wo, m) } else { facets.pdf_vndf(wo.to_array(), m.to_array()) }
@@ -51,8 +51,8 @@ where
 }
 
 /// A mistake in mapping random numbers to tan² θ and an azimuth in turns.
-fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> Planted {
-    Planted::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
         let draw = move |u: &[f64]| {
             let (tan2, turns) = if faulty { wrong(u) } else { (-ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]) };
             let cos = 1.0 / (1.0 + tan2).sqrt();
@@ -63,7 +63,8 @@ fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64,
     })
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     // 1/(α tan θ) = 1.34, where Walter's fit is worst.
     let theta = (1.0 / (1.34 * ALPHA)).atan();
     let worst = DVec3::new(theta.sin(), 0.0, theta.cos());
@@ -103,7 +104,7 @@ pub fn faults() -> Vec<Planted> {
         ),
         visible(
             "normals/missing-g1",
-            "the pdf of visible normals without the share that is seen, G₁",
+            "the pdf of visible normals without the visible share G₁",
             Ggx::new(ALPHA),
             view(),
             |facets, wo, m| facets.d(m.to_array()) * wo.dot(m).max(0.0) / wo.z,

@@ -1,6 +1,7 @@
 //! Mistakes in turning normals into reflected directions.
 
-use super::Planted;
+use super::super::case::direction_sampler;
+use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::optics::microfacet::{Ggx, Microfacet};
 use crate::sampling::direction_density;
@@ -48,6 +49,7 @@ fn bound() -> (f64, f64) {
 fn bounded(u: [f64; 2]) -> Option<DVec3> {
     let (k, length) = bound();
     let v = (FACETS.alpha * WO.truncate()).extend(WO.z) / length;
+    // Sample the bounded spherical cap, and unstretch the half vector.
     let z = (1.0 - u[0]) * (1.0 + k * v.z) - k * v.z;
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
@@ -61,55 +63,47 @@ fn pdf_bounded(wi: DVec3) -> f64 {
     FACETS.d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
 }
 
-/// Two numbers for a direction, in a hemisphere where some are lost.
+/// Two random numbers for a direction, in a hemisphere where some are lost.
 fn pair(
     draw: fn([f64; 2]) -> Option<DVec3>,
     pdf: fn(DVec3) -> f64,
 ) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
-    (
-        sampler(2, move |u| draw([u[0], u[1]]).map(|w| Sample::new(w.to_array()))),
-        direction_density(pdf).with_mass(Mass::AtMostOne),
-    )
+    (direction_sampler(draw), direction_density(pdf).with_mass(Mass::AtMostOne))
 }
 
-pub fn faults() -> Vec<Planted> {
+/// A mistake in the pdf of reflections at visible normals.
+fn pdf_fault(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+        pair(visible, if faulty { wrong } else { pdf_vndf })
+    })
+}
+
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        Planted::of(
+        pdf_fault(
             "reflection/missing-jacobian",
             "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array());
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array()),
         ),
-        Planted::of(
+        pdf_fault(
             "reflection/jacobian-of-the-surface",
             "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 = |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z;
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z,
         ),
-        Planted::of(
+        pdf_fault(
             "reflection/swapped-directions",
             "wo and wi exchanged in the pdf, which by visible normals is not symmetric",
-            half,
-            |faulty| {
-                let wrong: fn(DVec3) -> f64 =
-                    |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array());
-                pair(visible, if faulty { wrong } else { pdf_vndf })
-            },
+            |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array()),
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/bounded-density",
             "the pdf of bounded visible normals with samples of the unbounded ones",
             half,
             |faulty| pair(if faulty { visible } else { bounded }, pdf_bounded),
         ),
-        Planted::of(
+        PlantedFault::of(
             "reflection/drawn-again",
             "directions below the horizon sampled once more, with the pdf as it was",
             half,

@@ -1,7 +1,8 @@
-//! Mistakes of an integrator, seen in its images.
+//! Mistakes of an integrator, detected in its images.
 
+use super::super::case::Case;
 use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
-use super::{Case, Planted};
+use super::fault::PlantedFault;
 use crate::envmap::samplers::MapSampling;
 use crate::render::{Sampling, Settings};
 use etalon_stats::welch::Mean;
@@ -11,7 +12,7 @@ use etalon_stats::{Protocol, SampleCount};
 type Spoiled = (RenderTest, fn(&mut [[Mean; 2]]));
 
 /// Both tests find biases of 0.5 % of the whole image, unless the number of samples is given.
-fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: RenderTest) -> Planted {
+fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: RenderTest) -> PlantedFault {
     let case = |kind: &str, (test, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let samples = match protocol.samples {
@@ -21,7 +22,7 @@ fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Re
             test.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })
     };
-    Planted { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
+    PlantedFault { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
 }
 
 /// Makes a tile brighter by that factor.
@@ -30,14 +31,15 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
     tile[0].variance *= factor * factor;
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
-    let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
+    let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;
     shadowing.model.conventions.lambda_with_pi = true;
-    let series = inside(1000, blind);
-    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, blind) };
+    let series = inside(1000, hemisphere);
+    let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, hemisphere) };
     vec![
         planted(
             "renders/one-percent-more",

@@ -1,6 +1,6 @@
 //! Mistakes in sampling from tables.
 
-use super::Planted;
+use super::fault::PlantedFault;
 use etalon_stats::{Density, Discrete, Sample, Sampler, density, sampler};
 
 /// Weights of a small table.
@@ -36,6 +36,7 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
     let total: f64 = weights.iter().sum();
     let mut left: Vec<f64> = weights.iter().map(|weight| weight * n as f64 / total).collect();
     let mut table: Vec<(f64, usize)> = (0..n).map(|i| (1.0, i)).collect();
+    // Fill each bucket below its share from one above it.
     let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| left[i] < 1.0);
     while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
         table[s] = (left[s], l);
@@ -48,10 +49,11 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
     table
 }
 
-pub fn faults() -> Vec<Planted> {
+/// The faults of this family.
+pub fn faults() -> Vec<PlantedFault> {
     let small = Discrete { outcomes: WEIGHTS.len() };
     vec![
-        Planted::of(
+        PlantedFault::of(
             "tables/search-off-by-one",
             "the table's leading 0 forgotten: the search returns the cell before",
             small,
@@ -60,7 +62,7 @@ pub fn faults() -> Vec<Planted> {
                 by_weight(WEIGHTS.into(), move |u| find(&cdf, u).saturating_sub(usize::from(faulty)))
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "tables/alias-off-by-one",
             "an alias table that looks the owner up in the next bucket",
             small,
@@ -77,7 +79,7 @@ pub fn faults() -> Vec<Planted> {
                 })
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "tables/rounded-index",
             "one of n chosen as u (n − 1) rounded: the first and the last come half as often",
             small,
@@ -85,7 +87,7 @@ pub fn faults() -> Vec<Planted> {
                 by_weight(vec![1.0; 8], move |u| if faulty { (u * 7.0).round() as usize } else { (u * 8.0) as usize })
             },
         ),
-        Planted::of(
+        PlantedFault::of(
             "tables/f32-sums",
             "running sums in f32: behind a sun of 2²⁴ times the sky nothing adds up any more, and is never sampled",
             Discrete { outcomes: SKY },

@@ -3,7 +3,8 @@
 //!
 //! Everything in f32 as renders do it, with random numbers of 24 bits; the pdfs are those by which renders divide.
 
-use super::{ALPHAS, Case, DEGREES, DISTRIBUTIONS, short, towards};
+use super::super::case::Case;
+use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::{Bsdf, NormalSampling, Scatter};
 use crate::errata::Conventions;
 use crate::math::Rgb;
@@ -14,7 +15,7 @@ use crate::scene::{Conductor, Material, ScatterModel};
 use etalon_stats::{Directions, Mass, Pole, Sample, sampler};
 use glam::{DVec3, Vec3};
 
-/// A rough metal; which one does not matter to its directions.
+/// A rough metal; its directions do not depend on η and k.
 fn metal(alpha: f64, distribution: Distribution) -> Material {
     let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
@@ -34,7 +35,7 @@ pub fn cases() -> Vec<(&'static str, Case)> {
                 }
             }
         }
-        // Uniform over the hemisphere whatever the material's roughness.
+        // Uniform over the hemisphere for every roughness.
         let uniform = ScatterModel { normals: NormalSampling::Hemisphere, ..ScatterModel::default() };
         for degrees in DEGREES {
             let bsdf = metal(0.25, distribution).bsdf(uniform);

@@ -1,7 +1,7 @@
 //! Environment maps: the built-in ones and small ones that find bugs, by every sampler.
 
+use super::super::case::Case;
 use super::super::shared::Shared;
-use super::Case;
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::{self, Entry, MapSampling, Method, cosine};
 use crate::envmap::synthetic::Synthetic;
@@ -12,25 +12,16 @@ use etalon_stats::{Directions, Mass, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 use std::sync::Arc;
 
+/// A map's name, and a function that returns the map.
+type Source = (String, Arc<dyn Fn() -> Arc<EnvMap> + Send + Sync>);
+
 /// A map that is made when it is first needed.
-struct Lazy {
-    map: Shared<EnvMap>,
-    make: Box<dyn Fn() -> Image + Send + Sync>,
-}
-
-impl Lazy {
-    fn get(&self) -> Arc<EnvMap> {
-        self.map.get(|| EnvMap::new((self.make)()))
-    }
-}
-
-/// A map's name, and how it is got.
-type Source = (String, Arc<Lazy>);
-
 fn source(name: impl Into<String>, make: impl Fn() -> Image + Send + Sync + 'static) -> Source {
-    (name.into(), Arc::new(Lazy { map: Shared::new(), make: Box::new(make) }))
+    let map = Shared::new();
+    (name.into(), Arc::new(move || map.get(|| EnvMap::new(make()))))
 }
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut sources: Vec<Source> = Synthetic::ALL.map(|map| source(map.name(), move || map.make())).into();
     for [width, height] in [[1, 1], [2, 1], [3, 2], [10, 10]] {
@@ -46,18 +37,17 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The cases of a map of the user's own.
+/// The cases of a map that the user gives.
 #[must_use]
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
     let texels = map.image().pixels().len();
-    let known = Lazy { map: Shared::from(map), make: Box::new(|| Image::new(1, 1)) };
-    of(&(name.to_owned(), Arc::new(known)))
+    of(&(name.to_owned(), Arc::new(move || map.clone())))
         .into_iter()
         .map(|(entry, case)| case.with_memory(texels * entry.bytes_per_texel))
         .collect()
 }
 
-/// Dark texels beside bright ones, and one that outshines all.
+/// Dark texels beside bright ones, and one that is brighter by orders of magnitude.
 fn contrasts(x: usize, y: usize) -> Rgb {
     match (x * 7 + y * 13) % 5 {
         _ if (x, y) == (2, 1) => Rgb::splat(1e5),
@@ -72,14 +62,14 @@ fn one_hot([x, y]: [usize; 2]) -> Image {
     image
 }
 
-/// Normals of surfaces, by a name.
+/// Normals of surfaces, with their names in the names of tests.
 const NORMALS: [(&str, DVec3); 3] =
     [("up", DVec3::Y), ("down", DVec3::NEG_Y), ("slanted", DVec3::new(0.48, -0.6, 0.64))];
 
-/// Regions of samplers that cut the map, if it has as many texels.
+/// Number of regions of samplers by median cut, or of texels if the map has fewer.
 const REGIONS: usize = 16;
 
-/// A case for every sampler of directions in the registry, for each normal if it looks at that.
+/// A case for every sampler of directions in the registry, for each normal if the sampler depends on that.
 fn of(source: &Source) -> Vec<(&'static Entry, Case)> {
     let mut cases = Vec::new();
     for &entry in samplers::ALL {
@@ -100,18 +90,19 @@ fn of(source: &Source) -> Vec<(&'static Entry, Case)> {
 
 /// The directions of one sampler for a surface of that normal.
 fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> Case {
-    let (name, lazy) = source;
-    let (name, preparation, lazy) = (format!("map/{name}/{how}"), lazy.clone(), lazy.clone());
+    let (name, get) = source;
+    let (name, preparation, get) = (format!("map/{name}/{how}"), get.clone(), get.clone());
     let test = move |protocol: &Protocol, round| {
-        let map = lazy.get();
+        let map = get();
         let regions = REGIONS.min(map.image().pixels().len()) as u32;
         let by = MapSampling::with_regions(entry, regions).sampler(map.clone())?;
-        // A black map has nothing to draw. By the normal, there is no sample where a block's estimate promises light that
-        // its parts do not hold.
+        // A black map gives no samples. A sampler by the normal gives none where the estimate of a block is positive and
+        // those of all its parts are 0.
         let mass = match entry.method {
             Method::Directions(_) => Mass::Exactly(if is_black(&map) { 0.0 } else { 1.0 }),
             _ => Mass::AtMostOne,
         };
+        // Test sampler and pdf, and the inverse if there is one.
         let pdf = direction_density(|wi| by.pdf_for(wi, normal)).with_mass(mass).with_steps(map.geometry().edges());
         let draw = |u: &[f64]| by.sample_for([u[0], u[1]], normal).map(|s| Sample::with_pdf(s.wi.to_array(), s.pdf));
         let (sphere, drawn) = (Directions::sphere(Pole::Y), sampler(2, draw));
@@ -121,7 +112,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
         let invert = |wi: [f64; 3]| by.invert_for(wi.into(), normal).map_or_else(Vec::new, |u| u.to_vec());
         Ok(examine(&sphere, &drawn.with_inverse(invert), &pdf, protocol, round)?)
     };
-    Case::new(name, test).with_preparation(move || drop(preparation.get()))
+    Case::new(name, test).with_preparation(move || drop(preparation()))
 }
 
 fn is_black(map: &EnvMap) -> bool {

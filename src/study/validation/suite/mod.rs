@@ -1,7 +1,8 @@
 //! The suite: every sampler of the project, each family in a file of its own.
 
 mod bsdfs;
-mod lamps;
+mod inputs;
+mod lights;
 pub mod maps;
 mod normals;
 mod rectangles;
@@ -11,8 +12,7 @@ mod strata;
 mod tables;
 mod warps;
 
-use super::Case;
-use crate::optics::microfacet::Distribution;
+use super::case::Case;
 
 /// All cases, family by family.
 #[must_use]
@@ -24,7 +24,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(normals::cases());
     all.extend(of_bsdfs().map(|(_, case)| case));
     all.extend(rectangles::cases());
-    all.extend(lamps::cases());
+    all.extend(lights::cases());
     all.extend(renders::cases());
     all
 }
@@ -32,23 +32,6 @@ pub fn cases() -> Vec<Case> {
 /// The cases of all BSDFs, each with its BSDF's name in the registry.
 fn of_bsdfs() -> impl Iterator<Item = (&'static str, Case)> {
     bsdfs::cases().into_iter().chain(smooth::cases())
-}
-
-/// Widths of the lobes, and angles of incidence in degrees, that microfacets are tested at.
-const ALPHAS: [f64; 7] = [1e-4, 1e-3, 0.01, 0.05, 0.25, 0.5, 1.0];
-const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
-const DISTRIBUTIONS: [(&str, Distribution); 2] = [("beckmann", Distribution::Beckmann), ("ggx", Distribution::Ggx)];
-
-/// The direction of that angle with +z, at azimuth 0: a lobe then lies off the seam of the chart.
-fn towards(degrees: f64) -> glam::DVec3 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    glam::DVec3::new(sin, 0.0, cos)
-}
-
-/// A number as the streams of a render give it to kernels in f32: rounded down to 24 bits.
-fn short(u: f64) -> f32 {
-    const LEVELS: f64 = 16_777_216.0;
-    ((u * LEVELS).floor() / LEVELS) as f32
 }
 
 #[cfg(test)]

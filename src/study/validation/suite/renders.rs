@@ -4,7 +4,7 @@
 //! Scenes are grey, so that one channel is enough. Random numbers are independent, not stratified, so that the film's
 //! variances are the true ones.
 
-use super::super::Case;
+use super::super::case::Case;
 use super::super::shared::Shared;
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
@@ -30,7 +30,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What an image must show.
+/// The exact image of a test.
 #[derive(Clone)]
 pub enum Truth {
     /// This radiance in every pixel.
@@ -46,48 +46,51 @@ pub enum Truth {
 /// An image to be tested.
 #[derive(Clone)]
 pub struct RenderTest {
+    /// What is rendered.
     pub scene: Scene,
+    /// Resolution and depth; the samples per pixel follow from the protocol.
     pub request: Request,
+    /// Of the renderer; seed and random numbers follow from the protocol.
     pub settings: Settings,
+    /// What the image is compared with.
     pub truth: Truth,
 }
 
 /// Side of a tile in pixels.
 const TILE: usize = 4;
-/// Samples per pixel that decide how many are taken, and the most and fewest that are.
+/// Samples per pixel of the pilot render, whose noise decides the number of samples.
 const PILOT: u32 = 16;
+/// Fewest and most samples per pixel.
 const RANGE: [u32; 2] = [32, 4096];
 /// How far the truth may be from the exact value, relatively: the quadratures behind it, and f32 in the renderer.
 const PRECISION: f64 = 2e-5;
 /// A test that cannot detect a bias of this size is inconclusive.
 const COARSEST: f64 = 0.1;
-/// Kurtosis of the tiles' deviations from which they are not normal: for 16 tiles six standard deviations off 3.
+/// Kurtosis of the tiles' deviations from which they do not count as normally distributed: for 16 tiles six standard
+/// deviations from 3.
 const HEAVY: f64 = 10.0;
 
 impl RenderTest {
-    /// The test of this image. `spoil` changes the rendered tiles, to plant faults.
-    pub fn case(self, name: impl Into<String>, spoil: fn(&mut [[Mean; 2]])) -> Case {
+    /// The test of this image.
+    pub fn case(self, name: impl Into<String>) -> Case {
         let is_sphere = matches!(self.truth, Truth::Sphere);
-        let case = Case::new(name, move |protocol, round| self.examine(protocol, round, spoil));
-        if is_sphere {
-            case.with_preparation(|| {
-                lit_sphere_truth();
-            })
-        } else {
-            case
-        }
+        let case = Case::new(name, move |protocol, round| self.examine(protocol, round, |_| ()));
+        if is_sphere { case.with_preparation(|| drop(lit_sphere_truth())) } else { case }
     }
 
-    /// One round of the test, as [`etalon_stats::examine`].
+    /// One round of the test, as [`etalon_stats::examine`]. `spoil` changes the rendered tiles, to plant faults.
+    ///
+    /// # Errors
+    /// Those of [`Protocol::check`] and of [`render`].
     pub fn examine(&self, protocol: &Protocol, round: u64, spoil: fn(&mut [[Mean; 2]])) -> Result<Outcome> {
         protocol.check()?;
         let start = Instant::now();
         let level = protocol.own_level();
-        let even = |value: f64| vec![Some(value); self.request.width * self.request.height];
+        let uniform = |value: f64| vec![Some(value); self.request.width * self.request.height];
         let truth = match &self.truth {
             Truth::Sphere => lit_sphere_truth().to_vec(),
-            Truth::Uniform(value) => even(*value),
-            Truth::Metal => even(albedo()?),
+            Truth::Uniform(value) => uniform(*value),
+            Truth::Metal => uniform(albedo()?),
             Truth::SameAs(_) => Vec::new(),
         };
         let compare = |spp: u32, pass: u64| -> Result<ImageComparison> {
@@ -98,6 +101,7 @@ impl RenderTest {
             Ok(welch::compare(&tiles, PRECISION * mean))
         };
         let pixels = self.request.width * self.request.height;
+        // The detectable error falls with the root of the number of samples.
         let spp = match protocol.samples {
             SampleCount::Fixed(n) => (n / pixels as u64).min(u64::from(RANGE[1])) as u32,
             SampleCount::Detect(w) => compare(PILOT, 0)?
@@ -116,6 +120,7 @@ impl RenderTest {
         let violation = (found.exact_difference > PRECISION)
             .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference));
         let percent = 100.0 * detectable;
+        // Too little power, or tails for which Welch's t is not valid.
         let inconclusive_reason = if detectable > COARSEST {
             Some(format!("too few samples: a bias of the image below {percent:.0} % would go unnoticed"))
         } else if found.kurtosis > HEAVY {
@@ -139,14 +144,15 @@ impl RenderTest {
 
     /// Tiles of the render beside those of the truth.
     fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
-        let shot = |settings: &Settings, seed: u64| -> Result<Film> {
+        let film = |settings: &Settings, seed: u64| -> Result<Film> {
             let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
             Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.film)
         };
         let size = [self.request.width, self.request.height];
-        let tested = means(&shot(&self.settings, seed)?);
+        let tested = means(&film(&self.settings, seed)?);
+        // The other side: a render by other settings, or exact values without variance.
         let other = match &self.truth {
-            Truth::SameAs(settings) => means(&shot(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
+            Truth::SameAs(settings) => means(&film(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
             _ => truth.iter().map(|value| value.map(Mean::exact)).collect::<Vec<_>>(),
         };
         Ok(welch::tiles(size, TILE, |i| other[i].map(|other| [tested[i], other])))
@@ -164,7 +170,7 @@ fn means(film: &Film) -> Vec<Mean> {
 fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
     const NODES: [(f64, f64); 3] =
         [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
-    // Where the sphere is steeper, three points are not enough.
+    // Closer to the silhouette, three points an axis are not exact enough.
     const INSIDE: f64 = 0.9;
     let Some(environment) = &scene.environment else { return Vec::new() };
     let tree = IrradianceTree::new(&environment.map);
@@ -174,6 +180,7 @@ fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
         let z2 = 1.0 - x * x - y * y;
         (z2 > 1.0 - INSIDE * INSIDE).then(|| tree.irradiance(DVec3::new(x, -y, z2.sqrt())).value.x * scale)
     };
+    // Nodes of the quadrature in each pixel, in units of the radius.
     let at = |i: usize, node: f64| (2.0 * i as f64 + 1.0 + node) / size - 1.0;
     let pixel = |i: usize| {
         let (x, y) = (i % request.width, i / request.width);
@@ -214,11 +221,12 @@ pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     RenderTest { scene, request: request(16, max_depth), settings, truth }
 }
 
-/// Width of the metal's lobe, and the angle that it is seen at.
+/// Roughness of the metal.
 const ALPHA: f64 = 0.5;
+/// Angle between its normal and the view, in degrees.
 const SEEN_AT: f64 = 60.0;
 
-/// Rough metal that reflects everything, seen from the side in the furnace.
+/// Rough metal of reflectance 1 in the furnace, viewed at 60°.
 pub fn metal(settings: Settings) -> RenderTest {
     let (sin, cos) = SEEN_AT.to_radians().sin_cos();
     let wo = DVec3::new(sin, cos, 0.0);
@@ -313,7 +321,7 @@ pub fn cases() -> Vec<Case> {
         let other = Settings { sampling, ..Settings::default() };
         tests.push((format!("room/mis-{name}"), cornell_box(Settings::default(), other)));
     }
-    tests.into_iter().map(|(name, test)| test.case(format!("render/{name}"), |_| ())).collect()
+    tests.into_iter().map(|(name, test)| test.case(format!("render/{name}"))).collect()
 }
 
 #[cfg(test)]
@@ -332,15 +340,15 @@ mod tests {
     #[test]
     fn p_values_of_right_images_are_uniform() {
         let mis = Settings { density: MapSampling::MAP, ..Settings::default() };
-        let blind = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
+        let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
         let white = Material::Diffuse { albedo: Rgb::ONE };
         for (name, test) in [
-            ("sphere in a furnace", sphere_in_furnace(white, blind, 1)),
-            ("inside", inside(3, blind)),
+            ("sphere in a furnace", sphere_in_furnace(white, hemisphere, 1)),
+            ("inside", inside(3, hemisphere)),
             ("sphere", lit_sphere(mis)),
         ] {
             let samples = SampleCount::Fixed(64 * test.request.width.pow(2) as u64);
-            let case = test.case(name, |_| ());
+            let case = test.case(name);
             let p = |seed| case.examine(&Protocol { seed, samples, ..Protocol::default() }, 0).unwrap().p.unwrap();
             let p: Vec<f64> = (0..60).map(p).collect();
             assert!(uniformity(&p).p > 1e-3, "{name}: {:?} {p:?}", uniformity(&p));

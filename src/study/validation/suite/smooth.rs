@@ -1,9 +1,10 @@
 //! Materials that scatter into one or two directions: mirrors, polished metal, refraction, glass from both sides.
 //!
 //! Directions and probabilities are computed here from the laws of reflection, Snell and Fresnel, in f64 and in their
-//! textbook form: nothing of the materials' own code is used.
+//! textbook form, independently of the materials' code.
 
-use super::{Case, short, towards};
+use super::super::case::Case;
+use super::inputs::{short, towards};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;
@@ -40,7 +41,7 @@ pub fn cases() -> Vec<(&'static str, Case)> {
             let passing = refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 - r });
             [reflected(wo, r)].into_iter().chain(passing).collect()
         }));
-        // Beyond the critical angle no sample is what must come.
+        // Beyond the critical angle there must be no samples.
         cases.push(case(format!("bsdf/refraction/{side}/{degrees}"), refraction, wo, |wo| {
             refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 }).into_iter().collect()
         }));
@@ -73,7 +74,7 @@ fn fresnel(wo: DVec3) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// The directions that `bsdf` samples for `wo`, which are `atoms` of the direction that it is given after rounding.
+/// The directions that `bsdf` samples for `wo`: must be the `atoms` for the direction rounded to f32.
 fn case(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
     let case = Case::of(name, Directions::sphere(Pole::Z), move || {

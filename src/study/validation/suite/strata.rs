@@ -1,8 +1,8 @@
-//! Regions of a median cut as strata: a region by its share of the energy, a place in it by its texels.
+//! Regions of a median cut as strata: a region is sampled by its share of the energy, a texel in it by its energy.
 //!
-//! Together these make the map's own pdf, if the regions tile the map and their energies are right.
+//! The pdf of both steps together is that of the whole map, if the regions tile the map and their energies are right.
 
-use super::Case;
+use super::super::case::Case;
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, Region, SideRule, Split};
 use crate::error::Result;
@@ -13,6 +13,7 @@ use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
@@ -24,17 +25,19 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// A slope with a bright spot that no straight line cuts in halves.
+/// A gradient with a bright spot that no straight line halves.
 fn map() -> EnvMap {
     let level =
         |x: usize, y: usize| 0.2 + x as f32 / 64.0 + if x.abs_diff(40) + y.abs_diff(9) < 4 { 60.0 } else { 0.0 };
     EnvMap::new(Image::from_fn(64, 32, |x, y| Rgb::new(level(x, y), 0.3, 0.1 * y as f32)))
 }
 
+/// One round of the test of a number of regions.
 fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<etalon_stats::Outcome> {
     let map = map();
     let g = map.geometry();
     let regions = MedianCut::new(&map, split, SideRule::default()).regions(regions)?;
+    // Table of the regions, and a table of the texels of each.
     let shares = Table1::new(&regions.iter().map(|region| region.energy).collect::<Vec<_>>());
     let within = |Region { block, .. }: &Region| {
         let energy = |x: usize, y: usize| map.energy(block.x0 + x, block.y0 + y);
@@ -47,6 +50,7 @@ fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Resu
         let (x, y) = (block.x0 + draw.x.cell, block.y0 + draw.y.cell);
         Some(Sample::new(g.direction_in_texel(x, y, draw.x.offset, draw.y.offset).to_array()))
     };
+    // The pdf of the whole map.
     let total: f64 =
         (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y))).map(|(x, y)| map.energy(x, y)).sum();
     let pdf = |wi: DVec3| {

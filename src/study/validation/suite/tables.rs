@@ -1,14 +1,14 @@
 //! Tabulated distributions: cumulative tables with their guides in one and two dimensions, and alias tables.
 
-use super::Case;
+use super::super::case::Case;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
 
-/// A kind of weights for tables of any length.
+/// The weight of cell i of n.
 type Weights = fn(usize, usize) -> f64;
 
-/// What may go wrong in a table: flat, growing, nine tenths in one cell, nothing at the ends, nothing in between.
+/// Shapes of weights: constant, linear, 90 % in one cell, zeros at the ends, zeros in between.
 const SHAPES: [(&str, Weights); 5] = [
     ("even", |_, _| 1.0),
     ("linear", |i, _| i as f64 + 0.5),
@@ -16,6 +16,7 @@ const SHAPES: [(&str, Weights); 5] = [
     ("dark-ends", |i, n| f64::from(4 * i > n && 4 * i < 3 * n)),
     ("gaps", |i, _| if i % 3 == 1 { 0.0 } else { (i % 7) as f64 + 0.1 }),
 ];
+/// Lengths of the tables.
 const CELLS: [usize; 5] = [1, 2, 37, 1024, 65535];
 
 fn weights(shape: Weights, n: usize) -> Vec<f64> {
@@ -31,6 +32,7 @@ fn steps(n: usize) -> Vec<f64> {
     (1..n).map(|i| i as f64 / n as f64).collect()
 }
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in SHAPES {
@@ -57,6 +59,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
             let draw = table.sample(u[0])?;
             Some(Sample::with_pdf((draw.cell as f64 + draw.offset) / cells, draw.probability * cells))
         };
+        // Random number of a position, by its cell.
         let invert = move |x: f64| {
             let cell = ((x * cells) as usize).min(n - 1);
             vec![back.invert(cell, x * cells - cell as f64)]

@@ -1,34 +1,34 @@
 //! Maps from the unit square to directions, and the circular functions that they are made of.
 
-use super::{Case, short};
+use super::super::case::{Case, direction_sampler};
+use super::inputs::short;
 use crate::math::circular::Circular;
 use crate::sampling::{direction_density, warp};
 use etalon_stats::{Directions, Line, Pole, Sample, density, sampler};
 use glam::DVec3;
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
         Case::of("warp/uniform-hemisphere", half, || {
-            let draw = |u: &[f64]| Some(Sample::new(warp::uniform_hemisphere([u[0], u[1]]).to_array()));
-            let sampler =
-                sampler(2, draw).with_inverse(|w: [f64; 3]| warp::invert_uniform_hemisphere(w.into()).to_vec());
+            let sampler = direction_sampler(|u| Some(warp::uniform_hemisphere(u)));
+            let sampler = sampler.with_inverse(|w: [f64; 3]| warp::invert_uniform_hemisphere(w.into()).to_vec());
             (sampler, direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
         }),
         Case::of("warp/cosine-hemisphere", half, || {
-            let draw = |u: &[f64]| Some(Sample::new(warp::cosine_hemisphere([u[0], u[1]]).to_array()));
-            let sampler =
-                sampler(2, draw).with_inverse(|w: [f64; 3]| warp::invert_cosine_hemisphere(w.into()).to_vec());
+            let sampler = direction_sampler(|u| Some(warp::cosine_hemisphere(u)));
+            let sampler = sampler.with_inverse(|w: [f64; 3]| warp::invert_cosine_hemisphere(w.into()).to_vec());
             (sampler, direction_density(|w: DVec3| warp::cosine_hemisphere_pdf(w.z)))
         }),
         // Both f32 functions at once: turns to a point of the circle, and half of the circle back to an angle.
         Case::of("warp/circle-f32/sine-and-cosine", half, || {
-            let draw = |u: &[f64]| {
+            let draw = |u: [f64; 2]| {
                 let (sin, cos) = f32::sin_cos_turns(short(u[1]));
                 let r = (u[0] * (2.0 - u[0])).sqrt();
-                Some(Sample::new([r * f64::from(cos), r * f64::from(sin), 1.0 - u[0]]))
+                Some(DVec3::new(r * f64::from(cos), r * f64::from(sin), 1.0 - u[0]))
             };
-            (sampler(2, draw), direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
+            (direction_sampler(draw), direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
         }),
         Case::of("warp/circle-f32/angle", Line { from: 0.0, to: std::f64::consts::PI }, || {
             let draw = |u: &[f64]| {

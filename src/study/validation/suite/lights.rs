@@ -1,6 +1,7 @@
-//! Area lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
+//! Lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
 
-use super::{Case, short};
+use super::super::case::Case;
+use super::inputs::short;
 use crate::math::Rgb;
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
@@ -16,13 +17,14 @@ const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 const SPHERES: [(&str, f32, f32); 5] =
     [("touching", 1.001, 1.0), ("near", 1.5, 1.0), ("middle", 4.0, 1.0), ("far", 300.0, 1.0), ("inside", 0.5, 1.0)];
 
-/// Rectangles: centre as seen from the point, and half sides.
+/// Rectangles: centre relative to the point, and half sides.
 const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("ceiling", Vec3::new(0.1, 1.5, -0.2), Vec3::new(0.35, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)),
     ("tilted", Vec3::new(1.0, 0.5, 0.8), Vec3::new(0.3, -0.3, 0.0), Vec3::new(0.2, 0.2, 0.1)),
     ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
 ];
 
+/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let spheres = SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius));
     let rectangles = RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y));
@@ -46,18 +48,20 @@ fn sample(light: Option<&Sampled>, u: &[f64]) -> Option<LightSample> {
     light.map(|light| light.sample(POINT, [short(u[0]), short(u[1])]))
 }
 
-/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: uniform inside, none outside.
+/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: the pdf is constant inside it.
 fn sphere(name: &str, distance: f32, radius: f32) -> Case {
     let directions = Directions::sphere(Pole::Z);
     Case::of(format!("light/ball/{name}"), directions, move || {
         let centre = POINT + distance * Vec3::new(0.36, 0.48, 0.8);
         let light = emitting(Shape::Sphere(Sphere { centre, radius }));
         let to = (centre - POINT).as_dvec3();
+        // Sine of half the angle of the cone, squared.
         let sin2 = f64::from(radius).powi(2) / to.length_squared();
         // (1 − cos)/2 of the cone, all of the sphere from inside, and what rounding of directions adds to it.
         let edge = if sin2 < 1.0 { 0.5 * sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 1.0 };
         let rim = edge * (1.0 + 1e-6 / sin2.sqrt());
         let axis = to.normalize();
+        // Frame of the sphere: directions in it are tested.
         let (x, y) = axis.any_orthonormal_pair();
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
@@ -65,6 +69,7 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
             let wi = sample.wi.as_dvec3();
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
             let local = local.to_array();
+            // Directions that rounding moves across the edge of the cone count as inside.
             let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
             let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
             Some(Sample::with_pdf(point, f64::from(sample.pdf)))
@@ -87,11 +92,13 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
         let draw = move |u: &[f64]| {
             let sample = sample(light.as_ref(), u)?;
-            let off = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
-            let chart = [x, y].map(|side| 0.5 + 0.5 * off.dot(side) / side.length_squared());
+            let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
+            // Position on the rectangle, from 0 to 1 along each side.
+            let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
             // In f32 the sides themselves are rounded.
             Some(Sample::new(chart.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
         };
+        // cos θ / r² of the point of the chart, times the area.
         let front = 4.0 * x.cross(y);
         let at = move |[u, v]: [f64; 2]| {
             let to = centre + (2.0 * u - 1.0) * x + (2.0 * v - 1.0) * y;

@@ -1,107 +1,126 @@
-//! How far a value is from the exact one, and how much of that rounding of its input alone would explain.
+//! The error of a value, and how much of it rounding of the input alone would explain.
 
-use super::family::{Family, Precision, Range, Value, Variant};
-use super::number::{Number, dot};
+use super::number::{Formula, Number, Value, dot};
 use super::precise::Precise;
+use super::precision::Precision;
 
-/// The exact answer at an input, and how it answers to changes of that input.
+/// The values that a quantity can have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// From 0 to this.
+    UpTo(f64),
+    /// Unit vectors: lengths have an error of at most 4 units of the last place.
+    Unit,
+}
+
+impl Range {
+    /// How many numbers a value is.
+    #[must_use]
+    pub fn components(self) -> usize {
+        if self == Self::Unit { 3 } else { 1 }
+    }
+}
+
+/// The exact value at an input, and its condition number.
 pub struct Exact {
-    pub answer: Value<Precise>,
-    /// Relative change of the answer per relative change of the inputs: Σ |xᵢ ∂f/∂xᵢ| / |f|. An input that is off by one
-    /// part in 10⁷ alone moves the answer by this many parts in 10⁷.
+    /// By the defining formula.
+    pub value: Value<Precise>,
+    /// Relative change of the value per relative change of the inputs: Σ |xᵢ ∂f/∂xᵢ| / |f|. A relative error of 10⁻⁷ of
+    /// the inputs alone changes the value by this many times 10⁻⁷.
     pub condition: f64,
 }
 
-/// Relative change of an input from which slopes are taken: small enough for 80 bits of the slope, large enough for 80
-/// more to be left of the difference.
+/// Binary exponent of the relative change of an input from which slopes are taken: small enough for 80 bits of the
+/// slope, large enough for 80 more to be left of the difference.
 const STEP: isize = -80;
 
 impl Exact {
+    /// Evaluates the defining formula at an input, and its slopes by differences.
     #[must_use]
-    pub fn at(family: &Family, inputs: &[f64]) -> Self {
+    pub fn at(reference: Formula<Precise>, inputs: &[f64]) -> Self {
         let mut x: Vec<Precise> = inputs.iter().map(|&x| Precise::of(x)).collect();
-        let answer = (family.reference)(&x);
-        let Some(value) = answer else { return Self { answer, condition: 1.0 } };
-        let length = dot(value, value).sqrt();
+        let value = reference(&x);
+        let Some(here) = value else { return Self { value, condition: 1.0 } };
+        // Sum the changes of the value by relative steps of each input.
+        let length = dot(here, here).sqrt();
         let step = Precise::power_of_two(STEP);
         let mut sum = Precise::of(0.0);
         for i in 0..x.len() {
             let unchanged = x[i];
             x[i] = unchanged + unchanged * step;
-            // Beyond an edge there is nothing to compare with; the other side of it has the same slope.
-            if let Some(moved) = (family.reference)(&x).or_else(|| {
+            // Where there is no value on one side of an edge, the other side has the same slope.
+            if let Some(moved) = reference(&x).or_else(|| {
                 x[i] = unchanged - unchanged * step;
-                (family.reference)(&x)
+                reference(&x)
             }) {
-                let change: [Precise; 3] = std::array::from_fn(|c| moved[c] - value[c]);
+                let change: [Precise; 3] = std::array::from_fn(|c| moved[c] - here[c]);
                 sum = sum + dot(change, change).sqrt();
             }
             x[i] = unchanged;
         }
         let condition = (sum / step / length).to_f64();
-        Self { answer, condition: if condition.is_nan() { 0.0 } else { condition } }
+        Self { value, condition: if condition.is_nan() { 0.0 } else { condition } }
     }
 }
 
-/// Whether one input that is off by the last place decides if there is an answer at all, such as at a triangle's edge.
+/// Whether moving one input by a few units of its last place decides if there is a value at all, such as at a
+/// triangle's edge.
 #[must_use]
-pub fn on_the_edge(family: &Family, precision: Precision, inputs: &[f64]) -> bool {
+pub fn on_the_edge(reference: Formula<Precise>, precision: Precision, inputs: &[f64]) -> bool {
     let mut x: Vec<Precise> = inputs.iter().map(|&x| Precise::of(x)).collect();
-    let answers = (family.reference)(&x).is_some();
+    let exists = reference(&x).is_some();
     (0..x.len()).any(|i| {
         let unchanged = x[i];
         let step = Precise::of(4.0 * precision.unit(inputs[i]));
         let flips = [unchanged + step, unchanged - step].into_iter().any(|moved| {
             x[i] = moved;
-            (family.reference)(&x).is_some() != answers
+            reference(&x).is_some() != exists
         });
         x[i] = unchanged;
         flips
     })
 }
 
-/// What is wrong with an answer before it is compared with anything.
+/// What is wrong with a value whatever the exact one is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flaw {
+    /// Infinite or NaN.
     NonFinite,
+    /// Below 0, where the [`Range`] starts.
     Negative,
+    /// Above the [`Range`], or no unit vector.
     OutOfRange,
 }
 
-/// A variant's answer, compared with the exact one.
+/// A variant's value, compared with the exact one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
+    /// As the variant gives it.
     pub value: Value<f64>,
-    /// |answer − exact| / |exact|; 1 where one of them alone is nothing or 0. An exact answer below the smallest normal
+    /// |value − exact| / |exact|; 1 where one of them alone is nothing or 0. An exact value below the smallest normal
     /// number counts as that.
     pub relative: f64,
-    /// |answer − exact| in units of the last place of |exact|.
+    /// |value − exact| in units of the last place of |exact|.
     pub ulp: f64,
+    /// If it has one.
     pub flaw: Option<Flaw>,
 }
 
 impl Deviation {
-    /// Runs a variant; `None` where it does not exist in that precision.
-    #[must_use]
-    pub fn of(family: &Family, variant: &Variant, precision: Precision, inputs: &[f64], exact: &Exact) -> Option<Self> {
-        let value = variant.evaluate(precision, inputs)?;
-        Some(Self::between(family.range, precision, value, exact))
-    }
-
     /// The error of a value.
     #[must_use]
     pub fn between(range: Range, precision: Precision, value: Value<f64>, exact: &Exact) -> Self {
-        let (relative, ulp) = match (value, exact.answer) {
+        let (relative, ulp) = match (value, exact.value) {
             (Some(value), Some(exact)) => distance(precision, value, exact),
             (None, None) => (0.0, 0.0),
-            _ => altogether(precision),
+            _ => total(precision),
         };
         Self { value, relative, ulp, flaw: value.and_then(|v| flaw(range, precision, v)) }
     }
 }
 
-/// Something where there should be nothing, or the other way round.
-fn altogether(precision: Precision) -> (f64, f64) {
+/// The errors of a value where there should be none or 0, and of none or 0 where there should be another.
+fn total(precision: Precision) -> (f64, f64) {
     (1.0, 1.0 / precision.unit(1.0))
 }
 
@@ -109,15 +128,16 @@ fn distance(precision: Precision, value: [f64; 3], exact: [Precise; 3]) -> (f64,
     if value.iter().any(|x| !x.is_finite()) {
         return (f64::INFINITY, f64::INFINITY);
     }
+    // Length of the error, in 256 bits.
     let difference: [Precise; 3] = std::array::from_fn(|c| Precise::of(value[c]) - exact[c]);
     let (distance, length) = (dot(difference, difference).sqrt(), dot(exact, exact).sqrt());
     let zero = Precise::of(0.0);
     match (distance == zero, length == zero) {
         (true, _) => return (0.0, 0.0),
-        (false, true) => return altogether(precision),
+        (false, true) => return total(precision),
         _ => {}
     }
-    // Below the smallest normal number nobody has digits left.
+    // Below the smallest normal number, precision is lost to underflow: errors are relative to that number.
     let least = Precise::of(precision.least());
     let length = if length < least { least } else { length };
     ((distance / length).to_f64(), (distance / Precise::of(precision.unit(length.to_f64()))).to_f64())
@@ -137,35 +157,15 @@ fn flaw(range: Range, precision: Precision, value: [f64; 3]) -> Option<Flaw> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::stability::family::{STABLE, Scale, Section, scalar};
+    use crate::study::stability::number::scalar;
 
     fn minus_one<T: Number>(x: &[T]) -> Value<T> {
         scalar(x[0] * x[0] - T::of(1.0))
     }
 
-    const SQUARE: Family = Family {
-        name: "square",
-        about: "x² − 1",
-        figure: "",
-        bounds: &[],
-        inputs: &["x"],
-        domains: &[],
-        sections: &[Section {
-            title: "",
-            x: Scale::new("", 1.0, 2.0),
-            y: Scale::new("", 1.0, 2.0),
-            at: |x, _| vec![x],
-        }],
-        edges: &[],
-        reference: minus_one,
-        variants: &[Variant::new(STABLE, minus_one, minus_one)],
-        range: Range::UpTo(2.0),
-        coarser: 1,
-    };
-
     fn deviation(x: f64) -> Deviation {
-        let exact = Exact::at(&SQUARE, &[x]);
-        Deviation::of(&SQUARE, &SQUARE.variants[0], Precision::Single, &[x], &exact).unwrap()
+        let value = minus_one(&[x as f32]).map(|value| value.map(f64::from));
+        Deviation::between(Range::UpTo(2.0), Precision::Single, value, &Exact::at(minus_one, &[x]))
     }
 
     #[test]
@@ -173,12 +173,12 @@ mod tests {
         // x d(x² − 1)/dx / (x² − 1) = 2x² / (x² − 1).
         for x in [1.0 + 1e-6, 1.5, 3.0] {
             let expected = 2.0 * x * x / (x * x - 1.0);
-            assert!((Exact::at(&SQUARE, &[x]).condition / expected - 1.0).abs() < 1e-9, "{x}");
+            assert!((Exact::at(minus_one, &[x]).condition / expected - 1.0).abs() < 1e-9, "{x}");
         }
     }
 
     #[test]
-    fn cancellation_is_seen_and_flaws_are_told_apart() {
+    fn cancellation_is_measured_and_flaws_are_classified() {
         // 1 + 2⁻²³ squared is 1 + 2⁻²² + 2⁻⁴⁶, of which f32 keeps all but the last term: 2⁻²⁴ of the difference.
         let x = f64::from(1f32.next_up());
         assert!((deviation(x).relative / 2f64.powi(-24) - 1.0).abs() < 1e-6);

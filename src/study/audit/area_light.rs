@@ -1,7 +1,7 @@
 //! The course's area light: its irradiance decreases with the distance, not with its square, because a vector that is not a
 //! unit vector is used as one.
 
-use super::{Curves, Suspect, curve};
+use super::erratum::{Erratum, ErratumCurves, Suspect, curve};
 use crate::errata::{Conventions, light::falloff_error};
 use crate::math::Rgb;
 use crate::render::{Sampling, Settings};
@@ -10,10 +10,13 @@ use crate::study::validation::suite::renders::{RenderTest, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The area light of the report's Cornell box, 0.6 by 0.8 at this height, and the point on the floor that the camera sees.
+/// Half sides of the area light of the report's Cornell box.
 const HALF: [f64; 2] = [0.3, 0.4];
+/// Its height above the floor.
 const HEIGHT: f64 = 1.49;
+/// The point of the floor in the image, (x, z).
 const PLACE: [f64; 2] = [0.3, 0.2];
+/// Of the floor.
 const ALBEDO: f64 = 0.6;
 
 /// Irradiance of the floor at (x, z) by an area light of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
@@ -24,6 +27,7 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     let mut sum = 0.0;
     for i in 0..STEPS {
         for k in 0..STEPS {
+            // cos θ at both ends is HEIGHT/d.
             let d2 = (at(i, HALF[0]) - x).powi(2) + HEIGHT * HEIGHT + (at(k, HALF[1]) - z).powi(2);
             sum += HEIGHT * HEIGHT / (d2 * d2) * if too_bright { falloff_error(d2.sqrt()) } else { 1.0 };
         }
@@ -31,10 +35,10 @@ fn irradiance([x, z]: [f64; 2], too_bright: bool) -> f64 {
     sum * area
 }
 
-/// The floor under the area light, seen from close above.
-fn picture(inverse_distance: bool) -> RenderTest {
+/// The image of the floor under the area light, from close above.
+fn floor(inverse_distance: bool) -> RenderTest {
     let rectangle = |centre, x, y| Rectangle::new(centre, x, y).expect("the sides are perpendicular");
-    let floor = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
+    let ground = rectangle(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X);
     let panel = rectangle(Vec3::Y * HEIGHT as f32, HALF[0] as f32 * Vec3::X, HALF[1] as f32 * Vec3::Z);
     let camera = Camera {
         position: DVec3::new(PLACE[0], 0.5, PLACE[1]),
@@ -46,7 +50,7 @@ fn picture(inverse_distance: bool) -> RenderTest {
     let scene = Scene {
         name: "floor".into(),
         camera,
-        objects: vec![Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(ALBEDO as f32) })],
+        objects: vec![Object::new(Shape::Rectangle(ground), Material::Diffuse { albedo: Rgb::splat(ALBEDO as f32) })],
         lights: vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }],
         environment: None,
     };
@@ -60,6 +64,7 @@ fn picture(inverse_distance: bool) -> RenderTest {
     }
 }
 
+/// Light that falls off as 1/d.
 pub fn suspect() -> Suspect {
     // Over the report's floor, 2 by 2.
     const POINTS: usize = 12;
@@ -68,16 +73,15 @@ pub fn suspect() -> Suspect {
         (0..POINTS * POINTS).map(|i| irradiance([at(i % POINTS), at(i / POINTS)], too_bright)).sum()
     };
     let along = |too_bright| curve(-1.0, 1.0, |x| irradiance([x, 0.0], too_bright));
-    Suspect {
+    let erratum = Erratum {
         title: "light that falls off as 1/d",
         report: "second report (its course)",
         printed: "cos θ by a direction of length d: irradiance ∝ 1/d",
         right: "irradiance ∝ 1/d²",
         test: "Welch's t of the rendered floor against its exact radiance",
-        cases: vec![picture(true).case("audit/lamp/printed", |_| ()), picture(false).case("audit/lamp/right", |_| ())],
         error_in_picture: mean(true) / mean(false) - 1.0,
         error_of: "light on the floor of the Cornell box",
-        curves: Curves {
+        curves: ErratumCurves {
             x: "/{x} on the floor (scene's unit)",
             every: 0.5,
             y: "/{E} per /{L} (sr)",
@@ -85,5 +89,7 @@ pub fn suspect() -> Suspect {
             right: along(false),
             scattered: false,
         },
-    }
+        ..Erratum::default()
+    };
+    (erratum, [floor(true).case("audit/lamp/printed"), floor(false).case("audit/lamp/right")])
 }

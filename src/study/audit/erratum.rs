@@ -1,0 +1,71 @@
+//! An error of a report before and after its test.
+
+use crate::study::validation::Case;
+use etalon_stats::{Outcome, Verdict};
+use serde::Serialize;
+
+/// One error of a report. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Erratum {
+    /// What it is about, in a few words.
+    pub title: &'static str,
+    /// Which report.
+    pub report: &'static str,
+    /// As printed.
+    pub printed: &'static str,
+    /// Corrected.
+    pub right: &'static str,
+    /// What is tested, for the printed claim and for the corrected one.
+    pub test: &'static str,
+    /// Verdict on the printed claim, its p-value (none where an exact check decides), and its samples.
+    pub verdict: Verdict,
+    /// The p-value of that test.
+    pub p: Option<f64>,
+    /// The samples of that test.
+    pub samples: u64,
+    /// The violation that an exact check finds in the printed claim.
+    pub violation: Option<String>,
+    /// Verdict on the corrected claim.
+    pub right_verdict: Verdict,
+    /// Its p-value.
+    pub right_p: Option<f64>,
+    /// Relative error that it causes, and of what.
+    pub error_in_picture: f64,
+    /// What has this error.
+    pub error_of: &'static str,
+    /// Both formulas as curves.
+    #[serde(skip)]
+    pub curves: ErratumCurves,
+}
+
+/// The printed formula beside the corrected one.
+#[derive(Debug, Clone, Default)]
+pub struct ErratumCurves {
+    /// Label of the x axis.
+    pub x: &'static str,
+    /// Step of the ticks of the x axis.
+    pub every: f64,
+    /// Label of the y axis.
+    pub y: &'static str,
+    /// As printed.
+    pub printed: Vec<[f64; 2]>,
+    /// Corrected.
+    pub right: Vec<[f64; 2]>,
+    /// Whether these are scattered points and not curves.
+    pub scattered: bool,
+}
+
+/// An error before it is tested, and the tests of the printed claim and of the corrected one.
+pub type Suspect = (Erratum, [Case; 2]);
+
+/// The outcome of a deterministic check of `samples` samples, and what it found wrong.
+pub fn exact(violation: Option<String>, samples: u64) -> Outcome {
+    Outcome { violation, ..Outcome::open(samples) }
+}
+
+/// A function at equal steps from `from` to `to`, ends included.
+pub fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    const STEPS: u32 = 180;
+    let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
+    (0..=STEPS).map(|i| [at(i), f(at(i))]).collect()
+}
