@@ -256,7 +256,7 @@ pub fn contains(p: DVec3) -> bool {
 mod tests {
     use super::*;
 
-    /// Directions spread evenly over the sphere.
+    /// Directions spread uniformly over the sphere.
     fn directions(count: u32) -> impl Iterator<Item = DVec3> {
         (0..count).map(move |i| {
             let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);

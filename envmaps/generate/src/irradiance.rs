@@ -176,7 +176,7 @@ fn direct(p: DVec3, patches: &[Patch]) -> [DVec3; 6] {
     cube
 }
 
-/// Irradiance by lit stone, from rays spread evenly over the sphere.
+/// Irradiance by lit stone, from rays spread uniformly over the sphere.
 fn gather(p: DVec3, reflected: impl Fn(&Hit) -> DVec3) -> [DVec3; 6] {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let mut cube = [DVec3::ZERO; 6];

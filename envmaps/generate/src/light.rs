@@ -31,14 +31,14 @@ pub fn sky(kind: Kind, number: i32) -> DVec3 {
     }
 }
 
-/// Something small that shines: how many candles burn there.
+/// A small light source: the number of its candles.
 #[derive(Debug, Clone, Copy)]
 pub struct Lamp {
     pub p: DVec3,
     pub candles: f64,
 }
 
-/// The lamps as seen by the stone: each chandelier, sconce, or group of candles is one point.
+/// The lamps that light the stone: each chandelier, sconce, or group of candles is one point.
 pub fn lamps() -> Vec<Lamp> {
     let mut all: Vec<Lamp> = CHANDELIERS
         .iter()

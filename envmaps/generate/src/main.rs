@@ -22,8 +22,8 @@
 //! ```
 //!
 //! Every surface has a closed form (planes, upright cylinders, tunnels of pointed profile), so a ray costs a fraction
-//! of a microsecond. Light: the sky through each window and one bounce of it are kept on a coarse grid; the sun
-//! through the glass, the lamps, and the mirror image in the polished floor are worked out for every sample.
+//! of a microsecond. Light: the sky through each window and one bounce of it are stored on a coarse grid; the sun
+//! through the glass, the lamps, and the mirror image in the polished floor are computed for every sample.
 
 mod arch;
 mod building;
@@ -125,9 +125,9 @@ impl Lighting {
     /// What a surface sends to the ray's origin, after a way of `length` metres in all.
     fn radiance(&self, ray: &Ray, hit: &Hit, length: f64) -> DVec3 {
         if let Surface::Glass(kind, number, q) = hit.surface
-            && let Some(shine) = light::window(kind, number, q, ray.d)
+            && let Some(radiance) = light::window(kind, number, q, ray.d)
         {
-            return shine;
+            return radiance;
         }
         let width = PIXEL * length / hit.n.dot(ray.d).abs().max(0.2).sqrt();
         self.stone(hit, width)

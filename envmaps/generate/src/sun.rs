@@ -20,7 +20,7 @@ const HAZE: f64 = 0.0007;
 const CELL: f64 = 0.06;
 const BLUR: i32 = 1;
 
-/// The sun, with a slide for each window that it shines through.
+/// The sun, with a slide for each window that its light passes.
 pub struct Sun {
     clerestory: Vec<Slide>,
     aisle: Vec<Slide>,
