@@ -43,7 +43,7 @@ fn change_once(change: u8, bytes: &mut Vec<u8>, seeds: &[Vec<u8>], program: &mut
         // An extreme value of 1, 2, 4 or 8 bytes, in either order.
         4 => {
             let mut word = program.pick(&WORDS).to_le_bytes()[..1 << (program.byte() % 4)].to_vec();
-            if program.byte() % 2 == 0 {
+            if program.byte().is_multiple_of(2) {
                 word.reverse();
             }
             replace(bytes, at, word.len(), &word);
@@ -77,7 +77,7 @@ fn change_once(change: u8, bytes: &mut Vec<u8>, seeds: &[Vec<u8>], program: &mut
             if let Some(Range { start, end }) = run(bytes, *program.pick(&KINDS), at) {
                 let whole = bytes[start..(end + 1).min(bytes.len())].to_vec();
                 let twice = [&whole[..], &whole].concat();
-                replace(bytes, start, whole.len(), if program.byte() % 2 == 0 { &[] } else { &twice });
+                replace(bytes, start, whole.len(), if program.byte().is_multiple_of(2) { &[] } else { &twice });
             }
         }
     }

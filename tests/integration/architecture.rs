@@ -447,7 +447,6 @@ const WORDS: &[(&str, &str)] = &[
     ("promise", "bound"),
     ("promises", "bounds"),
     ("howmany", "sample count"),
-    ("elsewhere", "external"),
     ("by turns", "alternating"),
     ("told apart", "distinguished"),
     ("nobody's business", "private"),

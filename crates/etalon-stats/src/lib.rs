@@ -108,7 +108,7 @@ pub use examine::{Protocol, SampleCount, examine, validate};
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use outcome::{Counts, Outcome, Verdict, decide};
-pub use sampler::{Sample, Sampler, SamplerFn, sampler};
+pub use sampler::{NoInverse, Sample, Sampler, SamplerFn, sampler};
 
 #[cfg(test)]
 mod testing;

@@ -78,7 +78,7 @@ pub struct SamplerFn<F, I> {
 }
 
 /// The absence of an inverse.
-type NoInverse<P> = fn(P) -> Option<Vec<f64>>;
+pub type NoInverse<P> = fn(P) -> Option<Vec<f64>>;
 
 /// The sampler whose `sample` maps `dimension` uniform random numbers to one sample.
 pub fn sampler<P, F>(dimension: usize, sample: F) -> SamplerFn<F, NoInverse<P>>

@@ -25,7 +25,7 @@ const DISC: DVec3 = DVec3::new(7800.0, 7000.0, 5900.0);
 const ZENITH: DVec3 = DVec3::new(0.075, 0.17, 0.42);
 const HORIZON: DVec3 = DVec3::new(0.52, 0.60, 0.68);
 const GROUND: DVec3 = DVec3::new(0.17, 0.14, 0.105);
-const GLOW: DVec3 = DVec3::new(1.0, 0.90, 0.74);
+const AUREOLE: DVec3 = DVec3::new(1.0, 0.90, 0.74);
 
 /// The map, in f32; see the module.
 pub fn make() -> Image {
@@ -55,8 +55,8 @@ fn background(d: DVec3, sun: DVec3) -> DVec3 {
     let angle = 2.0 * libm::asin((0.5 * (d - sun).length()).min(1.0));
     let haze = libm::exp(-d.y.abs() / 0.16);
     if d.y > 0.0 {
-        let glow = 2.2 * libm::exp(-angle / 0.06) + 0.30 * libm::exp(-angle / 0.35);
-        ZENITH.lerp(HORIZON, haze) + GLOW * glow
+        let aureole = 2.2 * libm::exp(-angle / 0.06) + 0.30 * libm::exp(-angle / 0.35);
+        ZENITH.lerp(HORIZON, haze) + AUREOLE * aureole
     } else {
         // With the sun behind the eye the ground is a little brighter: its grains hide their shadows.
         let opposite = 0.5 * (1.0 - d.dot(sun));

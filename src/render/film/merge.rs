@@ -71,7 +71,7 @@ fn same_picture(path_a: &Path, a: &Part, path_b: &Path, b: &Part) -> Result<()> 
     Err(Error::input(path_b, message).with_hint("render all parts with the same scene, flags and version"))
 }
 
-/// An error if two parts cannot be told apart.
+/// An error if two parts cannot be distinguished.
 fn apart(path_a: &Path, a: &Ranges, path_b: &Path, b: &Ranges) -> Result<()> {
     let other = path_a.display();
     if let Some(twice) = a.overlap(b) {

@@ -10,7 +10,7 @@ pub struct MeshHit {
     pub t: f32,
     /// Number of the triangle, counted on through all meshes.
     pub triangle: u32,
-    /// Where the tree keeps it, for [`MeshBvh::surface`].
+    /// Where the tree keeps it, for [`super::MeshBvh::surface`].
     pub place: u32,
     /// Barycentric weight of the triangle's second corner.
     pub u: f32,

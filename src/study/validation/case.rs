@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::memory;
 use crate::sampling::hash;
-use etalon_stats::{Density, Domain, Outcome, Protocol, Sample, Sampler, SamplerFn, examine, sampler};
+use etalon_stats::{Density, Domain, NoInverse, Outcome, Protocol, Sample, Sampler, SamplerFn, examine, sampler};
 use glam::DVec3;
 
 /// One round of a test; see [`examine`].
@@ -21,10 +21,13 @@ pub struct Case {
     memory: usize,
 }
 
+/// A sampler of directions without an inverse.
+pub type DirectionSampler<F> = SamplerFn<F, NoInverse<[f64; 3]>>;
+
 /// The sampler of directions from two random numbers.
 pub fn direction_sampler<F: Fn([f64; 2]) -> Option<DVec3> + Sync>(
     sample: F,
-) -> SamplerFn<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync + use<F>, fn([f64; 3]) -> Option<Vec<f64>>> {
+) -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync + use<F>> {
     sampler(2, move |u| sample([u[0], u[1]]).map(|w| Sample::new(w.to_array())))
 }
 

@@ -10,7 +10,7 @@ mod shared;
 pub mod suite;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
-pub use case::{Case, direction_sampler};
+pub use case::{Case, DirectionSampler, direction_sampler};
 pub use ranks::Ranked;
 pub use run::{Tested, Validation, run};
 pub use select::select;

@@ -70,9 +70,9 @@ impl Group {
     pub fn add(&self, _: &mut Command) {}
 }
 
+#[cfg(unix)]
 #[cfg(test)]
 mod tests {
-    #![cfg(unix)]
 
     use super::*;
     use std::os::unix::process::ExitStatusExt;

@@ -1,11 +1,11 @@
 //! Mistakes in sampling directions over a hemisphere.
 
-use super::super::case::direction_sampler;
+use super::super::case::{DirectionSampler, direction_sampler};
 use super::fault::PlantedFault;
 use crate::math::circular::sin_cos_turns;
 use crate::sampling::direction_density;
 use crate::sampling::warp;
-use etalon_stats::{DensityFn, Directions, Mass, Pole, Sample, Sampler, SamplerFn};
+use etalon_stats::{DensityFn, Directions, Mass, Pole, Sample, Sampler};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -42,7 +42,7 @@ fn lobe_pdf(factor: f64) -> DensityFn<[f64; 3], impl Fn([f64; 3]) -> f64 + Sync>
 }
 
 /// A right sampler in proportion to the cosine.
-fn cosine() -> SamplerFn<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync, fn([f64; 3]) -> Option<Vec<f64>>> {
+fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync> {
     direction_sampler(|u| Some(warp::cosine_hemisphere(u)))
 }
 
