@@ -110,7 +110,7 @@ pub struct BsdfSample {
     /// other than delta lobes `pdf` has it as a factor.
     pub probability: f32,
     /// The index of refraction on the side of `wi` over that on the side of `wo`: 1 unless transmitted. Radiance changes by
-    /// 1/η² across the interface, and Russian roulette should not count that as a loss.
+    /// 1/η² across the interface.
     pub eta: f32,
 }
 

@@ -11,7 +11,7 @@ pub fn row_weight(row: usize, rows: usize) -> f64 {
     if row == 0 || row + 1 == rows { 0.0 } else { (row as f64 * PI / (rows - 1) as f64).sin() }
 }
 
-/// The density per solid angle that goes with [`row_weight`]: the texel's probability over its solid angle as the weight has
+/// The pdf per solid angle that goes with [`row_weight`]: the texel's probability over its solid angle as the weight has
 /// it, 2π² w/(width · height); 0 where the weight is.
 #[must_use]
 pub fn texel_pdf(probability: f64, weight: f64, [width, height]: [usize; 2]) -> f64 {

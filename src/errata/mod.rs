@@ -1,6 +1,6 @@
 //! Errata: formulas that the two course reports print or their renderers compute wrongly, to show what the mistakes do.
 //!
-//! Nothing outside uses them unless [`Conventions`] asks for it: tone mapping, environment maps, BSDFs and the renderer take
+//! Nothing that renders uses them unless [`Conventions`] asks for it: tone mapping, environment maps, BSDFs and the renderer take
 //! that struct as a parameter, and [`Conventions::CORRECT`] is its default. Here are only the formulas: scalars in, scalars
 //! out, each beside what is right and the size of the error.
 
@@ -23,7 +23,7 @@ pub struct Conventions {
     /// 82 % for copper, 105 % for iron and 148 % for gold (grazing against the least reflective angle).
     pub fresnel_at_normal: bool,
     /// Metal: the approximation [`crate::optics::conductor::fresnel_approximate`], which drops sin² against η² + k²: an error
-    /// of at most 0.007 for gold and copper.
+    /// below 0.007 for gold and copper.
     pub approximate_fresnel: bool,
     /// Metal: [`microfacet::lambda_with_pi`] in the shadowing term, which may then exceed 1.
     pub lambda_with_pi: bool,

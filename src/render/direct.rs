@@ -3,7 +3,7 @@
 use super::integrator::{Integrator, SHORT_OF_LIGHT};
 use super::lanes::{LANES, NOTHING, ZERO3, at, set};
 use super::lights::{self, Kind, LightSamples};
-use super::mis::{balance_heuristic, power_heuristic};
+use super::mis::{balance_weight_over_pdf, power_heuristic};
 use super::needs::Needs;
 use super::settings::Sampling;
 use super::strategies::BsdfOnly;
@@ -74,7 +74,7 @@ impl Integrator<'_> {
                 continue;
             }
             let other = self.strategies.bsdf_only().map_or(0.0, |scatter| scatter.pdf(cos));
-            let share = (cos * balance_heuristic(light.pdf, other)) as f32;
+            let share = (cos * balance_weight_over_pdf(light.pdf, other)) as f32;
             let value = at(&work.points.weight, i) * scale * light.radiance * share;
             let (slot, word) = (work.points.slot[i], work.points.path_class[i]);
             work.shadows.push(at(&work.points.position, i), wi.as_vec3(), f32::INFINITY, value, slot, word);
@@ -108,7 +108,7 @@ impl Integrator<'_> {
                 }
                 _ => 0.0,
             };
-            let share = (local.z * balance_heuristic(pdf, other)) as f32 * FRAC_1_PI / sample.1 as f32;
+            let share = (local.z * balance_weight_over_pdf(pdf, other)) as f32 * FRAC_1_PI / sample.1 as f32;
             let value = at(&work.points.weight, i) * share;
             let word = work.points.path_class[i];
             work.shadows.push(at(&work.points.position, i), wi, f32::INFINITY, value, slot, word);

@@ -1,4 +1,4 @@
-//! Drawing light: for each light of the scene a direction, how far, what comes from there, and its density.
+//! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf.
 
 use super::cut_lights;
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
@@ -23,14 +23,14 @@ pub struct LightSample {
     pub wi: Vec3,
     /// To the light; infinite for lights at infinity.
     pub distance: f32,
-    /// What arrives, divided by the density: radiance over density per solid angle, or irradiance where the light has
+    /// What arrives, divided by the pdf: radiance over pdf per solid angle, or irradiance where the light has
     /// no extent. Black where the light does not reach.
     pub weight: Rgb,
     /// Density per solid angle; infinite where the light has no extent.
     pub pdf: f32,
 }
 
-/// Draws directions towards a light.
+/// Samples directions towards a light.
 pub trait SampleLight {
     /// A direction towards the light from a point.
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub struct SampleRow {
     /// Column.
     pub x: f64,
-    /// SampleRow.
+    /// Row.
     pub y: f64,
     /// Direction, x.
     pub dir_x: f64,

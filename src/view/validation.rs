@@ -9,15 +9,15 @@ use serde::Serialize;
 /// A line of the table. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row<'a> {
-    /// Of the test.
+    /// Name of the test.
     pub name: &'a str,
-    /// Of the test.
+    /// Its verdict.
     pub verdict: String,
     /// The test's statistic.
     pub statistic: f64,
     /// Degrees of freedom.
     pub dof: usize,
-    /// p-value; none where nothing was counted.
+    /// p-value of the test; none where nothing was counted.
     pub p: Option<f64>,
     /// Samples taken.
     pub samples: u64,
@@ -25,7 +25,7 @@ pub struct Row<'a> {
     pub detectable: Option<f64>,
     /// Integral of the pdf.
     pub mass: Option<f64>,
-    /// The bound of the mass's error, and whether it is rigorous or statistical.
+    /// The bound of the mass's error.
     pub mass_error: Option<f64>,
     /// Which kind of bound.
     pub mass_bound: Option<Bound>,
@@ -120,7 +120,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
 /// A line of a calibration's table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct CalibrationRow<'a> {
-    /// Of the test.
+    /// Name of the test.
     pub name: &'a str,
     /// p-values.
     pub count: usize,

@@ -107,7 +107,7 @@ fn numbers_out_of_range() {
         ("render furnace --alpha 10.1", &["--alpha: 10.1 "]),
         ("render furnace --alpha -1", &["--alpha: -1 "]),
         ("render furnace --alpha NaN", &["--alpha: NaN "]),
-        ("render cornell-lambert --alpha 0.5", &["--alpha: ", "no metal", "hint: "]),
+        ("render cornell-lambert --alpha 0.5", &["--alpha: ", "no rough metal", "hint: "]),
         ("render furnace --paths 7", &["--paths", "7"]),
         ("render furnace --shard 0/2", &["--shard", "0/2"]),
         ("render furnace --shard 3/2", &["--shard", "3/2"]),

@@ -44,7 +44,7 @@ enum ModelName {
     /// Metal: reflectance at the angle with the shading normal, not the microfacet normal; f(wo, wi) and f(wi, wo) then
     /// differ by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
     FresnelAtNormal,
-    /// Metal: a reflectance that drops a term, with an error below 0.008 for gold and copper
+    /// Metal: a reflectance that drops a term, with an error below 0.007 for gold and copper
     ApproximateFresnel,
     /// Glass: Schlick's approximation with the cosine on the ray's own side; inside glass of 1.5 at 40 degrees it
     /// reflects 0.041 instead of 0.245, and 0.573 instead of 0.596 of uniform light from inside
