@@ -80,7 +80,7 @@ pub fn suspect() -> Suspect {
         right: "irradiance ∝ 1/d²",
         test: "Welch's t of the rendered floor against its exact radiance",
         error_in_picture: mean(true) / mean(false) - 1.0,
-        error_of: "light on the floor of the Cornell box",
+        error_of: "light on the floor",
         curves: ErratumCurves {
             x: "/{x} on the floor (scene's unit)",
             every: 0.5,

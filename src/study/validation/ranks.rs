@@ -33,6 +33,9 @@ impl Validation {
         // Sort by p-value: the rank of each decides its expected value and its threshold.
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let n = known.len();
+        // Holm's step-down ranks all tests that have a p-value.
+        let mut all: Vec<f64> = self.tests.iter().filter_map(|test| test.outcome.p).collect();
+        all.sort_by(f64::total_cmp);
         let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {
             // Of n uniform random numbers the i-th smallest is distributed as Beta(i, n − i + 1).
             let beta = Beta::new((i + 1) as f64, (n - i) as f64);
@@ -42,7 +45,7 @@ impl Validation {
                 verdict,
                 expected: (i + 1) as f64 / (n + 1) as f64,
                 interval: [quantile(0.5 * (1.0 - INSIDE)), quantile(0.5 * (1.0 + INSIDE))],
-                threshold: holm_level(self.level, self.tests.len(), i),
+                threshold: holm_level(self.level, self.tests.len(), all.partition_point(|&smaller| smaller < p)),
             }
         };
         known.into_iter().enumerate().map(ranked).collect()
