@@ -209,11 +209,9 @@ pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
 /// # Errors
 /// A file that cannot be written, a drawing too large for a PNG.
 pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
-    // A drawing that is interrupted leaves no table behind.
-    let drawn = drawing.write(stem)?;
     let csv = with_extension(stem, "csv");
     files::write_bytes(&csv, table)?;
-    Ok([vec![csv], drawn].concat())
+    Ok([vec![csv], drawing.write(stem)?].concat())
 }
 
 #[cfg(test)]

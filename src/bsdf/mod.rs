@@ -8,17 +8,17 @@
 
 mod conductor_fresnel;
 mod contract;
-mod conventional;
 mod dielectric;
 mod diffuse;
+mod errata_conductor;
 mod mirror;
 mod rough_conductor;
 
 pub use conductor_fresnel::ConductorFresnel;
 pub use contract::{BsdfSample, Lobe, Lobes, Scatter, Transport};
-pub use conventional::{ConventionalConductor, pdf_without_cosine};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
+pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
 pub use mirror::{Mirror, SmoothConductor};
 pub(crate) use rough_conductor::Facet;
 pub use rough_conductor::{NormalSampling, RoughConductor};
@@ -114,8 +114,8 @@ bsdfs! {
     Beckmann(RoughConductor<Beckmann<f32>>) = "beckmann",
     /// A rough conductor of the GGX distribution.
     Ggx(RoughConductor<Ggx<f32>>) = "ggx",
-    /// A rough conductor of Beckmann's distribution with other conventions.
-    ConventionalConductor(ConventionalConductor) = "conventional-conductor",
+    /// A rough conductor of Beckmann's distribution with errors that its conventions select.
+    ErrataConductor(ErrataConductor) = "errata-conductor",
 }
 
 #[cfg(test)]

@@ -47,8 +47,8 @@ fn all_materials() -> Vec<(String, Bsdf)> {
                 list.push((name, gold(alpha, distribution).bsdf(model)));
             }
         }
-        let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
-        list.push((format!("conventional {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(conventional)));
+        let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+        list.push((format!("erroneous {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(erroneous)));
     }
     let (reflectance, transmittance) = (Rgb::splat(0.9), Rgb::splat(0.8));
     let plain = [
@@ -225,9 +225,9 @@ fn smooth_materials_lose_nothing() {
     let glass = Material::Glass { reflectance: one, transmittance: one, eta: 1.45 };
     let model = ScatterModel::default();
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
-    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
+    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
     for wo in directions() {
-        for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(conventional)] {
+        for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(erroneous)] {
             for i in 0..1000 {
                 let Some(s) = bsdf.sample(wo, i as f32 / 1000.0, [0.5; 2]) else { panic!("glass loses light") };
                 // Power, that is radiance over n², is what is conserved.
@@ -287,10 +287,10 @@ fn tested(bsdf: &Bsdf, pdf: impl Fn(Vec3, Vec3) -> f32 + Sync, wo: Vec3) -> Outc
 }
 
 #[test]
-fn the_conventional_conductor_follows_its_own_pdf_and_not_the_one_without_cosine() {
+fn the_errata_conductor_follows_its_own_pdf_and_not_the_one_without_cosine() {
     let wo = towards(40.0, 1.0);
-    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
-    let bsdf = gold(0.3, Distribution::Beckmann).bsdf(conventional);
+    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let bsdf = gold(0.3, Distribution::Beckmann).bsdf(erroneous);
     let own = tested(&bsdf, |wo, wi| bsdf.pdf(wo, wi), wo);
     assert!(own.is_accepted(), "{own}");
     let wrong = tested(&bsdf, |wo, wi| pdf_without_cosine(crate::optics::microfacet::Beckmann::new(0.3), wo, wi), wo);

@@ -5,7 +5,6 @@ use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Colour, Paint, Rect, Text};
 use super::text;
 use crate::error::{Error, Result};
-use crate::interrupt;
 use tiny_skia::{
     FillRule, FilterQuality, IntSize, LineJoin, Path, PathBuilder, Pattern, Pixmap, SpreadMode, Stroke, StrokeDash,
     Transform,
@@ -19,7 +18,7 @@ impl Drawing {
     /// The drawing as a PNG file of `width * scale` by `height * scale` pixels, each rounded up.
     ///
     /// # Errors
-    /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels; an interruption.
+    /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
         let (w, h) = ((self.width() * self.scale()).ceil(), (self.height() * self.scale()).ceil());
         let unpaintable = |what: &str| {
@@ -34,8 +33,6 @@ impl Drawing {
         page.fill(tiny_skia::Color::WHITE);
         let to_pixels = Transform::from_scale(self.scale() as f32, self.scale() as f32);
         for item in self.items() {
-            // Half a million regions of a map take seconds.
-            interrupt::check()?;
             paint_item(&mut page, to_pixels, item);
         }
         // The page is opaque white below everything, so alpha is not needed.

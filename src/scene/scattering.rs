@@ -2,8 +2,8 @@
 
 use super::material::{Conductor, Material};
 use crate::bsdf::{
-    self, Bsdf, ConductorFresnel, ConventionalConductor, Dielectric, DielectricFresnel, Diffuse, Mirror,
-    NormalSampling, Refraction, SmoothConductor,
+    self, Bsdf, ConductorFresnel, Dielectric, DielectricFresnel, Diffuse, ErrataConductor, Mirror, NormalSampling,
+    Refraction, SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -52,7 +52,7 @@ impl Conductor {
             Distribution::Beckmann => {
                 let distribution = Beckmann::new(self.alpha);
                 if model.conventions.change_metal() {
-                    return Bsdf::ConventionalConductor(ConventionalConductor {
+                    return Bsdf::ErrataConductor(ErrataConductor {
                         distribution,
                         fresnel,
                         conventions: model.conventions,

@@ -86,7 +86,7 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::samplers::{ALL, ConventionalSampler, MapSampling};
+    use crate::envmap::samplers::{ALL, ErrataSampler, MapSampling};
     use crate::envmap::synthetic::Synthetic;
     use crate::errata::Conventions;
     use std::sync::Arc;
@@ -107,7 +107,7 @@ mod tests {
             assert_eq!(samples.rows, draw_by(sampling, &map, 256, 1).unwrap().rows);
             assert_eq!(samples.pdf_mismatches, 0, "{sampling}");
         }
-        let corners = ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT);
+        let corners = ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT);
         assert!(draw(&map, &corners, DVec3::Y, 256, 1).unwrap().pdf_mismatches > 0);
         assert!(draw_by(MapSampling::MAP, &map, 0, 1).is_err());
     }

@@ -77,6 +77,8 @@ impl Cut {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
             let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
+            // Half a million regions take seconds to draw.
+            interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
             files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
             let (flux_error, imbalance) = (median_cut::flux_error(rows, info.flux_rgb), median_cut::imbalance(rows));

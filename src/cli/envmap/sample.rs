@@ -8,7 +8,7 @@ use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::{Model, map_samplers, map_sampling};
 use crate::envmap::EnvMap;
 use crate::envmap::info::Info;
-use crate::envmap::samplers::{ConventionalSampler, MapSampling, SurfaceSampler};
+use crate::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
 use crate::errata::Conventions;
 use crate::error::Result;
 use crate::interrupt;
@@ -67,7 +67,7 @@ impl Sample {
     fn sampler(&self, map: &Arc<EnvMap>) -> Result<(Box<dyn SurfaceSampler>, bool)> {
         if self.model == Model::Report {
             MapSampling::MAP.request(map)?;
-            return Ok((Box::new(ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT)), true));
+            return Ok((Box::new(ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT)), true));
         }
         let sampling = if self.compensated { MapSampling::COMPENSATED } else { self.sampler };
         let complete = sampling.entry().complete && !sampling.needs_normal();

@@ -8,9 +8,9 @@ mod batch;
 pub mod cdf;
 pub mod compensated;
 mod contract;
-pub mod conventional;
 pub mod cosine;
 pub mod cut_lights;
+pub mod errata;
 pub mod strata;
 #[cfg(test)]
 mod tests;
@@ -18,8 +18,8 @@ mod tests;
 pub use alias::AliasSampler;
 pub use cdf::CdfSampler;
 pub use contract::{DirectionSampler, Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
-pub use conventional::ConventionalSampler;
 pub use cosine::CosineSampler;
+pub use errata::ErrataSampler;
 pub use strata::StrataSampler;
 
 use super::EnvMap;

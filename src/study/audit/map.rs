@@ -4,7 +4,7 @@
 //! a uniform sky.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect};
-use crate::envmap::samplers::{CdfSampler, ConventionalSampler, DirectionSampler};
+use crate::envmap::samplers::{CdfSampler, DirectionSampler, ErrataSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
 use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
@@ -114,7 +114,7 @@ pub fn corners() -> Suspect {
     // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
-        let draw = ConventionalSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
+        let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
         let claim = CdfSampler::new(uniform_sky());
         (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
     });

@@ -1,7 +1,7 @@
 //! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect, curve, exact};
-use crate::bsdf::{ConductorFresnel, ConventionalConductor, Scatter, pdf_without_cosine};
+use crate::bsdf::{ConductorFresnel, ErrataConductor, Scatter, pdf_without_cosine};
 use crate::errata::Conventions;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
@@ -64,9 +64,9 @@ fn brdf(wo: DVec3, wi: DVec3) -> f64 {
     0.25 * facets.d(facet(wo, wi).to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array())
 }
 
-fn metal(conventions: Conventions) -> ConventionalConductor {
+fn metal(conventions: Conventions) -> ErrataConductor {
     let fresnel = ConductorFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
-    ConventionalConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
+    ErrataConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
 }
 
 fn printed_density() -> Result<Suspect> {
@@ -151,7 +151,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
 }
 
 /// The largest relative difference of f(wo, wi) and f(wi, wo) over random pairs.
-fn largest_asymmetry(metal: &ConventionalConductor, seed: u64) -> f64 {
+fn largest_asymmetry(metal: &ErrataConductor, seed: u64) -> f64 {
     let pair = |i: u32| {
         let stream = Independent::new(seed, 0, i);
         let [wo, wi] = [0, 1].map(|d| warp::uniform_hemisphere(stream.pair(d)).as_vec3());

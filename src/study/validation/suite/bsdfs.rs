@@ -43,10 +43,10 @@ pub fn cases() -> Vec<(&'static str, Case)> {
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
         }
     }
-    let conventional = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     for alpha in [0.005, 0.05, 0.25, 0.5] {
         for degrees in [0.0, 40.0, 80.0] {
-            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(conventional);
+            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(erroneous);
             let name = format!("bsdf/report-metal/{alpha}/{degrees}");
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
         }

@@ -12,13 +12,13 @@ use std::sync::Arc;
 /// A row by the marginal distribution, a texel of it, and a direction in the texel. Under
 /// [`Conventions::rows_without_poles`] the rows at the poles are missed.
 #[derive(Debug, Clone)]
-pub struct ConventionalSampler {
+pub struct ErrataSampler {
     map: Arc<EnvMap>,
     table: Table2,
     conventions: Conventions,
 }
 
-impl ConventionalSampler {
+impl ErrataSampler {
     /// The tables of a map.
     #[must_use]
     pub fn new(map: Arc<EnvMap>, conventions: Conventions) -> Self {
@@ -45,7 +45,7 @@ impl ConventionalSampler {
     }
 }
 
-impl DirectionSampler for ConventionalSampler {
+impl DirectionSampler for ErrataSampler {
     fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
         let at = self.table.sample(u)?;
         let (x, y) = (at.x.cell, at.y.cell);
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn pole_rows_are_never_sampled_and_positions_are_corners() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |_, y| Rgb::splat(if y == 0 { 1e6 } else { 1.0 }))));
-        let sampler = ConventionalSampler::new(map.clone(), Conventions::FIRST_REPORT);
+        let sampler = ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT);
         for i in 0..1000 {
             let s = sampler.sample([(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()]).unwrap();
             let (x, y) = map.geometry().position(s.wi);
@@ -86,13 +86,13 @@ mod tests {
     #[test]
     fn maps_of_two_rows_have_no_samples() {
         let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
-        assert_eq!(ConventionalSampler::new(map, Conventions::FIRST_REPORT).sample([0.5, 0.5]), None);
+        assert_eq!(ErrataSampler::new(map, Conventions::FIRST_REPORT).sample([0.5, 0.5]), None);
     }
 
     #[test]
     fn correct_conventions_are_the_sampler_by_inversion() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32))));
-        let (by, right) = (ConventionalSampler::new(map.clone(), Conventions::CORRECT), CdfSampler::new(map));
+        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), CdfSampler::new(map));
         for i in 0..1000 {
             let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()];
             assert_eq!(by.sample(u), right.sample(u));

@@ -1,4 +1,4 @@
-//! A rough conductor with the second report's conventions; see [`Conventions`].
+//! A rough conductor with errors of the second report, as [`Conventions`] select them.
 
 use super::rough_conductor::{Facet, reflect_at};
 use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
@@ -10,11 +10,13 @@ use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 
-/// A rough conductor of Beckmann's distribution with other conventions, visible from the side of the normal (z > 0).
+/// A rough conductor of Beckmann's distribution with the errors that its conventions select, visible from the side of the
+/// normal (z > 0).
 ///
-/// Directions are sampled by the full distribution of normals, with their true pdf. The pdf that the second report prints is [`pdf_without_cosine`].
+/// Directions are sampled by the full distribution of normals, with their true pdf. The pdf that the second report prints
+/// is [`pdf_without_cosine`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConventionalConductor {
+pub struct ErrataConductor {
     /// Distribution of the microfacets' normals.
     pub distribution: Beckmann<f32>,
     /// Complex index of refraction of the metal.
@@ -23,7 +25,7 @@ pub struct ConventionalConductor {
     pub conventions: Conventions,
 }
 
-impl ConventionalConductor {
+impl ErrataConductor {
     /// F at the cosine that the conventions choose, exact or approximate.
     #[inline]
     fn reflectance(&self, wi: Vec3, facet: &Facet) -> Rgb {
@@ -52,7 +54,7 @@ impl ConventionalConductor {
     }
 }
 
-impl Scatter for ConventionalConductor {
+impl Scatter for ErrataConductor {
     fn lobes(&self) -> Lobes {
         Lobes::of(&[Lobe::GlossyReflection])
     }
