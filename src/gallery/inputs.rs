@@ -3,7 +3,6 @@
 use super::originals::Originals;
 use crate::envmap::NamedMap;
 use crate::error::{Error, Result};
-use crate::math::Rgb;
 use crate::optics::metals;
 use crate::render::Settings;
 use crate::scene::{Material, Request, Scene, builtin};
@@ -67,7 +66,8 @@ impl Inputs {
     /// # Errors
     /// An unknown metal, and those of [`builtin::cornell_statue`].
     pub fn statue(&self, metal: &str, alpha: f32) -> Result<(Scene, Request)> {
-        let metal = known_metal(metal)?;
+        let metal = metals::by_name(metal)
+            .ok_or_else(|| Error::parameter("metal", format!("\"{metal}\" is not in the table")))?;
         let Some(originals) = &self.originals else {
             let (scene, request) = builtin::cornell_statue(metal, alpha, None)?;
             return Ok((scene, self.request(request, 128, 1)));
@@ -76,8 +76,7 @@ impl Inputs {
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(conductor) = &mut object.material {
-                let rgb = |v: [f64; 3]| Rgb::from_array(v.map(|x| x as f32));
-                (conductor.eta, conductor.k, conductor.alpha) = (rgb(metal.eta), rgb(metal.k), alpha);
+                (conductor.eta, conductor.k, conductor.alpha) = (metal.eta_rgb(), metal.k_rgb(), alpha);
             }
         }
         Ok((scene, self.request(request, 128, 1)))
@@ -90,7 +89,7 @@ impl Inputs {
     pub fn copper(&self) -> Result<(Scene, Request)> {
         let (scene, request) = match &self.originals {
             Some(originals) => originals.bunny.clone(),
-            None => builtin::cornell_statue(known_metal("Cu")?, 0.05, None)?,
+            None => builtin::cornell_statue(metals::COPPER, 0.05, None)?,
         };
         Ok((scene, self.request(request, 64, 1)))
     }
@@ -101,10 +100,6 @@ impl Inputs {
         let (width, height) = (asked.width / side, asked.height / side);
         Request { width, height, spp: self.effort.of(spp, spp / 4), light_samples, max_depth: 5 }
     }
-}
-
-fn known_metal(symbol: &str) -> Result<&'static metals::Metal> {
-    metals::by_name(symbol).ok_or_else(|| Error::parameter("metal", format!("\"{symbol}\" is not in the table")))
 }
 
 #[cfg(test)]

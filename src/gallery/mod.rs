@@ -7,6 +7,7 @@ mod check;
 mod figure;
 mod figures;
 mod inputs;
+mod map;
 mod originals;
 pub mod page;
 mod prelude;

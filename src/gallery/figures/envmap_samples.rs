@@ -1,11 +1,11 @@
 //! Importance samples of the environment map: `envmap-samples-64`, `-256`, `-1024` and `-only-256`.
 
-use crate::envmap::info::Info;
 use crate::envmap::samplers::CdfSampler;
 use crate::figure::Drawing;
+use crate::gallery::map::{MapDisplay, MapInfo};
 use crate::gallery::prelude::*;
 use crate::study::map_samples::{self, SampleRow};
-use crate::view::map::{Display, Look};
+use crate::view::map::Display;
 use glam::DVec3;
 
 /// Side of a marker in texels, as in the report.
@@ -21,7 +21,7 @@ pub fn figures() -> Vec<Figure> {
         shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
         beside: Some(beside),
         command: Some(format!("etalon envmap sample {{map}} -n {n}")),
-        make: Box::new(move |inputs, _| content(inputs, n, Display::samples)),
+        make: Box::new(move |inputs, studies| content(inputs, studies, n, Display::samples)),
     };
     vec![
         on_the_map("envmap-samples-64", 64, "Figure 3, 64 samples", "envmap-samples-256"),
@@ -35,19 +35,24 @@ pub fn figures() -> Vec<Figure> {
             shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
             beside: Some("envmap-samples-256"),
             command: Some("etalon envmap sample {map} -n 256".into()),
-            make: Box::new(|inputs, _| content(inputs, 256, Display::samples_only)),
+            make: Box::new(|inputs, studies| content(inputs, studies, 256, Display::samples_only)),
         },
     ]
 }
 
-fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[SampleRow], usize) -> Drawing) -> Result<Content> {
+fn content(
+    inputs: &Inputs,
+    studies: &mut Studies,
+    n: usize,
+    draw: impl Fn(&Display, &[SampleRow], usize) -> Drawing,
+) -> Result<Content> {
     let map = &inputs.map.map;
     let result = map_samples::draw(map, &CdfSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
-    let flux = Info::of(map).flux_rgb.iter().sum::<f64>() / 3.0;
+    let flux = studies.get(MapInfo, inputs)?.flux_rgb.iter().sum::<f64>() / 3.0;
     let checks = vec![
         Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),
         // The pdf is proportional to radiance, so that the estimator has no variance.
         Check::within("flux estimated from the samples", flux, result.flux_estimate, 1e-6 * flux),
     ];
-    Content::new(draw(&Display::new(map, Look::default()), &result.rows, MARKER), &result.rows, checks)
+    Content::new(draw(&*studies.get(MapDisplay, inputs)?, &result.rows, MARKER), &result.rows, checks)
 }

@@ -1,11 +1,11 @@
 //! Median cut of the environment map: `median-cut-2`, `-4`, `-16`, `-64` and `median-cut-radiance-64`.
 
 use crate::envmap::cut::{SideRule, Split};
-use crate::envmap::info::Info;
 use crate::figure::Drawing;
+use crate::gallery::map::{MapDisplay, MapInfo};
 use crate::gallery::prelude::*;
 use crate::study::median_cut::{self, Centroid, RegionRow};
-use crate::view::map::{Display, Look};
+use crate::view::map::Display;
 
 /// Side of a light's marker in texels.
 const MARKER: usize = 5;
@@ -20,7 +20,7 @@ pub fn figures() -> Vec<Figure> {
         shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
         beside: Some(beside),
         command: Some(format!("etalon envmap cut {{map}} -n {n}")),
-        make: Box::new(move |inputs, _| content(inputs, n, Display::partition)),
+        make: Box::new(move |inputs, studies| content(inputs, studies, n, Display::partition)),
     };
     vec![
         partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4"),
@@ -35,15 +35,22 @@ pub fn figures() -> Vec<Figure> {
             shows: "One light at each centroid, in the colour of its region's flux.",
             beside: Some("median-cut-64"),
             command: Some("etalon envmap cut {map} -n 64".into()),
-            make: Box::new(|inputs, _| content(inputs, 64, |display, rows| display.lights(rows, MARKER))),
+            make: Box::new(|inputs, studies| {
+                content(inputs, studies, 64, |display, rows| display.lights(rows, MARKER))
+            }),
         },
     ]
 }
 
-fn content(inputs: &Inputs, n: usize, draw: impl Fn(&Display, &[RegionRow]) -> Drawing) -> Result<Content> {
+fn content(
+    inputs: &Inputs,
+    studies: &mut Studies,
+    n: usize,
+    draw: impl Fn(&Display, &[RegionRow]) -> Drawing,
+) -> Result<Content> {
     let map = &inputs.map.map;
     let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
-    let error = median_cut::flux_error(&rows, Info::of(map).flux_rgb);
+    let error = median_cut::flux_error(&rows, studies.get(MapInfo, inputs)?.flux_rgb);
     let checks = vec![Check::at_most("relative error of the regions' total flux", error, 1e-9)];
-    Content::new(draw(&Display::new(map, Look::default()), &rows), &rows, checks)
+    Content::new(draw(&*studies.get(MapDisplay, inputs)?, &rows), &rows, checks)
 }

@@ -1,6 +1,6 @@
 //! The white sphere under the environment map: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`.
 
-use crate::envmap::info::Info;
+use crate::gallery::map::MapInfo;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
@@ -48,7 +48,8 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
     ];
     // PBRT's errors were measured on the Grace map: no other map's can be compared with them.
-    let pbrt = PBRT_RMSE.iter().find(|(n, _)| *n == spp).filter(|_| Info::of(&inputs.map.map).is_grace());
+    let grace = studies.get(MapInfo, inputs)?.is_grace();
+    let pbrt = PBRT_RMSE.iter().find(|(n, _)| *n == spp).filter(|_| grace);
     if let Some((_, rmse)) = pbrt {
         checks.push(Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0));
     }

@@ -1,7 +1,7 @@
 //! Error of the sphere by sampling strategy: `sphere-error`.
 
 use super::sphere::ExactImage;
-use crate::envmap::info::Info;
+use crate::gallery::map::MapInfo;
 use crate::gallery::prelude::*;
 use crate::study::sphere::{self, AtNormal, Series};
 use crate::view::sphere as view;
@@ -27,7 +27,7 @@ fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     // A quarter of the pixels is enough to measure errors.
     let exact = studies.get(ExactImage(inputs.effort.of(255, 127)), inputs)?;
     let series = sphere::compare(&inputs.map, &SPP, &exact, &inputs.settings())?;
-    let grace = Info::of(&inputs.map.map).is_grace();
+    let grace = studies.get(MapInfo, inputs)?.is_grace();
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
     if grace {
         checks.extend(sphere::against_pbrt(&inputs.map.map).iter().flat_map(radiance));

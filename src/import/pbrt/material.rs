@@ -66,8 +66,8 @@ fn glass_index(p: &mut Params) -> Result<Option<f64>> {
 /// pbrt-v3's `metal` and pbrt-v4's `conductor`. Their microfacets are GGX's (Trowbridge and Reitz); `"string
 /// distribution" "beckmann"` is this program's own addition.
 fn conductor(p: &mut Params, warnings: &mut Vec<String>) -> Result<Conductor> {
-    let eta = index_spectrum(p, "eta", |metal| metal.eta, warnings)?;
-    let k = index_spectrum(p, "k", |metal| metal.k, warnings)?;
+    let eta = index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?;
+    let k = index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?;
     let v3 = p.kind == "metal";
     let is_roughness = |x: f64| (0.0..=1.0).contains(&x);
     let both = p.float("roughness", is_roughness, "from 0 to 1")?.unwrap_or(if v3 { 0.01 } else { 0.0 });
@@ -106,7 +106,7 @@ fn remapped_v3(roughness: f64) -> f64 {
 fn index_spectrum(
     p: &mut Params,
     name: &'static str,
-    of: impl Fn(&metals::Metal) -> [f64; 3],
+    of: impl Fn(&metals::Metal) -> Rgb,
     warnings: &mut Vec<String>,
 ) -> Result<Rgb> {
     let at = p.place(name);
@@ -127,7 +127,7 @@ fn index_spectrum(
     };
     let [r, g, b] = metals::WAVELENGTHS_NM;
     warnings.push(at.warning(&format!("{}: {name} is {}'s at {r}, {g} and {b} nm", p.owner, metal.name)));
-    Ok(Rgb::from_array(of(metal).map(|x| x as f32)))
+    Ok(of(metal))
 }
 
 #[cfg(test)]
