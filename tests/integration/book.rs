@@ -62,3 +62,35 @@ fn pictures_shown_are_kept_and_no_others() {
     let folder = root.join("figures");
     assert!(!folder.is_dir() || shown.iter().all(|name| folder.join(name).is_file()), "{shown:?}");
 }
+
+/// Every Markdown file of the repository, and every file of tests, whose comments name commands.
+fn texts() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["", "docs/src", "crates/etalon-stats", "tests/integration", "tests/fuzz"];
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).unwrap()).map(|e| e.unwrap().path());
+    let named = files.filter(|path| path.extension().is_some_and(|e| e == "md" || e == "rs"));
+    named.map(|path| (path.display().to_string(), std::fs::read_to_string(&path).unwrap())).collect()
+}
+
+/// Files and test binaries that a text names are there.
+#[test]
+fn files_and_tests_that_texts_name_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut count = 0;
+    for (name, text) in texts() {
+        // A path in backquotes that begins with a folder of the repository
+        for path in text.split('`').skip(1).step_by(2).filter(|quoted| !quoted.contains([' ', '\n', '…', '*', '{'])) {
+            let ours = ["src/", "crates/", "tests/", "docs/", "benches/", "examples/", "envmaps/generate"];
+            if ours.iter().any(|folder| path.starts_with(folder)) && name.ends_with(".md") {
+                assert!(root.join(path).exists(), "{name} names {path}, which does not exist");
+                count += 1;
+            }
+        }
+        for test in text.split(" --test ").skip(1).filter_map(|rest| rest.split([' ', '`', '\n', '"']).next()) {
+            let folders = ["tests", "crates/etalon-stats/tests"].map(|folder| root.join(folder).join(test));
+            assert!(folders.iter().any(|folder| folder.join("main.rs").is_file()), "{name} names the test {test}");
+            count += 1;
+        }
+    }
+    assert!(count > 25, "{count} names");
+}

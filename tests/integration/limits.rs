@@ -62,7 +62,7 @@ fn memory_grows_with_the_map_and_no_more() {
     }
 }
 
-/// `cargo test --release --test limits -- --ignored --nocapture` on an idle machine.
+/// `cargo test --release --test integration limits -- --ignored --nocapture` on an idle machine.
 #[cfg(target_os = "linux")]
 #[ignore = "takes minutes and a gibibyte"]
 #[test]

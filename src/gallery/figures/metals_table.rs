@@ -14,8 +14,8 @@ pub fn figures() -> Vec<Figure> {
         title: "Metals: indices, special angles, albedo, error of the approximation",
         report: Report::Second,
         reproduces: "Table 1, η and k of metals",
-        shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
-                Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
+        shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. The \
+                sources of η and k stand in the table.",
         beside: None,
         command: None,
         make: Box::new(|_, _| content()),
