@@ -81,19 +81,16 @@ pub struct Depths {
 
 impl Depths {
     /// The light of a class on what is "all" or a kind of object, if there is any.
-    #[must_use]
     pub fn class(&self, class: &str, seen_on: &str) -> Option<&ClassRow> {
         self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
     }
 
     /// The share of all light in the path classes that `of` selects.
-    #[must_use]
     pub fn share(&self, of: impl Fn(&ClassRow) -> bool) -> f64 {
         self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
     }
 
     /// Mean light of an image.
-    #[must_use]
     pub fn mean(&self, depth: u32) -> f64 {
         let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
         row.map_or(f64::NAN, |r| (r.mean_r + r.mean_g + r.mean_b) / 3.0)
@@ -104,9 +101,6 @@ impl Depths {
 pub const ALL: &str = "all";
 
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
-///
-/// # Errors
-/// Those of [`Job::new`].
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let by_class = Settings { paths: Some(CLASS_DEPTH), camera_paths_only: true, ..*settings };
@@ -244,9 +238,6 @@ pub struct Truncation {
 }
 
 /// Renders a scene to depth `m` and deeper.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
@@ -268,7 +259,6 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
 
 /// The mean radiance of an image that shows the area lights alone, exact where nothing hides them: radiance times the
 /// projected area of each, over the area of the image.
-#[must_use]
 pub fn visible_area_lights(scene: &Scene) -> f64 {
     let camera = &scene.camera;
     let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };

@@ -49,7 +49,6 @@ pub struct MetalTable {
 
 impl MetalTable {
     /// The largest difference between the curves at 0° and ((η − 1)² + k²)/((η + 1)² + k²).
-    #[must_use]
     pub fn normal_error(&self) -> f64 {
         let error = |c: &metal::Channel| {
             let k2 = c.k * c.k;
@@ -60,19 +59,16 @@ impl MetalTable {
     }
 
     /// The largest difference between the approximation's albedo, integrated, and its closed form.
-    #[must_use]
     pub fn approximate_albedo_error(&self) -> f64 {
         largest(self.rows.iter().map(|r| (r.albedo_approximate - approximate_albedo(r.eta, r.k)).abs()))
     }
 
     /// The largest error of the approximation's reflectance, over all angles.
-    #[must_use]
     pub fn approximation_error(&self) -> f64 {
         largest(self.rows.iter().map(|r| r.approximate_max_abs_error))
     }
 
     /// The largest relative error of the approximation's albedo.
-    #[must_use]
     pub fn albedo_error(&self) -> f64 {
         largest(self.rows.iter().map(|r| (r.albedo_approximate / r.albedo - 1.0).abs()))
     }
@@ -139,7 +135,6 @@ fn albedo(reflectance: impl Fn(f64) -> f64) -> f64 {
 /// ε∥ = 8η/q [1 − η/q · ln(1 + 2η + q) − (k² − η²)/(qk) · (atan((q + η)/k) − atan(η/k))], q = η² + k².
 ///
 /// Source: Dunkle, "Emissivity and inter-reflection relationships for infinite parallel specular surfaces", 1965.
-#[must_use]
 pub fn approximate_albedo(eta: f64, k: f64) -> f64 {
     let q = eta * eta + k * k;
     let angle = |x: f64| (x / k).atan() - (eta / k).atan();

@@ -68,23 +68,18 @@ pub struct StrategyComparison {
 
 impl StrategyComparison {
     /// The sum of the medians over the statue's rim, hemisphere sampling over importance sampling.
-    #[must_use]
     pub fn rim_median_ratio(&self) -> f64 {
         let rim = || self.profile.iter().filter(|bin| bin.from_px >= 0.0 && bin.to_px <= RIM);
         rim().map(|bin| bin.hemisphere_median).sum::<f64>() / rim().map(|bin| bin.importance_median).sum::<f64>()
     }
 
     /// Noise on the statue, importance sampling over hemisphere sampling.
-    #[must_use]
     pub fn noise_ratio(&self) -> f64 {
         self.importance.row.noise / self.hemisphere.row.noise
     }
 }
 
 /// Renders the scene twice, with independent random numbers.
-///
-/// # Errors
-/// Those of [`render_statue`].
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<StrategyComparison> {
     let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };

@@ -27,9 +27,6 @@ const ROUNDING: f64 = 1e-4;
 const FAINTEST: f64 = 1e-30;
 
 /// The errors of the second report's metal.
-///
-/// # Errors
-/// Those of [`integrate`].
 pub fn suspects() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
 }

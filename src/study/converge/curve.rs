@@ -42,13 +42,11 @@ pub struct Level {
 
 impl Level {
     /// √MSE; NaN where the reference's noise hides it.
-    #[must_use]
     pub fn rmse(&self) -> f64 {
         self.mse.value.sqrt()
     }
 
     /// The interval of [`Level::rmse`].
-    #[must_use]
     pub fn rmse_band(&self) -> [f64; 2] {
         self.mse.positive().map(f64::sqrt)
     }
@@ -113,9 +111,6 @@ pub struct Run {
 
 impl Curve {
     /// From replicates that all have the same levels; `images` and `flips` are the first one's, level by level.
-    ///
-    /// # Errors
-    /// As [`Reference::compare`].
     pub fn new(
         strategy: Strategy,
         runs: &[Run],
@@ -159,14 +154,12 @@ impl Curve {
     }
 
     /// The level whose processor time is nearest to `seconds`, by their ratio.
-    #[must_use]
     pub fn nearest(&self, seconds: f64) -> Option<usize> {
         let ratio = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
         (0..self.levels.len()).min_by(|&a, &b| ratio(&self.levels[a]).total_cmp(&ratio(&self.levels[b])))
     }
 
     /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
-    #[must_use]
     pub fn time_to(&self, rmse: f64) -> Option<f64> {
         let first = self.levels.first().filter(|level| level.rmse() <= rmse);
         let points: Vec<[f64; 2]> = self.levels.iter().rev().map(|l| [l.rmse(), l.cpu_seconds]).collect();

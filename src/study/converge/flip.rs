@@ -7,7 +7,6 @@ use flip_rs::{HdrOptions, RgbImage, hdr_flip};
 
 /// The mean over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
 /// a black reference. Pixels that are not finite in either image are black in both.
-#[must_use]
 pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
     let pairs = || image.pixels().iter().zip(reference.pixels());
     let usable = |pair: &(&glam::Vec3, &glam::Vec3)| pair.0.is_finite() && pair.1.is_finite();

@@ -14,9 +14,6 @@ pub const CUTS: [&str; 2] = [cut_lights::MEDIAN_CUT.name, cut_lights::VARIANCE_C
 const SPP: u32 = 4;
 
 /// Measures both cuts into each of the numbers of lights; a curve each, the cuts one after the other.
-///
-/// # Errors
-/// As [`measure`].
 pub fn cuts(
     scene: &Scene,
     request: &Request,

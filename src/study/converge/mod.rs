@@ -230,20 +230,17 @@ fn run_schedule(
 
 impl Convergence {
     /// A strategy's curve.
-    #[must_use]
     pub fn curve(&self, strategy: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.strategy.name == strategy)
     }
 
     /// The processor time that all strategies have had: the shortest of their last levels.
-    #[must_use]
     pub fn common_seconds(&self) -> f64 {
         let last = self.curves.iter().filter_map(|curve| Some(curve.levels.last()?.cpu_seconds));
         last.fold(f64::INFINITY, f64::min)
     }
 
     /// The smallest RMSE that every strategy without bias has reached.
-    #[must_use]
     pub fn common_rmse(&self) -> f64 {
         let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
         let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
@@ -251,7 +248,6 @@ impl Convergence {
     }
 
     /// Whether any strategy has a verdict.
-    #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }

@@ -39,7 +39,6 @@ const METHODS: [(&str, &str, Sampling); 4] = [
 ///
 /// The list follows from the registry of environment-map samplers: `light` and `mis` use the first one; `light-NAME` and
 /// `mis-NAME` another; the name of a sampler of regions alone means light sampling by it.
-#[must_use]
 pub fn methods() -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = METHODS.map(|(name, doc, _)| (name.into(), doc.into())).into();
     for entry in samplers::ALL.iter().skip(1) {
@@ -130,7 +129,6 @@ fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
 
 impl Strategy {
     /// The strategies that are compared by default.
-    #[must_use]
     pub fn usual(scene: &Scene) -> Vec<Self> {
         let names: &[&str] = if scene.environment.is_some() {
             &[
@@ -159,7 +157,6 @@ impl Strategy {
     }
 
     /// The settings of a render by this strategy.
-    #[must_use]
     pub fn settings(&self, seed: u64) -> Settings {
         let Self { sampling, density, stream, normals, .. } = *self;
         let mut settings = Settings { sampling, density, stream, seed, ..Settings::default() };
@@ -168,13 +165,11 @@ impl Strategy {
     }
 
     /// Whether its random numbers are independent.
-    #[must_use]
     pub fn is_independent(&self) -> bool {
         self.stream == StreamKind::Independent
     }
 
     /// Whether fixed lights stand for the environment.
-    #[must_use]
     pub fn has_fixed_lights(&self) -> bool {
         self.density.has_fixed_lights()
     }

@@ -1,9 +1,7 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
 use super::directions::COSINE;
-use super::family::{
-    Bound, Family, Machine, Number, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar, variant,
-};
+use super::family::*;
 use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;

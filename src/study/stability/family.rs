@@ -3,8 +3,7 @@
 //! It re-exports what a family is written with.
 
 pub use super::bound::Bound;
-pub use super::case::Case;
-pub use super::deviation::Range;
+pub use super::case::{Case, Range};
 pub use super::number::{Machine, Number, Value, cross, dot, minus, normalized, scalar};
 pub use super::precision::Precision;
 pub(super) use super::variant::variant;
@@ -42,13 +41,11 @@ pub struct Family {
 
 impl Family {
     /// Whether any variant exists in that precision.
-    #[must_use]
     pub fn runs_in(&self, precision: Precision) -> bool {
         precision == Precision::Single || self.variants.iter().any(|variant| variant.double.is_some())
     }
 
     /// A case as `--replay` takes it.
-    #[must_use]
     pub fn text(&self, case: &Case) -> String {
         let inputs = self.inputs.iter().zip(&case.inputs);
         let inputs: Vec<String> = inputs.map(|(name, x)| format!("{name}={}", case.precision.text(*x))).collect();

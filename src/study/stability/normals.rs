@@ -1,9 +1,7 @@
 //! Samples of visible normals (VNDF).
 
 use super::directions::{ALPHA, COSINE, of_cosine, vector};
-use super::family::{
-    Bound, Family, Machine, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, normalized, variant,
-};
+use super::family::*;
 use super::precise::Precise;
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;

@@ -36,19 +36,16 @@ impl Precise {
     pub const NAN: Self = Self { mantissa: [0; BYTES], negative: false, exponent: 0, exists: false };
 
     /// The nearest double; infinite beyond the range, NaN where there is no number.
-    #[must_use]
     pub fn to_f64(self) -> f64 {
         if self.exists { self.big().to_f64().value() } else { f64::NAN }
     }
 
     /// The modulus.
-    #[must_use]
     pub fn abs(self) -> Self {
         Self { negative: false, ..self }
     }
 
     /// 2 to the power of `exponent`.
-    #[must_use]
     pub fn power_of_two(exponent: isize) -> Self {
         Self { exponent, ..Self::of(1.0) }
     }

@@ -1,6 +1,6 @@
 //! Replay of one input: every variant in every precision.
 
-use super::deviation::{Exact, Flaw};
+use super::case::{Exact, Flaw};
 use super::family::Family;
 use super::precision::Precision;
 use super::registry::{families, names};

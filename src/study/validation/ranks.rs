@@ -25,7 +25,6 @@ pub struct Ranked {
 
 impl Validation {
     /// The p-values of all tests that have one of continuous distribution, in ascending order.
-    #[must_use]
     pub fn ranked(&self) -> Vec<Ranked> {
         let tests = self.tests.iter().map(|test| &test.outcome);
         let mut known: Vec<(f64, Verdict)> =

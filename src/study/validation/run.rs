@@ -61,11 +61,17 @@ impl Validation {
     }
 }
 
-/// Applies `one` to every case: to large cases one after the other, to the others in parallel.
-pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<T>> {
-    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { one(case).map(Some) });
-    let small = small.collect::<Result<Vec<Option<T>>>>()?;
-    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| one(case), Ok)).collect()
+/// Prepares every case and applies `one` to it: to large cases one after the other, to the others in parallel. `None` for
+/// those that an interruption left unfinished.
+pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<Option<T>>> {
+    let finished = |case: &Case| match one(case) {
+        Err(Error::Interrupted) => Ok(None),
+        other => other.map(Some),
+    };
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
+    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { finished(case).map(Some) });
+    let small = small.collect::<Result<Vec<Option<Option<T>>>>>()?;
+    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| finished(case), Ok)).collect()
 }
 
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` with the name of each finished one.
@@ -76,18 +82,17 @@ pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) ->
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
-    let examine = |case: &Case, round| match case.examine(&protocol, round) {
-        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
-        other => other,
-    };
-    let first = |case: &Case| {
-        let outcome = examine(case, 0);
+    let first = of_each(cases, |case| {
+        let outcome = case.examine(&protocol, 0);
         done(&case.name);
         outcome
-    };
-    let mut outcomes = of_each(cases, first)?;
-    decide(&mut outcomes, protocol.level, |i| examine(&cases[i], 1))?;
+    })?;
+    let mut outcomes: Vec<Outcome> =
+        first.into_iter().map(|first| first.unwrap_or_else(Outcome::interrupted)).collect();
+    decide(&mut outcomes, protocol.level, |i| match cases[i].examine(&protocol, 1) {
+        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
+        other => other,
+    })?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
     Ok(Validation::new(&protocol, tested.collect(), start))
 }

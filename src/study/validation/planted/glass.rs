@@ -59,7 +59,6 @@ fn planted(
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(

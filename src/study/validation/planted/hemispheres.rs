@@ -46,7 +46,6 @@ fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sy
     direction_sampler(|u| Some(warp::cosine_hemisphere(u)))
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![

@@ -37,7 +37,6 @@ fn two_spheres(chosen: f64, stated: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl D
     (sampler(3, draw), direction_density(pdf).with_steps([rows, Vec::new()]))
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let sphere = Directions::sphere(Pole::Y);
     vec![

@@ -76,7 +76,6 @@ fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) ->
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(

@@ -63,7 +63,6 @@ fn sampled(name: &'static str, mistake: &'static str, wrong: fn(&[f64]) -> (f64,
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     // 1/(α tan θ) = 1.34, where Walter's fit is worst.
     let theta = (1.0 / (1.34 * ALPHA)).atan();

@@ -78,7 +78,6 @@ fn pdf_fault(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64)
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![

@@ -31,7 +31,6 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
     tile[0].variance *= factor * factor;
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };

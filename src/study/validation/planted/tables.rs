@@ -49,7 +49,6 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
     table
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let small = Discrete { outcomes: WEIGHTS.len() };
     vec![

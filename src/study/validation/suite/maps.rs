@@ -21,7 +21,7 @@ fn source(name: impl Into<String>, make: impl Fn() -> Image + Send + Sync + 'sta
     (name.into(), Arc::new(move || map.get(|| EnvMap::new(make()))))
 }
 
-/// The cases of this file.
+/// The cases of the built-in maps and of those of this file.
 pub fn cases() -> Vec<Case> {
     let mut sources: Vec<Source> = Synthetic::ALL.map(|map| source(map.name(), move || map.make())).into();
     for [width, height] in [[1, 1], [2, 1], [3, 2], [10, 10]] {
@@ -38,7 +38,6 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// The cases of a map that the user gives.
-#[must_use]
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
     let texels = map.image().pixels().len();
     of(&(name.to_owned(), Arc::new(move || map.clone())))

@@ -79,9 +79,6 @@ impl RenderTest {
     }
 
     /// One round of the test, as [`etalon_stats::examine`]. `spoil` changes the rendered tiles, to plant faults.
-    ///
-    /// # Errors
-    /// Those of [`Protocol::check`] and of [`render`].
     pub fn examine(&self, protocol: &Protocol, round: u64, spoil: fn(&mut [[Mean; 2]])) -> Result<Outcome> {
         protocol.check()?;
         let start = Instant::now();

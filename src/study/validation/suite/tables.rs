@@ -32,7 +32,6 @@ fn steps(n: usize) -> Vec<f64> {
     (1..n).map(|i| i as f64 / n as f64).collect()
 }
 
-/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in SHAPES {
