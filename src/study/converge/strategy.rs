@@ -59,27 +59,10 @@ pub fn methods() -> Vec<(String, String)> {
     names
 }
 
-/// What a name may end in, after a plus sign.
-pub struct Suffix {
-    /// Without the plus sign.
-    pub name: &'static str,
-    /// What it does, in a line.
-    pub about: &'static str,
-    apply: fn(&mut Strategy),
-}
-
-/// All suffixes.
-pub const SUFFIXES: [Suffix; 2] = [
-    Suffix {
-        name: "independent",
-        about: "independent random numbers in place of Sobol's",
-        apply: |strategy| strategy.stream = StreamKind::Independent,
-    },
-    Suffix {
-        name: "all-normals",
-        about: "rough metal samples the distribution of all normals in place of the visible ones",
-        apply: |strategy| strategy.normals = NormalSampling::Ndf,
-    },
+/// What a name may end in, after a plus sign, and what that does.
+pub const SUFFIXES: [(&str, &str); 2] = [
+    ("independent", "independent random numbers in place of Sobol's"),
+    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones"),
 ];
 
 impl FromStr for Strategy {
@@ -92,17 +75,20 @@ impl FromStr for Strategy {
             Error::parameter("strategies", format!("there is no strategy \"{name}\"")).with_hint(format!(
                 "strategies: {}; then {}",
                 known.join(", "),
-                SUFFIXES.map(|s| format!("+{}", s.name)).join(", ")
+                SUFFIXES.map(|(suffix, _)| format!("+{suffix}")).join(", ")
             ))
         })?;
         let mut strategy =
             Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
         for part in parts {
-            let suffix = SUFFIXES.iter().find(|suffix| suffix.name == part).ok_or_else(|| {
-                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
-                    .with_hint("a strategy may end in +independent and in +all-normals")
-            })?;
-            (suffix.apply)(&mut strategy);
+            match part {
+                "independent" => strategy.stream = StreamKind::Independent,
+                "all-normals" => strategy.normals = NormalSampling::Ndf,
+                _ => {
+                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                        .with_hint("a strategy may end in +independent and in +all-normals"));
+                }
+            }
         }
         Ok(strategy)
     }

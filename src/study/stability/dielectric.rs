@@ -16,13 +16,10 @@ pub const FRESNEL: Family = Family {
     inputs: &["eta", "cos"],
     domains: &[INDEX, (0.0, 1.0)],
     sections: &[
-        Section { title: "all indices", x: Scale::new("/{η}", 1e-4, 1e4), y: COSINE, at: |eta, cos| vec![eta, cos] },
-        Section {
-            title: "nearly equal indices",
-            x: Scale::new("/{η} − 1", 1e-7, 1.0),
-            y: COSINE,
-            at: |more, cos| vec![1.0 + more, cos],
-        },
+        Section::new("all indices", Scale::new("/{η}", 1e-4, 1e4), COSINE, |eta, cos| vec![eta, cos]),
+        Section::new("nearly equal indices", Scale::new("/{η} − 1", 1e-7, 1.0), COSINE, |more, cos| {
+            vec![1.0 + more, cos]
+        }),
         Section { at: |eta, more| vec![eta, above_critical(eta, more)], ..CRITICAL },
     ],
     edges: &[&[1.0, 0.0], &[1.0, 1e-12], &[1.0, 1.0], &[1.5, 0.0], &[1.5, 1.0], &[0.5, 0.0], &[0.5, 1.0]],
@@ -54,12 +51,12 @@ pub const FRESNEL: Family = Family {
 };
 
 /// Cosines above that of the critical angle, by their relative distance from it; the inputs are left to the family.
-const CRITICAL: Section = Section {
-    title: "near the critical angle",
-    x: Scale::new("/{η}", 1e-3, 0.999),
-    y: Scale::new("cos /{θ} / cos /{θ}_{c} − 1", 1e-7, 1.0),
-    at: |_, _| Vec::new(),
-};
+const CRITICAL: Section = Section::new(
+    "near the critical angle",
+    Scale::new("/{η}", 1e-3, 0.999),
+    Scale::new("cos /{θ} / cos /{θ}_{c} − 1", 1e-7, 1.0),
+    |_, _| Vec::new(),
+);
 
 /// The cosine of the critical angle times (1 + `more`), at most 1.
 fn above_critical(eta: f64, more: f64) -> f64 {
@@ -99,12 +96,7 @@ pub const REFRACTION: Family = Family {
     inputs: &["eta", "x", "y", "z"],
     domains: &[INDEX],
     sections: &[
-        Section {
-            title: "all indices",
-            x: Scale::new("/{η}", 1e-4, 1e4),
-            y: COSINE,
-            at: |eta, cos| with(eta, of_cosine(cos)),
-        },
+        Section::new("all indices", Scale::new("/{η}", 1e-4, 1e4), COSINE, |eta, cos| with(eta, of_cosine(cos))),
         Section { at: |eta, more| with(eta, of_cosine(above_critical(eta, more))), ..CRITICAL },
     ],
     edges: &[&[1.5, 0.6, 0.8, 0.0], &[1.5, 0.0, 0.0, 1.0], &[1.0, 0.6, 0.0, 0.8], &[0.5, 0.6, 0.8, 0.0]],

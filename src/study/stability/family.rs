@@ -70,6 +70,13 @@ pub struct Section {
     pub at: fn(f64, f64) -> Vec<f64>,
 }
 
+impl Section {
+    /// A grid of that title.
+    pub const fn new(title: &'static str, x: Scale, y: Scale, at: fn(f64, f64) -> Vec<f64>) -> Self {
+        Self { title, x, y, at }
+    }
+}
+
 /// One side of a grid: equal factors between two ends.
 pub struct Scale {
     /// The axis's label.

@@ -15,10 +15,7 @@ pub const BECKMANN_D: Family = Family {
     inputs: &["alpha", "x", "y", "z"],
     domains: &[POSITIVE],
     // Beyond tan θ = 8 α there is less than 10⁻²⁷ of the normals.
-    sections: &[
-        Section { title: "over the lobe", x: ALPHA, y: Scale::new(SLOPE, 1e-3, 8.0), at: over_the_lobe },
-        GRAZING,
-    ],
+    sections: &[Section::new("over the lobe", ALPHA, Scale::new(SLOPE, 1e-3, 8.0), over_the_lobe), GRAZING],
     edges: &[&[1e-5, 0.0, 0.0, 1.0], &[0.5, 0.0, 0.0, 1.0], &[10.0, 0.0, 0.0, 1.0], &[0.5, 0.6, 0.0, -0.8]],
     reference: |x| above_horizon(x, beckmann_d(x[0], sin2_from_xy(vector(x, 1)), x[3])),
     variants: &[
@@ -34,10 +31,7 @@ pub const BECKMANN_D: Family = Family {
 pub const GGX_D: Family = Family {
     name: "ggx-d",
     about: "the GGX distribution of normals",
-    sections: &[
-        Section { title: "over the lobe", x: ALPHA, y: Scale::new(SLOPE, 1e-3, 1e4), at: over_the_lobe },
-        GRAZING,
-    ],
+    sections: &[Section::new("over the lobe", ALPHA, Scale::new(SLOPE, 1e-3, 1e4), over_the_lobe), GRAZING],
     reference: |x| above_horizon(x, ggx_d(x[0], sin2_from_xy(vector(x, 1)), x[3])),
     variants: &[
         variant!(STABLE, |x| scalar(Ggx::new(x[0]).d(vector(x, 1)))),
@@ -48,8 +42,7 @@ pub const GGX_D: Family = Family {
 };
 
 const SLOPE: &str = "tan /{θ}_{m} / /{α}";
-const GRAZING: Section =
-    Section { title: "down to the horizon", x: ALPHA, y: COSINE, at: |alpha, cos| with(alpha, of_cosine(cos)) };
+const GRAZING: Section = Section::new("down to the horizon", ALPHA, COSINE, |alpha, cos| with(alpha, of_cosine(cos)));
 
 fn over_the_lobe(alpha: f64, slope: f64) -> Vec<f64> {
     with(alpha, of_slope(alpha * slope))
@@ -79,12 +72,7 @@ pub const BECKMANN_G1: Family = Family {
     figure: "stability-microfacet",
     inputs: &["alpha", "x", "y", "z"],
     domains: &[POSITIVE],
-    sections: &[Section {
-        title: "down to the horizon",
-        x: ALPHA,
-        y: COSINE,
-        at: |alpha, cos| with(alpha, of_cosine(cos)),
-    }],
+    sections: &[GRAZING],
     edges: &[&[1e-5, 0.0, 0.0, 1.0], &[10.0, 0.0, 0.0, 1.0], &[0.5, 0.6, 0.0, 0.8]],
     reference: |x| scalar(beckmann_g1(x[0], sin2_from_xy(vector(x, 1)), x[3])),
     variants: &[
@@ -146,12 +134,9 @@ pub const BECKMANN_PDF: Family = Family {
     figure: "stability-microfacet",
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "wm_x", "wm_y", "wm_z"],
     domains: &[POSITIVE],
-    sections: &[Section {
-        title: "a typical normal, tilted towards the view",
-        x: ALPHA,
-        y: COSINE,
-        at: |alpha, cos| [&[alpha][..], &of_cosine(cos), &of_slope(0.7 * alpha)].concat(),
-    }],
+    sections: &[Section::new("a typical normal, tilted towards the view", ALPHA, COSINE, |alpha, cos| {
+        [&[alpha][..], &of_cosine(cos), &of_slope(0.7 * alpha)].concat()
+    })],
     edges: &[&[0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0], &[1e-5, 0.6, 0.0, 0.8, 0.0, 0.0, 1.0]],
     reference: |x| visible(x, sin2_from_xy, beckmann_d, beckmann_g1),
     variants: &[

@@ -14,18 +14,12 @@ pub const BECKMANN: Family = Family {
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "u0", "u1"],
     domains: &[POSITIVE],
     sections: &[
-        Section {
-            title: "down to the horizon",
-            x: ALPHA,
-            y: COSINE,
-            at: |alpha, cos| [&[alpha][..], &of_cosine(cos), &[0.3, 0.7]].concat(),
-        },
-        Section {
-            title: "rare normals, cos /{θ} = 0.2",
-            x: ALPHA,
-            y: Scale::new("/{u}_{0}", 1e-10, 0.99),
-            at: |alpha, u| [&[alpha][..], &of_cosine(0.2), &[u, 0.2]].concat(),
-        },
+        Section::new("down to the horizon", ALPHA, COSINE, |alpha, cos| {
+            [&[alpha][..], &of_cosine(cos), &[0.3, 0.7]].concat()
+        }),
+        Section::new("rare normals, cos /{θ} = 0.2", ALPHA, Scale::new("/{u}_{0}", 1e-10, 0.99), |alpha, u| {
+            [&[alpha][..], &of_cosine(0.2), &[u, 0.2]].concat()
+        }),
     ],
     edges: &[&[0.5, 0.0, 0.0, 1.0, 0.5, 0.5], &[0.5, 0.6, 0.0, 0.8, 0.5, 1e-7]],
     reference: beckmann_reference,
