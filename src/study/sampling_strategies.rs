@@ -108,15 +108,18 @@ fn from_silhouette(depth: f64) -> f64 {
 fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) -> Vec<ProfileBin> {
     let shown: Vec<bool> =
         importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
-    let bins = (-OUTSIDE..INSIDE).map(|from| {
+    let bins = (-OUTSIDE..INSIDE).filter_map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> = depth
             .iter()
             .zip(&shown)
             .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
             .collect();
+        if !mask.contains(&true) {
+            return None;
+        }
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
-        ProfileBin {
+        Some(ProfileBin {
             from_px,
             to_px,
             pixels: a.mean.pixels,
@@ -130,9 +133,9 @@ fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) 
             hemisphere_shown: b.shown,
             importance_error: a.error,
             hemisphere_error: b.error,
-        }
+        })
     });
-    bins.filter(|bin| bin.pixels > 0).collect()
+    bins.collect()
 }
 
 /// One image on some pixels.
@@ -157,9 +160,6 @@ impl Side {
         for estimate in inside(film.estimates(), mask) {
             values.push(estimate.mean);
             square += (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
-        }
-        if values.is_empty() {
-            return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };
         }
         let shown =
             to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));

@@ -106,11 +106,6 @@ impl<'a> Doubling<'a> {
     pub fn image(&self) -> Image {
         self.part.film.image()
     }
-
-    /// The film so far.
-    pub fn part(&self) -> &Part {
-        &self.part
-    }
 }
 
 #[cfg(test)]
@@ -132,12 +127,6 @@ mod tests {
             before = doubling.times;
         }
         assert_eq!(doubling.image(), render(&scene, &request, &Settings::default(), &Silent).unwrap().image);
-    }
-
-    #[test]
-    fn a_deadline_that_is_over_stops_it() {
-        let (scene, request) = builtin::cornell_lambert();
-        let mut doubling = Doubling::new(&scene, &request, &Settings::default()).unwrap();
-        assert!(!doubling.double(&Deadline::after(0.0)));
+        assert!(!doubling.double(&Deadline::after(0.0)), "the deadline is over");
     }
 }

@@ -40,11 +40,6 @@ impl Precise {
         if self.exists { self.big().to_f64().value() } else { f64::NAN }
     }
 
-    /// The modulus.
-    pub fn abs(self) -> Self {
-        Self { negative: false, ..self }
-    }
-
     /// 2 to the power of `exponent`.
     pub fn power_of_two(exponent: isize) -> Self {
         Self { exponent, ..Self::of(1.0) }
@@ -181,7 +176,7 @@ mod tests {
     use super::*;
 
     fn near(a: Precise, b: Precise, bits: isize) {
-        assert!((a - b).abs() <= b.abs() * Precise::power_of_two(-bits), "{} {}", a.to_f64(), b.to_f64());
+        assert!(((a - b) / b).square() <= Precise::power_of_two(-2 * bits), "{} {}", a.to_f64(), b.to_f64());
     }
 
     #[test]
