@@ -118,10 +118,8 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
         let mut added = vec![DVec3::ZERO; objects.pixels.len()];
-        for (name, layer) in &layers {
-            if appears_at(name) == depth {
-                added.iter_mut().zip(layer.pixels()).for_each(|(sum, l)| *sum += l.as_dvec3());
-            }
+        for (_, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
+            add(&mut added, layer);
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
         let image = |pixels: &[DVec3]| {
@@ -213,6 +211,10 @@ fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_ligh
     }
 }
 
+fn add(sum: &mut [DVec3], image: &Image) {
+    sum.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+}
+
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
 fn light(image: &Image, mask: &[bool]) -> f64 {
     inside(image.pixels(), mask).map(|p| mean_rgb(*p)).sum()
@@ -251,7 +253,7 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let beyond = layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer, &everything)).sum();
     let mut sum = vec![DVec3::ZERO; image.pixels().len()];
     for (_, layer) in deep.iter().filter(|(name, _)| within(name)) {
-        sum.iter_mut().zip(layer.pixels()).for_each(|(s, l)| *s += l.as_dvec3());
+        add(&mut sum, layer);
     }
     let differences = sum.iter().zip(image.pixels()).map(|(s, p)| (*s - p.as_dvec3()).abs().max_element());
     Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })

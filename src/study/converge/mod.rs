@@ -9,11 +9,11 @@ pub mod curve;
 pub mod depth;
 pub mod doubling;
 pub mod flip;
-pub mod lights;
 pub mod reference;
 pub mod roughness;
 pub mod strategy;
 
+use crate::envmap::samplers::cut_lights;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
@@ -136,6 +136,25 @@ pub fn measure(
     result.interrupted = interrupt::requested();
     result.seconds = start.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// The ways of cutting a map, by the beginning of their strategies' names.
+pub const CUTS: [&str; 2] = [cut_lights::MEDIAN_CUT.name, cut_lights::VARIANCE_CUT.name];
+
+/// Samples per pixel of [`cuts`]: some, because radiance varies within a pixel.
+const CUT_SPP: u32 = 4;
+
+/// Measures the bias of fixed lights in place of an environment, which no number of samples reduces: both cuts into each of the numbers of lights; a curve each, the cuts one after the other.
+pub fn cuts(
+    scene: &Scene,
+    request: &Request,
+    counts: &[u32],
+    plan: &Plan,
+    known: Option<&Reference>,
+) -> Result<Convergence> {
+    let name = |cut: &'static str| counts.iter().map(move |k| format!("{cut}-{k}").parse());
+    let strategies = CUTS.into_iter().flat_map(name).collect::<Result<Vec<Strategy>>>()?;
+    measure(scene, request, &strategies, &Plan { max_spp: CUT_SPP, ..*plan }, known)
 }
 
 fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Deadline) -> Result<Option<Reference>> {
