@@ -138,7 +138,6 @@ fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) 
     bins.collect()
 }
 
-/// One image on some pixels.
 struct Side {
     mean: Mean,
     median: f64,

@@ -69,7 +69,6 @@ fn right_share(y: usize) -> f64 {
     0.5 * (edge(y) - edge(y + 1))
 }
 
-/// Weights of rows that are 0 at the poles.
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
     let erratum = Erratum {
@@ -94,7 +93,6 @@ pub fn pole_rows() -> Suspect {
     (erratum, [printed, by_rows("pole-rows/right", LatLong::solid_angle)])
 }
 
-/// Directions at the corners of texels.
 pub fn corners() -> Suspect {
     // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
@@ -132,7 +130,6 @@ pub fn corners() -> Suspect {
     (erratum, [printed, by_rows("corners/right", LatLong::solid_angle)])
 }
 
-/// Inversion of Gaussian random numbers.
 pub fn gaussian_numbers() -> Result<Suspect> {
     let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
     let (low, high) = (normal.cdf(0.0), normal.cdf(1.0));

@@ -23,7 +23,6 @@ pub struct Case {
 /// A place in a family's grids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Number of the grid.
     pub section: usize,
     /// From left to right.
     pub column: usize,
@@ -138,12 +137,10 @@ pub struct Deviation {
     pub relative: f64,
     /// |value − exact| in units of the last place of |exact|.
     pub ulp: f64,
-    /// If it has one.
     pub flaw: Option<Flaw>,
 }
 
 impl Deviation {
-    /// The error of a value.
     pub fn between(range: Range, precision: Precision, value: Value<f64>, exact: &Exact) -> Self {
         let (relative, ulp) = match (value, exact.value) {
             (Some(value), Some(exact)) => distance(precision, value, exact),

@@ -6,7 +6,6 @@ use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;
 
-/// R of a conductor, from 0 to 1.
 pub const FAMILY: Family = Family {
     name: "conductor",
     about: "conductor reflectance of unpolarized light",

@@ -8,7 +8,6 @@ use crate::math::Rgb;
 use crate::optics::dielectric;
 use glam::Vec3;
 
-/// R of a dielectric, from 0 to 1.
 pub const FRESNEL: Family = Family {
     name: "fresnel",
     about: "dielectric reflectance of unpolarized light",

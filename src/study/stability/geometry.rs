@@ -6,7 +6,6 @@ use crate::bsdf::Facet;
 use crate::scene::{Mesh, MeshBvh, Ray, Sphere};
 use glam::Vec3;
 
-/// The half vector.
 pub const HALF_VECTOR: Family = Family {
     name: "half-vector",
     about: "normal of the facet between nearly opposite directions",
@@ -31,7 +30,6 @@ pub const HALF_VECTOR: Family = Family {
     coarser: 1,
 };
 
-/// The cosine of either direction with the half vector.
 pub const HALF_COSINE: Family = Family {
     name: "half-cosine",
     about: "cosine of nearly opposite directions with the facet between them",
@@ -45,7 +43,6 @@ pub const HALF_COSINE: Family = Family {
     ..HALF_VECTOR
 };
 
-/// wo + wi.
 fn sum<T: Number>(x: &[T]) -> [T; 3] {
     let [wo, wi] = [vector(x, 0), vector(x, 3)];
     std::array::from_fn(|c| wo[c] + wi[c])
@@ -55,7 +52,6 @@ fn facet(x: &[f32]) -> Option<Facet> {
     Facet::between(vector(x, 0).into(), vector(x, 3).into())
 }
 
-/// (wo + wi) / |wo + wi|.
 fn half_vector<T: Number>(x: &[T]) -> Value<T> {
     Some(normalized(sum(x)))
 }

@@ -7,7 +7,6 @@ use crate::errata::microfacet::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 use crate::sampling::normals::SampleNormals;
 
-/// D of Beckmann's distribution.
 pub const BECKMANN_D: Family = Family {
     name: "beckmann-d",
     about: "Beckmann's distribution of normals",
@@ -27,7 +26,6 @@ pub const BECKMANN_D: Family = Family {
     coarser: 1,
 };
 
-/// D of the GGX distribution.
 pub const GGX_D: Family = Family {
     name: "ggx-d",
     about: "the GGX distribution of normals",
@@ -65,7 +63,6 @@ fn ggx_d<T: Number>(alpha: T, sin2: T, cos: T) -> T {
     alpha2 / (T::pi() * cos2.square() * (alpha2 + sin2 / cos2).square())
 }
 
-/// G₁ of Beckmann's distribution.
 pub const BECKMANN_G1: Family = Family {
     name: "beckmann-g",
     about: "shadowing of a Beckmann surface",
@@ -88,7 +85,6 @@ pub const BECKMANN_G1: Family = Family {
     coarser: 1,
 };
 
-/// G₁ of the GGX distribution.
 pub const GGX_G1: Family = Family {
     name: "ggx-g",
     about: "shadowing of a GGX surface",
@@ -127,7 +123,6 @@ fn ggx_g1<T: Number>(alpha: T, sin2: T, cos: T) -> T {
     one / (one + lambda)
 }
 
-/// The pdf of Beckmann's visible normals.
 pub const BECKMANN_PDF: Family = Family {
     name: "beckmann-pdf",
     about: "pdf of the visible normals of a Beckmann surface",
@@ -148,7 +143,6 @@ pub const BECKMANN_PDF: Family = Family {
     coarser: 1,
 };
 
-/// The pdf of visible normals of GGX.
 pub const GGX_PDF: Family = Family {
     name: "ggx-pdf",
     about: "pdf of the visible normals of a GGX surface",

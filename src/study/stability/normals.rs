@@ -6,7 +6,6 @@ use super::precise::Precise;
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
 
-/// Visible normals of Beckmann's distribution.
 pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
     about: "visible normals sampled from a Beckmann surface",
@@ -37,7 +36,6 @@ pub const BECKMANN: Family = Family {
     coarser: 2,
 };
 
-/// Visible normals of GGX.
 pub const GGX: Family = Family {
     name: "ggx-normal",
     about: "visible normals sampled from a GGX surface",

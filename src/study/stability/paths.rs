@@ -84,7 +84,6 @@ fn closed_box() -> Result<Scene> {
     })
 }
 
-/// Index of the glass on the walk.
 const ETA: f32 = 1.5;
 
 /// The product of the weights of directions sampled from white diffuse, mirror and glass surfaces, alternating. Radiance

@@ -10,7 +10,6 @@ use std::sync::OnceLock;
 
 type Big = FBig<HalfEven, 2>;
 
-/// Bits of the mantissa.
 const BITS: usize = 256;
 
 /// Bytes of the mantissa, with one more for the carry of sums.
@@ -32,7 +31,6 @@ pub struct Precise {
 }
 
 impl Precise {
-    /// Not a number.
     pub const NAN: Self = Self { mantissa: [0; BYTES], negative: false, exponent: 0, exists: false };
 
     /// The nearest double; infinite beyond the range, NaN where there is no number.
@@ -40,7 +38,6 @@ impl Precise {
         if self.exists { self.big().to_f64().value() } else { f64::NAN }
     }
 
-    /// 2 to the power of `exponent`.
     pub fn power_of_two(exponent: isize) -> Self {
         Self { exponent, ..Self::of(1.0) }
     }
@@ -74,7 +71,6 @@ impl Precise {
     }
 }
 
-/// An operator of two numbers.
 macro_rules! operator {
     ($trait:ident, $method:ident, $operator:tt) => {
         impl $trait for Precise {

@@ -79,7 +79,6 @@ pub const AREAS: Experiment = Experiment {
     run: run_areas,
 };
 
-/// Texels along the sides of a block.
 const BLOCK: usize = 8;
 
 fn run_areas(workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {

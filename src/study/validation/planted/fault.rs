@@ -33,7 +33,6 @@ impl PlantedFault {
         }
     }
 
-    /// Says what the mistake is.
     pub(super) fn mistake(self, mistake: &'static str) -> Self {
         Self { mistake, ..self }
     }

@@ -6,7 +6,6 @@ use crate::optics::{dielectric, schlick};
 use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
 
-/// Index of the glass.
 const ETA: f64 = 1.5;
 
 /// What happens to light at the boundary.

@@ -16,7 +16,6 @@ pub(super) fn polar(cos: f64, turns: f64) -> DVec3 {
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
 
-/// Exponent of the lobes.
 const N: f64 = 20.0;
 
 /// The direction of a lobe cosⁿ around `axis`, whose tangent frame is given.

@@ -24,7 +24,6 @@ struct Scheme {
 }
 
 impl Scheme {
-    /// Without a mistake.
     fn right() -> Self {
         let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
         Self {

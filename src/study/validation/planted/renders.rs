@@ -25,7 +25,6 @@ fn planted(name: &'static str, faulty: Spoiled, sound: RenderTest) -> PlantedFau
     PlantedFault { name, mistake: "", faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
 }
 
-/// Makes a tile brighter by that factor.
 fn brighten(tile: &mut [Mean; 2], factor: f64) {
     tile[0].value *= factor;
     tile[0].variance *= factor * factor;

@@ -3,7 +3,6 @@
 use super::fault::PlantedFault;
 use etalon_stats::{Density, Discrete, Sample, Sampler, density, sampler};
 
-/// Weights of a small table.
 const WEIGHTS: [f64; 8] = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
 
 /// The cell of a cumulative table that `u` falls into, by bisection.

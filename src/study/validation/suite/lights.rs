@@ -13,7 +13,6 @@ use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// The shading point.
 const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 
 /// Spheres: distance of the centre and radius. From inside all directions lead to them.
