@@ -1,6 +1,5 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
-use super::directions::COSINE;
 use super::family::*;
 use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;

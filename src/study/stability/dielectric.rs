@@ -1,6 +1,5 @@
 //! Smooth dielectrics: Fresnel reflectance of unpolarized light, and the refracted direction.
 
-use super::directions::{COSINE, of_cosine, vector, with};
 use super::family::*;
 use crate::bsdf::{Refraction, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;

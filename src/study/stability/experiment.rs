@@ -2,9 +2,8 @@
 //!
 //! It re-exports what an experiment is written with.
 
-pub use super::bound::Bound;
 pub use super::precision::Precision;
-pub use super::row::ErrorRow;
+pub use super::row::{Bound, ErrorRow};
 pub use super::variant::{STABLE, TEXTBOOK};
 
 use crate::error::Result;

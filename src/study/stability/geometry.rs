@@ -1,6 +1,5 @@
 //! Geometry: the facet that reflects one direction into another, and rays that meet a sphere or a triangle.
 
-use super::directions::vector;
 use super::family::*;
 use crate::bsdf::Facet;
 use crate::scene::{Mesh, MeshBvh, Ray, Sphere};

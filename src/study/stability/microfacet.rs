@@ -1,7 +1,6 @@
 //! Microfacets: the distribution of normals D, Smith's masking function G₁ = 1/(1 + Λ), which is all that rendering needs of
 //! Λ, and the pdf of visible normals (VNDF).
 
-use super::directions::{ALPHA, COSINE, of_cosine, of_slope, sin2_from_xy, sin2_from_z, vector, with};
 use super::family::*;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};

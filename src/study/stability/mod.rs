@@ -5,12 +5,10 @@
 //! would change the result. An [`Experiment`] is a computation that no formula describes (sums, tables, paths): its exact
 //! result comes from integers or by construction. Each has [`Bound`]s on its errors.
 
-mod bound;
 mod case;
 mod conductor;
 mod cuts;
 mod dielectric;
-mod directions;
 mod experiment;
 mod family;
 mod geometry;
@@ -29,14 +27,13 @@ mod sweep;
 mod tables;
 mod variant;
 
-pub use bound::Bound;
 pub use case::Case;
 pub use experiment::{Experiment, Workload};
 pub use family::{Family, Scale, Section};
 pub use precision::Precision;
 pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
 pub use replay::{Replay, Replayed, replay};
-pub use row::ErrorRow;
+pub use row::{Bound, ErrorRow};
 pub use sweep::Sweep;
 pub use variant::{REPORT, STABLE, TEXTBOOK, Variant};
 

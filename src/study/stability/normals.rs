@@ -1,6 +1,5 @@
 //! Samples of visible normals (VNDF).
 
-use super::directions::{ALPHA, COSINE, of_cosine, vector};
 use super::family::*;
 use super::precise::Precise;
 use crate::optics::microfacet::{Beckmann, Ggx};
