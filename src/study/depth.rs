@@ -193,21 +193,17 @@ fn appears_at(class: &str) -> u32 {
 }
 
 fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
-    let (mut sum, mut pixels) = (DVec3::ZERO, 0);
-    for p in inside(image.pixels(), mask) {
-        sum += p.as_dvec3();
-        pixels += 1;
-    }
-    let mean = sum / f64::from(pixels);
-    let share_of_light = sum.element_sum() / 3.0 / all_light;
+    let pixels: Vec<DVec3> = inside(image.pixels(), mask).map(|p| p.as_dvec3()).collect();
+    let sum: DVec3 = pixels.iter().sum();
+    let mean = sum / pixels.len() as f64;
     RadianceRow {
         depth,
         seen_on,
-        pixels: pixels as usize,
+        pixels: pixels.len(),
         mean_r: mean.x,
         mean_g: mean.y,
         mean_b: mean.z,
-        share_of_light,
+        share_of_light: sum.element_sum() / 3.0 / all_light,
     }
 }
 

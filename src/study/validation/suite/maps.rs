@@ -42,7 +42,7 @@ pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
     let texels = map.image().pixels().len();
     of(&(name.to_owned(), Arc::new(move || map.clone())))
         .into_iter()
-        .map(|(entry, case)| case.with_memory(texels * entry.bytes_per_texel))
+        .map(|(entry, case)| Case { memory: texels * entry.bytes_per_texel, ..case })
         .collect()
 }
 
@@ -111,7 +111,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
         let invert = |wi: [f64; 3]| by.invert_for(wi.into(), normal).map_or_else(Vec::new, |u| u.to_vec());
         Ok(examine(&sphere, &drawn.with_inverse(invert), &pdf, protocol, round)?)
     };
-    Case::new(name, test).with_preparation(move || drop(preparation()))
+    Case { preparation: Some(Box::new(move || drop(preparation()))), ..Case::new(name, test) }
 }
 
 fn is_black(map: &EnvMap) -> bool {
