@@ -81,19 +81,16 @@ pub struct Depths {
 
 impl Depths {
     /// The light of a class on what is "all" or a kind of object, if there is any.
-    #[must_use]
     pub fn class(&self, class: &str, seen_on: &str) -> Option<&ClassRow> {
         self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
     }
 
     /// The share of all light in the path classes that `of` selects.
-    #[must_use]
     pub fn share(&self, of: impl Fn(&ClassRow) -> bool) -> f64 {
         self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
     }
 
     /// Mean light of an image.
-    #[must_use]
     pub fn mean(&self, depth: u32) -> f64 {
         let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
         row.map_or(f64::NAN, |r| (r.mean_r + r.mean_g + r.mean_b) / 3.0)
@@ -104,9 +101,6 @@ impl Depths {
 pub const ALL: &str = "all";
 
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
-///
-/// # Errors
-/// Those of [`Job::new`].
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let by_class = Settings { paths: Some(CLASS_DEPTH), camera_paths_only: true, ..*settings };
@@ -124,10 +118,8 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
         let mut added = vec![DVec3::ZERO; objects.pixels.len()];
-        for (name, layer) in &layers {
-            if appears_at(name) == depth {
-                added.iter_mut().zip(layer.pixels()).for_each(|(sum, l)| *sum += l.as_dvec3());
-            }
+        for (_, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
+            add(&mut added, layer);
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
         let image = |pixels: &[DVec3]| {
@@ -201,22 +193,22 @@ fn appears_at(class: &str) -> u32 {
 }
 
 fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
-    let (mut sum, mut pixels) = (DVec3::ZERO, 0);
-    for p in inside(image.pixels(), mask) {
-        sum += p.as_dvec3();
-        pixels += 1;
-    }
-    let mean = sum / f64::from(pixels);
-    let share_of_light = sum.element_sum() / 3.0 / all_light;
+    let pixels: Vec<DVec3> = inside(image.pixels(), mask).map(|p| p.as_dvec3()).collect();
+    let sum: DVec3 = pixels.iter().sum();
+    let mean = sum / pixels.len() as f64;
     RadianceRow {
         depth,
         seen_on,
-        pixels: pixels as usize,
+        pixels: pixels.len(),
         mean_r: mean.x,
         mean_g: mean.y,
         mean_b: mean.z,
-        share_of_light,
+        share_of_light: sum.element_sum() / 3.0 / all_light,
     }
+}
+
+fn add(sum: &mut [DVec3], image: &Image) {
+    sum.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
 }
 
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
@@ -244,9 +236,6 @@ pub struct Truncation {
 }
 
 /// Renders a scene to depth `m` and deeper.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
     let settings = Settings { paths: Some(m + 1), ..*settings };
     let to = |max_depth: u32| {
@@ -260,7 +249,7 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let beyond = layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer, &everything)).sum();
     let mut sum = vec![DVec3::ZERO; image.pixels().len()];
     for (_, layer) in deep.iter().filter(|(name, _)| within(name)) {
-        sum.iter_mut().zip(layer.pixels()).for_each(|(s, l)| *s += l.as_dvec3());
+        add(&mut sum, layer);
     }
     let differences = sum.iter().zip(image.pixels()).map(|(s, p)| (*s - p.as_dvec3()).abs().max_element());
     Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })
@@ -268,7 +257,6 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
 
 /// The mean radiance of an image that shows the area lights alone, exact where nothing hides them: radiance times the
 /// projected area of each, over the area of the image.
-#[must_use]
 pub fn visible_area_lights(scene: &Scene) -> f64 {
     let camera = &scene.camera;
     let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };

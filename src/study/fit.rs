@@ -1,7 +1,6 @@
 //! Straight lines through points, and curves between them on logarithmic scales.
 
 /// The slope of the least-squares line through (x, y); NaN with fewer than two different x.
-#[must_use]
 pub fn slope(points: &[[f64; 2]]) -> f64 {
     let n = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
@@ -16,14 +15,12 @@ pub fn slope(points: &[[f64; 2]]) -> f64 {
 }
 
 /// The slope of the line through (ln x, ln y), the exponent p of y ∝ xᵖ; points without logarithms are left out.
-#[must_use]
 pub fn log_log_slope(points: &[[f64; 2]]) -> f64 {
     let usable = points.iter().filter(|p| p.iter().all(|v| *v > 0.0 && v.is_finite()));
     slope(&usable.map(|p| p.map(f64::ln)).collect::<Vec<_>>())
 }
 
 /// y at `x` by the straight line between neighbours of (ln x, ln y), x rising; `None` beyond the ends.
-#[must_use]
 pub fn log_log_at(points: &[[f64; 2]], x: f64) -> Option<f64> {
     let pair = points.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&x))?;
     let [[x0, y0], [x1, y1]] = [pair[0], pair[1]].map(|p| p.map(f64::ln));

@@ -16,9 +16,6 @@ pub struct FurnaceSphere {
 }
 
 /// Renders a diffuse, a mirror and a glass sphere at `spp` samples per pixel.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     let (mut scene, request) = builtin::furnace();
     // Without the metal of the built-in scene, which absorbs and is reflected in the mirror.

@@ -81,7 +81,6 @@ pub fn cut(
 }
 
 /// |Σ flux of the regions − flux of the map| / flux of the map; 0 for a black map.
-#[must_use]
 pub fn flux_error(rows: &[RegionRow], map_flux: [f64; 3]) -> f64 {
     let map_flux = DVec3::from_array(map_flux);
     let sum: DVec3 = rows.iter().map(|r| DVec3::new(r.flux_r, r.flux_g, r.flux_b)).sum();
@@ -89,7 +88,6 @@ pub fn flux_error(rows: &[RegionRow], map_flux: [f64; 3]) -> f64 {
 }
 
 /// Largest energy of a region over the mean; 1 is a perfect cut. 0 for a black map.
-#[must_use]
 pub fn imbalance(rows: &[RegionRow]) -> f64 {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
     let largest = rows.iter().map(|r| r.energy).fold(0.0, f64::max);

@@ -9,7 +9,6 @@ pub mod furnace;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;
-pub mod metals;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;

@@ -23,7 +23,6 @@ impl Kind {
     pub const ALL: [Self; 5] = [Self::AreaLight, Self::Mirror, Self::Glass, Self::Metal, Self::Diffuse];
 
     /// The name in tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::AreaLight => "lamp",
@@ -56,7 +55,6 @@ pub struct ObjectIdBuffer {
 
 impl ObjectIdBuffer {
     /// The buffer of the scene's camera.
-    #[must_use]
     pub fn new(scene: &Scene, request: &Request) -> Self {
         let objects = FirstHit::new(scene);
         let (width, height) = (request.width, request.height);
@@ -69,14 +67,12 @@ impl ObjectIdBuffer {
     }
 
     /// Which pixels show this kind.
-    #[must_use]
     pub fn mask(&self, kind: Kind) -> Vec<bool> {
         self.pixels.iter().map(|&k| k == Some(kind)).collect()
     }
 
     /// For each pixel of `mask` the distance to the nearest pixel outside it, centre to centre, and for the others, negative,
     /// that to the nearest one inside; ±∞ beyond `reach` pixels.
-    #[must_use]
     pub fn depth_inside(&self, mask: &[bool], reach: usize) -> Vec<f64> {
         let far = distances(mask, self.width, reach, false);
         let near = distances(mask, self.width, reach, true);

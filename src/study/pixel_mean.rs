@@ -20,7 +20,6 @@ pub fn inside<T>(values: impl IntoIterator<Item = T>, mask: &[bool]) -> impl Ite
 
 impl Mean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
-    #[must_use]
     pub fn of(film: &Film, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
         for PixelEstimate { mean, error } in inside(film.estimates(), mask) {
@@ -35,13 +34,11 @@ impl Mean {
     }
 
     /// (R + G + B) / 3.
-    #[must_use]
     pub fn intensity(&self) -> f64 {
         self.value.iter().sum::<f64>() / 3.0
     }
 
     /// The largest of the channels' differences in units of their standard errors, with its sign.
-    #[must_use]
     pub fn z(&self, other: &Self) -> f64 {
         (0..3)
             .map(|c| (self.value[c] - other.value[c]) / self.error[c].hypot(other.error[c]))

@@ -55,9 +55,6 @@ pub struct StatueRender {
 }
 
 /// Renders a statue.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> Result<StatueRender> {
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
@@ -89,9 +86,6 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
 
 /// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random
 /// numbers: independent of the image that it is compared with.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
     let request = Request { spp: (request.spp / 8).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
@@ -100,7 +94,6 @@ pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings
 }
 
 /// The first metal of a scene.
-#[must_use]
 pub fn conductor(scene: &Scene) -> Option<&Conductor> {
     scene.objects.iter().find_map(|o| if let Material::Conductor(c) = &o.material { Some(c) } else { None })
 }

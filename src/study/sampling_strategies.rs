@@ -68,23 +68,18 @@ pub struct StrategyComparison {
 
 impl StrategyComparison {
     /// The sum of the medians over the statue's rim, hemisphere sampling over importance sampling.
-    #[must_use]
     pub fn rim_median_ratio(&self) -> f64 {
         let rim = || self.profile.iter().filter(|bin| bin.from_px >= 0.0 && bin.to_px <= RIM);
         rim().map(|bin| bin.hemisphere_median).sum::<f64>() / rim().map(|bin| bin.importance_median).sum::<f64>()
     }
 
     /// Noise on the statue, importance sampling over hemisphere sampling.
-    #[must_use]
     pub fn noise_ratio(&self) -> f64 {
         self.importance.row.noise / self.hemisphere.row.noise
     }
 }
 
 /// Renders the scene twice, with independent random numbers.
-///
-/// # Errors
-/// Those of [`render_statue`].
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<StrategyComparison> {
     let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
@@ -113,15 +108,18 @@ fn from_silhouette(depth: f64) -> f64 {
 fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) -> Vec<ProfileBin> {
     let shown: Vec<bool> =
         importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
-    let bins = (-OUTSIDE..INSIDE).map(|from| {
+    let bins = (-OUTSIDE..INSIDE).filter_map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> = depth
             .iter()
             .zip(&shown)
             .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
             .collect();
+        if !mask.contains(&true) {
+            return None;
+        }
         let [a, b] = [importance, hemisphere].map(|s| Side::of(s, &mask));
-        ProfileBin {
+        Some(ProfileBin {
             from_px,
             to_px,
             pixels: a.mean.pixels,
@@ -135,12 +133,11 @@ fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) 
             hemisphere_shown: b.shown,
             importance_error: a.error,
             hemisphere_error: b.error,
-        }
+        })
     });
-    bins.filter(|bin| bin.pixels > 0).collect()
+    bins.collect()
 }
 
-/// One image on some pixels.
 struct Side {
     mean: Mean,
     median: f64,
@@ -162,9 +159,6 @@ impl Side {
         for estimate in inside(film.estimates(), mask) {
             values.push(estimate.mean);
             square += (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
-        }
-        if values.is_empty() {
-            return Self { mean, median: f64::NAN, shown: f64::NAN, error: f64::NAN };
         }
         let shown =
             to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));

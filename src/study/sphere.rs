@@ -27,7 +27,6 @@ const RING: [f64; 2] = [12.0 / 255.5, 250.0 / 255.5];
 
 impl Exact {
     /// Computes the image of a white sphere in `map` × `scale`, `size` pixels wide, to 10⁻⁵.
-    #[must_use]
     pub fn new(map: &EnvMap, scale: f64, size: usize) -> Self {
         let tree = IrradianceTree::new(map);
         let pixels = (0..size * size)
@@ -83,9 +82,6 @@ pub struct SphereRender {
 const GROUPS: usize = 16;
 
 /// Renders the sphere at `spp` samples per pixel and compares it with the exact image.
-///
-/// # Errors
-/// Those of [`render`].
 pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<SphereRender> {
     let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
@@ -146,9 +142,6 @@ const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
 ];
 
 /// Renders the sphere by every strategy at each number of samples per pixel.
-///
-/// # Errors
-/// Those of [`render_sphere`].
 pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, settings: &Settings) -> Result<Vec<Series>> {
     let series = |(strategy, sampling, density)| {
         let settings = Settings { sampling, density, ..*settings };
@@ -184,7 +177,6 @@ pub struct AtNormal {
 }
 
 /// Radiance of the sphere under `map`, which should be the Grace map, beside that of a render by PBRT.
-#[must_use]
 pub fn against_pbrt(map: &EnvMap) -> Vec<AtNormal> {
     const S: f64 = FRAC_1_SQRT_2;
     const PBRT: [([f64; 3], [f64; 3]); 6] = [

@@ -2,11 +2,10 @@
 
 use super::converge::duration;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
-use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
 use crate::study::converge::depth::{DepthCurve, DepthLevel};
-use crate::study::converge::lights::CUTS;
 use crate::study::converge::roughness::{self, NORMALS};
+use crate::study::converge::{CUTS, Convergence};
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 

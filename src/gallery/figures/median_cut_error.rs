@@ -2,7 +2,7 @@
 
 use super::error_time::{SphereCurves, biased, plan, sphere, stopped};
 use crate::gallery::prelude::*;
-use crate::study::converge::lights::{self, CUTS};
+use crate::study::converge::{CUTS, cuts};
 use crate::view::{converge, converge_series as view};
 
 /// Numbers of lights that the map is cut into.
@@ -26,7 +26,7 @@ pub fn figures() -> Vec<Figure> {
 fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let sampled = studies.get(SphereCurves, inputs)?;
     let (scene, request) = sphere(inputs);
-    let fixed = lights::cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
+    let fixed = cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
     let mut checks = vec![stopped(&fixed)];
     let rmse = |cut: &str, lights: u32| {
         let curve = fixed.curve(&format!("{cut}-{lights}"));

@@ -1,7 +1,7 @@
 //! Indices, special angles and albedo of the metals: `metals-table`.
 
 use crate::gallery::prelude::*;
-use crate::study::metals;
+use crate::study::metal;
 use crate::view::metals as view;
 
 /// Angles of a curve.
@@ -23,7 +23,7 @@ pub fn figures() -> Vec<Figure> {
 }
 
 fn content() -> Result<Content> {
-    let table = metals::table(POINTS)?;
+    let table = metal::table(POINTS)?;
     let checks = vec![
         Check::at_most("error of R(0°) against ((η−1)²+k²)/((η+1)²+k²)", table.normal_error(), 1e-14),
         Check::at_most(

@@ -12,11 +12,9 @@ use std::f64::consts::PI;
 
 /// Half sides of the area light of the report's Cornell box.
 const HALF: [f64; 2] = [0.3, 0.4];
-/// Its height above the floor.
 const HEIGHT: f64 = 1.49;
 /// The point of the floor in the image, (x, z).
 const PLACE: [f64; 2] = [0.3, 0.2];
-/// Of the floor.
 const ALBEDO: f64 = 0.6;
 
 /// Irradiance of the floor at (x, z) by an area light of radiance 1, ∫ cos² θ/d² dA, times the distance if `too_bright`.
@@ -64,7 +62,6 @@ fn floor(inverse_distance: bool) -> RenderTest {
     }
 }
 
-/// Light that falls off as 1/d.
 pub fn suspect() -> Suspect {
     // Over the report's floor, 2 by 2.
     const POINTS: usize = 12;

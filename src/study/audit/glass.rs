@@ -9,12 +9,10 @@ use crate::study::validation::Case;
 use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
 
-/// Index of refraction of the glass.
 const ETA: f64 = 1.45;
 /// Angle of incidence inside the glass in degrees, below the critical angle of 43.6°.
 const THETA: f64 = 40.0;
 
-/// Schlick's approximation with the incident cosine.
 pub fn suspect() -> Suspect {
     let (sin, cos) = THETA.to_radians().sin_cos();
     let case = |name: &str, printed: bool| {

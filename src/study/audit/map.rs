@@ -44,29 +44,19 @@ fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density<[f64; 3]> {
     direction_density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 
-/// The test of a sampler of directions under a uniform sky.
-fn case<S>(name: String, pick: impl Fn(&LatLong) -> S + Send + Sync + 'static) -> Case
-where
-    S: Fn([f64; 2]) -> Option<DVec3> + Sync,
-{
-    Case::of(name, Directions::sphere(Pole::Y), move || {
+/// The test of directions under a uniform sky by a table of rows, uniformly inside their texels.
+fn by_rows(name: &str, weight: fn(&LatLong, usize) -> f64) -> Case {
+    Case::of(format!("audit/{name}"), Directions::sphere(Pole::Y), move || {
         let map = uniform_sky();
-        let draw = pick(map.geometry());
+        let g = map.geometry().clone();
+        let table = Table2::new(WIDTH, HEIGHT, |_, y| weight(&g, y));
+        let draw = move |u: [f64; 2]| {
+            let draw = table.sample(u)?;
+            Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
+        };
         let right = CdfSampler::new(map);
         (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
     })
-}
-
-/// Directions by a table of rows, uniformly inside their texels.
-fn by_rows(weight: fn(&LatLong, usize) -> f64) -> impl Fn(&LatLong) -> Box<dyn Fn([f64; 2]) -> Option<DVec3> + Sync> {
-    move |g| {
-        let g = g.clone();
-        let table = Table2::new(WIDTH, HEIGHT, |_, y| weight(&g, y));
-        Box::new(move |u| {
-            let draw = table.sample(u)?;
-            Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
-        })
-    }
 }
 
 /// Shares by row as a curve of steps.
@@ -79,7 +69,6 @@ fn right_share(y: usize) -> f64 {
     0.5 * (edge(y) - edge(y + 1))
 }
 
-/// Weights of rows that are 0 at the poles.
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
     let erratum = Erratum {
@@ -100,16 +89,10 @@ pub fn pole_rows() -> Suspect {
         },
         ..Erratum::default()
     };
-    (
-        erratum,
-        [
-            case("audit/pole-rows/printed".into(), by_rows(|_, y| row_weight(y, HEIGHT))),
-            case("audit/pole-rows/right".into(), by_rows(LatLong::solid_angle)),
-        ],
-    )
+    let printed = by_rows("pole-rows/printed", |_, y| row_weight(y, HEIGHT));
+    (erratum, [printed, by_rows("pole-rows/right", LatLong::solid_angle)])
 }
 
-/// Directions at the corners of texels.
 pub fn corners() -> Suspect {
     // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
@@ -144,13 +127,9 @@ pub fn corners() -> Suspect {
         },
         ..Erratum::default()
     };
-    (erratum, [printed, case("audit/corners/right".into(), by_rows(LatLong::solid_angle))])
+    (erratum, [printed, by_rows("corners/right", LatLong::solid_angle)])
 }
 
-/// Inversion of Gaussian random numbers.
-///
-/// # Errors
-/// None: the standard deviation is a constant.
 pub fn gaussian_numbers() -> Result<Suspect> {
     let normal = Normal::new(0.5, SIGMA).map_err(|e| Error::parameter("SIGMA", e.to_string()))?;
     let (low, high) = (normal.cdf(0.0), normal.cdf(1.0));

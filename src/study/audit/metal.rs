@@ -26,10 +26,6 @@ const ROUNDING: f64 = 1e-4;
 /// Smaller reflectances count as 0.
 const FAINTEST: f64 = 1e-30;
 
-/// The errors of the second report's metal.
-///
-/// # Errors
-/// Those of [`integrate`].
 pub fn suspects() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
 }
@@ -46,7 +42,6 @@ fn viewer(degrees: f64) -> DVec3 {
     DVec3::new(-w.x, 0.0, w.z)
 }
 
-/// The half vector.
 fn facet(wo: DVec3, wi: DVec3) -> DVec3 {
     (wo + wi).normalize()
 }

@@ -14,9 +14,6 @@ use crate::error::Result;
 use etalon_stats::Protocol;
 
 /// Tests all errors in one run.
-///
-/// # Errors
-/// Those of [`run`].
 pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     let mut suspects = metal::suspects()?;
     suspects.extend([

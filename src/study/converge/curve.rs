@@ -11,7 +11,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 /// One replicate at one number of samples.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Measured {
     /// Samples per pixel.
     pub spp: u32,
@@ -19,6 +19,8 @@ pub struct Measured {
     pub times: Times,
     /// Against the reference.
     pub errors: Comparison,
+    /// Mean HDR-FLIP and the image, in the first replicate.
+    pub shown: Option<(Option<f64>, Image)>,
 }
 
 /// All replicates at one number of samples. Errors carry 95 % intervals.
@@ -42,13 +44,11 @@ pub struct Level {
 
 impl Level {
     /// √MSE; NaN where the reference's noise hides it.
-    #[must_use]
     pub fn rmse(&self) -> f64 {
         self.mse.value.sqrt()
     }
 
     /// The interval of [`Level::rmse`].
-    #[must_use]
     pub fn rmse_band(&self) -> [f64; 2] {
         self.mse.positive().map(f64::sqrt)
     }
@@ -98,8 +98,6 @@ pub const FIT_FROM: u32 = 4;
 const FIT_LEVELS: usize = 3;
 /// Number of standard errors beyond which the error of the mean image is bias.
 pub const SIGMAS: f64 = 3.0;
-/// Levels whose RMSE is not this many times that of the reference's mean are left out of the fit.
-const ABOVE_REFERENCE: f64 = 1.0;
 
 /// The result of one replicate.
 pub struct Run {
@@ -112,18 +110,11 @@ pub struct Run {
 }
 
 impl Curve {
-    /// From replicates that all have the same levels; `images` and `flips` are the first one's, level by level.
-    ///
-    /// # Errors
-    /// As [`Reference::compare`].
-    pub fn new(
-        strategy: Strategy,
-        runs: &[Run],
-        reference: &Reference,
-        images: Vec<Image>,
-        flips: &[Option<f64>],
-    ) -> Result<Self> {
-        let count = runs.iter().map(|run| run.levels.len()).min().unwrap_or(0);
+    /// From at least one replicate, all with the same levels.
+    pub fn new(strategy: Strategy, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
+        let count = runs[0].levels.len();
+        let (flips, images): (Vec<_>, Vec<_>) =
+            runs[0].levels.iter_mut().filter_map(|level| level.shown.take()).unzip();
         let level = |i: usize| {
             let all = |f: &dyn Fn(&Measured) -> f64| runs.iter().map(|run| f(&run.levels[i])).collect::<Vec<_>>();
             let mean = |f: &dyn Fn(&Measured) -> f64| all(f).iter().sum::<f64>() / runs.len() as f64;
@@ -135,14 +126,15 @@ impl Curve {
                 wall_seconds: mean(&|m| m.times.wall),
                 mse,
                 rel_mse: Estimate::mean(&all(&|m| m.errors.rel_mse)),
-                flip: flips.get(i).copied().flatten(),
+                flip: flips[i],
                 efficiency: 1.0 / (mse.value * cpu_seconds),
             }
         };
         let levels: Vec<Level> = (0..count).map(level).collect();
         // Fit a slope for each replicate over the levels above the noise of the reference.
+        let least = reference.facts.rmse.powi(2);
         let fitted: Vec<usize> =
-            (0..count).filter(|&i| levels[i].spp >= FIT_FROM && reference.is_clear(levels[i].mse.value)).collect();
+            (0..count).filter(|&i| levels[i].spp >= FIT_FROM && levels[i].mse.value > least).collect();
         let slope_of = |run: &Run| {
             let points = fitted.iter().map(|&i| [f64::from(levels[i].spp), run.levels[i].errors.mse.sqrt()]);
             fit::log_log_slope(&points.collect::<Vec<_>>())
@@ -152,32 +144,23 @@ impl Curve {
         } else {
             Estimate::mean(&runs.iter().map(slope_of).collect::<Vec<_>>())
         };
-        let bias2 = bias2(runs, reference)?;
+        let bias2 = bias2(&runs, reference)?;
         let verdict = verdict(slope, bias2, levels.last());
         let preparation_seconds = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
         Ok(Self { strategy, replicates: runs.len(), levels, slope, bias2, verdict, preparation_seconds, images })
     }
 
     /// The level whose processor time is nearest to `seconds`, by their ratio.
-    #[must_use]
     pub fn nearest(&self, seconds: f64) -> Option<usize> {
         let ratio = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
         (0..self.levels.len()).min_by(|&a, &b| ratio(&self.levels[a]).total_cmp(&ratio(&self.levels[b])))
     }
 
     /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
-    #[must_use]
     pub fn time_to(&self, rmse: f64) -> Option<f64> {
         let first = self.levels.first().filter(|level| level.rmse() <= rmse);
         let points: Vec<[f64; 2]> = self.levels.iter().rev().map(|l| [l.rmse(), l.cpu_seconds]).collect();
         first.map(|level| level.cpu_seconds).or_else(|| fit::log_log_at(&points, rmse))
-    }
-}
-
-impl Reference {
-    /// Whether a mean squared error stands above the reference's own.
-    fn is_clear(&self, mse: f64) -> bool {
-        mse > (ABOVE_REFERENCE * self.facts.rmse).powi(2)
     }
 }
 

@@ -39,9 +39,6 @@ pub struct DepthCurve {
 /// Renders a scene to every depth, `replicates` times with different seeds, all depths alternating. The paths of a shallow
 /// image are the beginnings of those of a deep one (see [`truncation`](crate::study::depth::truncation)): their noise is
 /// the same, so that the difference is known far better than either of them. Without levels if the deadline comes first.
-///
-/// # Errors
-/// As [`Doubling::new`].
 pub fn measure(
     scene: &Scene,
     request: &Request,

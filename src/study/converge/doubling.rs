@@ -15,25 +15,21 @@ pub struct Deadline(Instant);
 
 impl Deadline {
     /// That many seconds from now.
-    #[must_use]
     pub fn after(seconds: f64) -> Self {
         Self(Instant::now() + Duration::from_secs_f64(seconds))
     }
 
     /// The moment when `share` of the time left will have passed.
-    #[must_use]
     pub fn share(&self, share: f64) -> Self {
         Self::after(self.left() * share)
     }
 
     /// Seconds until then, at least 0.
-    #[must_use]
     pub fn left(&self) -> f64 {
         if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
     /// Whether the deadline has passed.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         interrupt::requested() || Instant::now() >= self.0
     }
@@ -81,9 +77,6 @@ pub struct Doubling<'a> {
 
 impl<'a> Doubling<'a> {
     /// Prepares the render; `request.spp` is where it ends.
-    ///
-    /// # Errors
-    /// As [`Job::new`] and [`Job::part`].
     pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         let mut preparation = Times::default();
         let job = preparation.of(|| Job::new(scene, request, settings))?;
@@ -92,13 +85,11 @@ impl<'a> Doubling<'a> {
     }
 
     /// Samples per pixel so far.
-    #[must_use]
     pub fn spp(&self) -> u32 {
         self.spp
     }
 
     /// Estimate of the next step's wall-clock seconds: as many as those of all samples so far.
-    #[must_use]
     pub fn next_step(&self) -> f64 {
         self.times.wall
     }
@@ -112,15 +103,8 @@ impl<'a> Doubling<'a> {
     }
 
     /// The image so far.
-    #[must_use]
     pub fn image(&self) -> Image {
         self.part.film.image()
-    }
-
-    /// The film so far.
-    #[must_use]
-    pub fn part(&self) -> &Part {
-        &self.part
     }
 }
 
@@ -143,12 +127,6 @@ mod tests {
             before = doubling.times;
         }
         assert_eq!(doubling.image(), render(&scene, &request, &Settings::default(), &Silent).unwrap().image);
-    }
-
-    #[test]
-    fn a_deadline_that_is_over_stops_it() {
-        let (scene, request) = builtin::cornell_lambert();
-        let mut doubling = Doubling::new(&scene, &request, &Settings::default()).unwrap();
-        assert!(!doubling.double(&Deadline::after(0.0)));
+        assert!(!doubling.double(&Deadline::after(0.0)), "the deadline is over");
     }
 }

@@ -7,7 +7,6 @@ use flip_rs::{HdrOptions, RgbImage, hdr_flip};
 
 /// The mean over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
 /// a black reference. Pixels that are not finite in either image are black in both.
-#[must_use]
 pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
     let pairs = || image.pixels().iter().zip(reference.pixels());
     let usable = |pair: &(&glam::Vec3, &glam::Vec3)| pair.0.is_finite() && pair.1.is_finite();
@@ -28,7 +27,7 @@ mod tests {
     use crate::math::Rgb;
 
     #[test]
-    fn zero_for_equal_images_and_more_for_more_noise() {
+    fn it_is_zero_for_equal_images_and_grows_with_noise() {
         let noisy = |noise: f32| {
             Image::from_fn(32, 24, |x, y| {
                 let sign = if (x * 7 + y * 13) % 5 < 2 { 1.0 } else { -0.66 };
@@ -38,10 +37,7 @@ mod tests {
         let of = |noise| mean(&noisy(noise), &noisy(0.0)).unwrap();
         assert_eq!(of(0.0), 0.0);
         assert!(of(0.3) > 2.0 * of(0.1) && of(0.1) > 0.0 && of(0.3) < 1.0, "{} {}", of(0.1), of(0.3));
-    }
-
-    #[test]
-    fn pixels_that_are_not_finite_do_not_count() {
+        // Pixels that are not finite do not count.
         let image = Image::from_fn(16, 16, |_, _| Rgb::splat(0.4));
         let mut holed = image.clone();
         holed.pixels_mut()[20] = Rgb::NAN;

@@ -9,15 +9,14 @@ pub mod curve;
 pub mod depth;
 pub mod doubling;
 pub mod flip;
-pub mod lights;
 pub mod reference;
 pub mod roughness;
 pub mod strategy;
 
+use crate::envmap::samplers::cut_lights;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
-use crate::raster::Image;
 use crate::scene::{Request, Scene};
 use curve::{Curve, CurveVerdict, Measured, Run};
 use doubling::{Deadline, Doubling};
@@ -139,6 +138,25 @@ pub fn measure(
     Ok(result)
 }
 
+/// The ways of cutting a map, by the beginning of their strategies' names.
+pub const CUTS: [&str; 2] = [cut_lights::MEDIAN_CUT.name, cut_lights::VARIANCE_CUT.name];
+
+/// Samples per pixel of [`cuts`]: some, because radiance varies within a pixel.
+const CUT_SPP: u32 = 4;
+
+/// Measures the bias of fixed lights in place of an environment, which no number of samples reduces: both cuts into each of the numbers of lights; a curve each, the cuts one after the other.
+pub fn cuts(
+    scene: &Scene,
+    request: &Request,
+    counts: &[u32],
+    plan: &Plan,
+    known: Option<&Reference>,
+) -> Result<Convergence> {
+    let name = |cut: &'static str| counts.iter().map(move |k| format!("{cut}-{k}").parse());
+    let strategies = CUTS.into_iter().flat_map(name).collect::<Result<Vec<Strategy>>>()?;
+    measure(scene, request, &strategies, &Plan { max_spp: CUT_SPP, ..*plan }, known)
+}
+
 fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Deadline) -> Result<Option<Reference>> {
     if let Some(exact) = Reference::exact(scene, request, deadline) {
         return Ok(Some(exact));
@@ -147,12 +165,11 @@ fn make_reference(scene: &Scene, request: &Request, plan: &Plan, deadline: &Dead
     Reference::rendered(scene, request, plan.seed, max_spp, deadline)
 }
 
-/// The finished replicates of a strategy, and the images of the first one, level by level.
-struct Track<'a> {
-    strategy: &'a Strategy,
-    runs: Vec<Run>,
-    images: Vec<Image>,
-    flips: Vec<Option<f64>>,
+/// A replicate of a strategy while it is rendered.
+struct Growing<'a> {
+    render: Doubling<'a>,
+    levels: Vec<Measured>,
+    goes_on: bool,
 }
 
 /// Renders replicate after replicate as long as the next one fits into the time that is left.
@@ -167,8 +184,7 @@ fn run_schedule(
 ) -> Result<()> {
     let request = Request { spp: plan.max_spp, ..*request };
     let exact = truth.image();
-    let track = |strategy| Track { strategy, runs: Vec::new(), images: Vec::new(), flips: Vec::new() };
-    let mut tracks: Vec<Track> = strategies.iter().map(track).collect();
+    let mut finished: Vec<Vec<Run>> = strategies.iter().map(|_| Vec::new()).collect();
     let mut longest = 0.0_f64;
     for replicate in 0..plan.replicates {
         let left_out = || format!("{} of {} replicates", plan.replicates - replicate, plan.replicates);
@@ -180,49 +196,48 @@ fn run_schedule(
         // The time of one strategy in one replicate.
         let share = before * (1.0 - RESERVE) / f64::from(plan.replicates - replicate) / strategies.len() as f64;
         let seed = plan.seed.wrapping_add(u64::from(replicate));
-        let renders = strategies.iter().map(|s| Ok((Doubling::new(scene, &request, &s.settings(seed))?, Vec::new())));
-        let mut renders: Vec<(Doubling, Vec<Measured>)> = renders.collect::<Result<_>>()?;
+        let start = |strategy: &Strategy| {
+            let render = Doubling::new(scene, &request, &strategy.settings(seed))?;
+            Ok(Growing { render, levels: Vec::new(), goes_on: true })
+        };
+        let mut growing = strategies.iter().map(start).collect::<Result<Vec<Growing>>>()?;
         // Double the samples of all strategies, alternating, until none of them has a next level.
-        let mut growing = vec![true; strategies.len()];
-        while growing.contains(&true) && !all.is_over() {
-            let unfinished = tracks.iter_mut().zip(&mut renders).zip(&mut growing).filter(|(_, growing)| **growing);
-            for ((track, (render, levels)), growing) in unfinished {
-                let fits = match track.runs.first() {
+        while growing.iter().any(|one| one.goes_on) && !all.is_over() {
+            for (runs, one) in finished.iter().zip(&mut growing).filter(|(_, one)| one.goes_on) {
+                let Growing { render, levels, goes_on } = one;
+                let fits = match runs.first() {
                     // All replicates have the levels of the first one.
                     Some(first) => levels.len() < first.levels.len(),
                     None => render.preparation.wall + render.times.wall + render.next_step() <= share,
                 };
-                *growing = render.spp() <= plan.max_spp / 2 && fits && render.double(all);
-                if !*growing {
-                    continue;
-                }
-                let image = render.image();
-                levels.push(Measured { spp: render.spp(), times: render.times, errors: truth.compare(&image)? });
-                if replicate == 0 {
-                    track.flips.push(flip::mean(&image, &exact));
-                    track.images.push(image);
+                *goes_on = render.spp() <= plan.max_spp / 2 && fits && render.double(all);
+                if *goes_on {
+                    let image = render.image();
+                    let errors = truth.compare(&image)?;
+                    let shown = if replicate == 0 { Some((flip::mean(&image, &exact), image)) } else { None };
+                    levels.push(Measured { spp: render.spp(), times: render.times, errors, shown });
                 }
             }
         }
-        let is_complete = |(track, (_, levels)): (&Track, &(Doubling, Vec<Measured>))| {
-            track.runs.first().is_none_or(|first| levels.len() == first.levels.len())
+        let is_complete = |(runs, one): (&Vec<Run>, &Growing)| {
+            runs.first().is_none_or(|first| one.levels.len() == first.levels.len())
         };
-        if all.is_over() || !tracks.iter().zip(&renders).all(is_complete) {
+        if all.is_over() || !finished.iter().zip(&growing).all(is_complete) {
             result.cut.push(left_out());
             break;
         }
-        for (track, (render, levels)) in tracks.iter_mut().zip(renders) {
-            track.runs.push(Run { levels, last: render.image(), preparation: render.preparation.wall });
+        for (runs, Growing { render, levels, .. }) in finished.iter_mut().zip(growing) {
+            runs.push(Run { levels, last: render.image(), preparation: render.preparation.wall });
         }
         longest = longest.max(before - all.left());
     }
-    for Track { strategy, runs, images, flips } in tracks {
+    for (strategy, runs) in strategies.iter().zip(finished) {
         let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
         if reached <= plan.max_spp / 2 {
             result.cut.push(format!("{}: {reached} of {} samples per pixel", strategy.name, plan.max_spp));
         }
         if !runs.is_empty() {
-            result.curves.push(Curve::new(strategy.clone(), &runs, truth, images, &flips)?);
+            result.curves.push(Curve::new(strategy.clone(), runs, truth)?);
         }
     }
     Ok(())
@@ -230,20 +245,17 @@ fn run_schedule(
 
 impl Convergence {
     /// A strategy's curve.
-    #[must_use]
     pub fn curve(&self, strategy: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.strategy.name == strategy)
     }
 
     /// The processor time that all strategies have had: the shortest of their last levels.
-    #[must_use]
     pub fn common_seconds(&self) -> f64 {
         let last = self.curves.iter().filter_map(|curve| Some(curve.levels.last()?.cpu_seconds));
         last.fold(f64::INFINITY, f64::min)
     }
 
     /// The smallest RMSE that every strategy without bias has reached.
-    #[must_use]
     pub fn common_rmse(&self) -> f64 {
         let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
         let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
@@ -251,7 +263,6 @@ impl Convergence {
     }
 
     /// Whether any strategy has a verdict.
-    #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }

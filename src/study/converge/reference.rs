@@ -46,7 +46,6 @@ const RING: [f64; 2] = [0.05, 0.95];
 
 impl Reference {
     /// The exact image where there is one; `None` for other scenes and if the deadline comes first.
-    #[must_use]
     pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Self> {
         let image = lit_sphere(scene, request, deadline).or_else(|| white_furnace(scene, request))?;
         let Comparison { mean_a, pixels, .. } = compare(&image, &image).ok()?;
@@ -56,9 +55,6 @@ impl Reference {
 
     /// Renders two halves by the renderer's default strategy, alternating, each twice as long as before until the deadline
     /// or `max_spp` forbids another step; `None` if it forbids the first one.
-    ///
-    /// # Errors
-    /// As [`Doubling::new`].
     pub fn rendered(
         scene: &Scene,
         request: &Request,
@@ -93,22 +89,17 @@ impl Reference {
     }
 
     /// The errors of an image, unbiased by the noise of the reference.
-    ///
-    /// # Errors
-    /// As [`compare_with_halves`].
     pub fn compare(&self, image: &Image) -> Result<Comparison> {
         compare_with_halves(image, [&self.halves[0], &self.halves[1]])
     }
 
     /// The standard deviation that the reference's noise gives to a mean squared error near 0: the mean product of the
     /// halves' errors over all channel values.
-    #[must_use]
     pub fn mse_resolution(&self) -> f64 {
         2.0 * self.facts.rmse.powi(2) / (3.0 * self.facts.pixels as f64).sqrt()
     }
 
     /// The mean of the halves.
-    #[must_use]
     pub fn image(&self) -> Image {
         let pairs = self.halves[0].pixels().iter().zip(self.halves[1].pixels());
         let pixels = pairs.map(|(a, b)| 0.5 * (a + b)).collect();

@@ -43,9 +43,6 @@ pub struct RoughnessLevel {
 ///
 /// Random numbers are independent, so that the film's own standard errors are the errors: no reference is needed where there
 /// is no bias, and replicates are ranges of samples of one render. Fewer roughnesses if the deadline comes first.
-///
-/// # Errors
-/// As [`Job::new`].
 pub fn measure(
     scene: &Scene,
     request: &Request,

@@ -39,7 +39,6 @@ const METHODS: [(&str, &str, Sampling); 4] = [
 ///
 /// The list follows from the registry of environment-map samplers: `light` and `mis` use the first one; `light-NAME` and
 /// `mis-NAME` another; the name of a sampler of regions alone means light sampling by it.
-#[must_use]
 pub fn methods() -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = METHODS.map(|(name, doc, _)| (name.into(), doc.into())).into();
     for entry in samplers::ALL.iter().skip(1) {
@@ -60,27 +59,10 @@ pub fn methods() -> Vec<(String, String)> {
     names
 }
 
-/// What a name may end in, after a plus sign.
-pub struct Suffix {
-    /// Without the plus sign.
-    pub name: &'static str,
-    /// What it does, in a line.
-    pub about: &'static str,
-    apply: fn(&mut Strategy),
-}
-
-/// All suffixes.
-pub const SUFFIXES: [Suffix; 2] = [
-    Suffix {
-        name: "independent",
-        about: "independent random numbers in place of Sobol's",
-        apply: |strategy| strategy.stream = StreamKind::Independent,
-    },
-    Suffix {
-        name: "all-normals",
-        about: "rough metal samples the distribution of all normals in place of the visible ones",
-        apply: |strategy| strategy.normals = NormalSampling::Ndf,
-    },
+/// What a name may end in, after a plus sign, and what that does.
+pub const SUFFIXES: [(&str, &str); 2] = [
+    ("independent", "independent random numbers in place of Sobol's"),
+    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones"),
 ];
 
 impl FromStr for Strategy {
@@ -93,17 +75,20 @@ impl FromStr for Strategy {
             Error::parameter("strategies", format!("there is no strategy \"{name}\"")).with_hint(format!(
                 "strategies: {}; then {}",
                 known.join(", "),
-                SUFFIXES.map(|s| format!("+{}", s.name)).join(", ")
+                SUFFIXES.map(|(suffix, _)| format!("+{suffix}")).join(", ")
             ))
         })?;
         let mut strategy =
             Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
         for part in parts {
-            let suffix = SUFFIXES.iter().find(|suffix| suffix.name == part).ok_or_else(|| {
-                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
-                    .with_hint("a strategy may end in +independent and in +all-normals")
-            })?;
-            (suffix.apply)(&mut strategy);
+            match part {
+                "independent" => strategy.stream = StreamKind::Independent,
+                "all-normals" => strategy.normals = NormalSampling::Ndf,
+                _ => {
+                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                        .with_hint("a strategy may end in +independent and in +all-normals"));
+                }
+            }
         }
         Ok(strategy)
     }
@@ -130,36 +115,16 @@ fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
 
 impl Strategy {
     /// The strategies that are compared by default.
-    #[must_use]
     pub fn usual(scene: &Scene) -> Vec<Self> {
-        let names: &[&str] = if scene.environment.is_some() {
-            &[
-                "hemisphere+independent",
-                "light+independent",
-                "light",
-                "mis",
-                "mis-compensated",
-                "light-cosine",
-                "strata-64",
-                "median-cut-64",
-            ]
+        let names = if scene.environment.is_some() {
+            "hemisphere+independent light+independent light mis mis-compensated light-cosine strata-64 median-cut-64"
         } else {
-            &[
-                "hemisphere+independent",
-                "hemisphere",
-                "bsdf+independent",
-                "bsdf",
-                "light+independent",
-                "light",
-                "mis+independent",
-                "mis",
-            ]
+            "hemisphere+independent hemisphere bsdf+independent bsdf light+independent light mis+independent mis"
         };
-        names.iter().filter_map(|name| name.parse().ok()).collect()
+        names.split(' ').filter_map(|name| name.parse().ok()).collect()
     }
 
     /// The settings of a render by this strategy.
-    #[must_use]
     pub fn settings(&self, seed: u64) -> Settings {
         let Self { sampling, density, stream, normals, .. } = *self;
         let mut settings = Settings { sampling, density, stream, seed, ..Settings::default() };
@@ -168,13 +133,11 @@ impl Strategy {
     }
 
     /// Whether its random numbers are independent.
-    #[must_use]
     pub fn is_independent(&self) -> bool {
         self.stream == StreamKind::Independent
     }
 
     /// Whether fixed lights stand for the environment.
-    #[must_use]
     pub fn has_fixed_lights(&self) -> bool {
         self.density.has_fixed_lights()
     }
@@ -209,19 +172,9 @@ mod tests {
                 assert_eq!(normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
         }
-        for wrong in [
-            "",
-            "ligth",
-            "light+",
-            "light+sobol",
-            "strata-",
-            "strata--1",
-            "median-cut-1e3",
-            "K",
-            "cosine",
-            "light-compensated",
-            "mis-median-cut-4",
-        ] {
+        let wrong =
+            "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-compensated mis-median-cut-4";
+        for wrong in wrong.split(' ').chain([""]) {
             assert!(wrong.parse::<Strategy>().is_err(), "{wrong}");
         }
     }

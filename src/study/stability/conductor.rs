@@ -1,14 +1,10 @@
 //! Conductor Fresnel reflectance of unpolarized light.
 
-use super::directions::COSINE;
-use super::family::{
-    Bound, Family, Machine, Number, REPORT, Range, STABLE, Scale, Section, TEXTBOOK, Value, Variant, scalar, variant,
-};
+use super::family::*;
 use crate::bsdf::ConductorFresnel;
 use crate::math::Rgb;
 use crate::optics::conductor;
 
-/// R of a conductor, from 0 to 1.
 pub const FAMILY: Family = Family {
     name: "conductor",
     about: "conductor reflectance of unpolarized light",
@@ -17,24 +13,13 @@ pub const FAMILY: Family = Family {
     // Beyond, the renderer uses a reflectance of 1.
     domains: &[(0.0, 1e6), (0.0, 1e6), (0.0, 1.0)],
     sections: &[
-        Section {
-            title: "weak to strong absorbers, /{η} = 0.2",
-            x: Scale::new("/{k}", 1e-8, 1e4),
-            y: COSINE,
-            at: |k, cos| vec![0.2, k, cos],
-        },
-        Section {
-            title: "almost a dielectric, /{k} = 10^{−6}",
-            x: Scale::new("/{η}", 1e-4, 1e4),
-            y: COSINE,
-            at: |eta, cos| vec![eta, 1e-6, cos],
-        },
-        Section {
-            title: "index matched, /{η} = 1",
-            x: Scale::new("/{k}", 1e-8, 1e4),
-            y: COSINE,
-            at: |k, cos| vec![1.0, k, cos],
-        },
+        Section::new("weak to strong absorbers, /{η} = 0.2", Scale::new("/{k}", 1e-8, 1e4), COSINE, |k, cos| {
+            vec![0.2, k, cos]
+        }),
+        Section::new("almost a dielectric, /{k} = 10^{−6}", Scale::new("/{η}", 1e-4, 1e4), COSINE, |eta, cos| {
+            vec![eta, 1e-6, cos]
+        }),
+        Section::new("index matched, /{η} = 1", Scale::new("/{k}", 1e-8, 1e4), COSINE, |k, cos| vec![1.0, k, cos]),
     ],
     edges: &[
         &[1.0, 0.0, 0.0],

@@ -1,13 +1,12 @@
 //! Median cut of maps that cannot be halved by energy: constant, black, one bright texel.
 
-use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Workload};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{MedianCut, SideRule, Split};
 use crate::envmap::synthetic::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL, Synthetic};
 use crate::error::Result;
 use std::f64::consts::PI;
 
-/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "cuts",
     about: "light of the regions of a median cut of constant, black and one-hot maps; out of range: missing regions",
@@ -27,7 +26,7 @@ pub const EXPERIMENT: Experiment = Experiment {
 const REGIONS: [usize; 5] = [1, 2, 64, 1000, 2048];
 
 fn run(_workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
-    let mut tally = Tally::new("cuts", STABLE, Precision::Double);
+    let mut row = ErrorRow::new("cuts", STABLE, Precision::Double);
     for kind in [Synthetic::Constant, Synthetic::Black, Synthetic::Onehot] {
         let (map, name) = (EnvMap::new(kind.make()), kind.name());
         let exact = flux(kind, &map);
@@ -36,14 +35,14 @@ fn run(_workload: &Workload, _seed: u64) -> Result<Vec<ErrorRow>> {
             for n in REGIONS {
                 let regions = cut.regions(n)?;
                 let what = || format!("{name} map cut by {split:?} into {n}");
-                tally.compare(regions.iter().map(|r| r.flux.x).sum(), exact, 1.0, what);
+                row.compare(regions.iter().map(|r| r.flux.x).sum(), exact, 1.0, what);
                 let places = regions.iter().flat_map(|r| [r.centroid.0, r.centroid.1, r.median.0, r.median.1]);
                 let lost = places.filter(|x| !x.is_finite()).count();
-                tally.impossible((regions.len().abs_diff(n) + lost) as u64);
+                row.out_of_range += (regions.len().abs_diff(n) + lost) as u64;
             }
         }
     }
-    Ok(vec![tally.row()])
+    Ok(vec![row])
 }
 
 /// ∫ L dω in closed form.

@@ -1,12 +1,12 @@
-//! A family of formulas for one quantity: its inputs, the grids that they are swept over, the reference and the variants.
+//! A family of formulas for one quantity: its inputs, the grids that they are swept over, the reference and the variants;
+//! and inputs that several families share: directions, their scales, and sin² θ by two formulas.
 //!
-//! It re-exports what a family is written with.
+//! Families import all of it, and what it re-exports.
 
-pub use super::bound::Bound;
-pub use super::case::Case;
-pub use super::deviation::Range;
+pub use super::case::{Case, Range};
 pub use super::number::{Machine, Number, Value, cross, dot, minus, normalized, scalar};
 pub use super::precision::Precision;
+pub use super::row::Bound;
 pub(super) use super::variant::variant;
 pub use super::variant::{REPORT, STABLE, TEXTBOOK, Variant};
 
@@ -42,13 +42,11 @@ pub struct Family {
 
 impl Family {
     /// Whether any variant exists in that precision.
-    #[must_use]
     pub fn runs_in(&self, precision: Precision) -> bool {
         precision == Precision::Single || self.variants.iter().any(|variant| variant.double.is_some())
     }
 
     /// A case as `--replay` takes it.
-    #[must_use]
     pub fn text(&self, case: &Case) -> String {
         let inputs = self.inputs.iter().zip(&case.inputs);
         let inputs: Vec<String> = inputs.map(|(name, x)| format!("{name}={}", case.precision.text(*x))).collect();
@@ -71,6 +69,13 @@ pub struct Section {
     pub y: Scale,
     /// The inputs at a place of the grid.
     pub at: fn(f64, f64) -> Vec<f64>,
+}
+
+impl Section {
+    /// A grid of that title.
+    pub const fn new(title: &'static str, x: Scale, y: Scale, at: fn(f64, f64) -> Vec<f64>) -> Self {
+        Self { title, x, y, at }
+    }
 }
 
 /// One side of a grid: equal factors between two ends.
@@ -97,6 +102,44 @@ impl Scale {
             _ => self.from * (self.to / self.from).powf(i as f64 / (n - 1) as f64),
         }
     }
+}
+
+/// Cosines from grazing to normal incidence.
+pub const COSINE: Scale = Scale::new("cos /{θ}", 1e-12, 1.0);
+
+/// Widths of microfacet distributions, from almost smooth to rougher than any material.
+pub const ALPHA: Scale = Scale::new("/{α}", 1e-5, 10.0);
+
+/// The unit vector of that cos θ, off all symmetries in azimuth.
+pub fn of_cosine(cos: f64) -> [f64; 3] {
+    let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+    [0.6 * sin, 0.8 * sin, cos]
+}
+
+/// The unit vector of that tan θ.
+pub fn of_slope(tan: f64) -> [f64; 3] {
+    let cos = (1.0 + tan * tan).sqrt().recip();
+    [0.6 * tan * cos, 0.8 * tan * cos, cos]
+}
+
+/// A number and the components of a vector, as inputs of a family.
+pub fn with(number: f64, [x, y, z]: [f64; 3]) -> Vec<f64> {
+    vec![number, x, y, z]
+}
+
+/// The vector whose components start at input `first`.
+pub fn vector<T: Number>(inputs: &[T], first: usize) -> [T; 3] {
+    std::array::from_fn(|c| inputs[first + c])
+}
+
+/// sin² θ = x² + y², without cancellation.
+pub fn sin2_from_xy<T: Number>(w: [T; 3]) -> T {
+    w[0].square() + w[1].square()
+}
+
+/// sin² θ = 1 − cos² θ, as books and most renderers have it.
+pub fn sin2_from_z<T: Number>(w: [T; 3]) -> T {
+    T::of(1.0) - w[2].square()
 }
 
 #[cfg(test)]

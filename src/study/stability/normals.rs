@@ -1,14 +1,10 @@
 //! Samples of visible normals (VNDF).
 
-use super::directions::{ALPHA, COSINE, of_cosine, vector};
-use super::family::{
-    Bound, Family, Machine, Number, POSITIVE, Range, STABLE, Scale, Section, TEXTBOOK, Value, normalized, variant,
-};
+use super::family::*;
 use super::precise::Precise;
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
 
-/// Visible normals of Beckmann's distribution.
 pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
     about: "visible normals sampled from a Beckmann surface",
@@ -16,18 +12,12 @@ pub const BECKMANN: Family = Family {
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "u0", "u1"],
     domains: &[POSITIVE],
     sections: &[
-        Section {
-            title: "down to the horizon",
-            x: ALPHA,
-            y: COSINE,
-            at: |alpha, cos| [&[alpha][..], &of_cosine(cos), &[0.3, 0.7]].concat(),
-        },
-        Section {
-            title: "rare normals, cos /{θ} = 0.2",
-            x: ALPHA,
-            y: Scale::new("/{u}_{0}", 1e-10, 0.99),
-            at: |alpha, u| [&[alpha][..], &of_cosine(0.2), &[u, 0.2]].concat(),
-        },
+        Section::new("down to the horizon", ALPHA, COSINE, |alpha, cos| {
+            [&[alpha][..], &of_cosine(cos), &[0.3, 0.7]].concat()
+        }),
+        Section::new("rare normals, cos /{θ} = 0.2", ALPHA, Scale::new("/{u}_{0}", 1e-10, 0.99), |alpha, u| {
+            [&[alpha][..], &of_cosine(0.2), &[u, 0.2]].concat()
+        }),
     ],
     edges: &[&[0.5, 0.0, 0.0, 1.0, 0.5, 0.5], &[0.5, 0.6, 0.0, 0.8, 0.5, 1e-7]],
     reference: beckmann_reference,
@@ -45,7 +35,6 @@ pub const BECKMANN: Family = Family {
     coarser: 2,
 };
 
-/// Visible normals of GGX.
 pub const GGX: Family = Family {
     name: "ggx-normal",
     about: "visible normals sampled from a GGX surface",

@@ -6,7 +6,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// What a formula gives: a number (the others are 0), a vector, or nothing, such as a ray that misses.
 pub type Value<T> = Option<[T; 3]>;
 
-/// A formula of several inputs.
 pub type Formula<T> = fn(&[T]) -> Value<T>;
 
 /// The value of a formula for a number.
@@ -27,13 +26,11 @@ pub trait Number:
     /// A constant, exact in f64.
     fn of(value: f64) -> Self;
 
-    /// π, rounded.
     fn pi() -> Self;
 
     /// √x; NaN below 0.
     fn sqrt(self) -> Self;
 
-    /// eˣ.
     fn exp(self) -> Self;
 
     /// 1 − erf(x) for x ≥ 0.
@@ -42,7 +39,6 @@ pub trait Number:
     /// Sine and cosine of `self` · 2π.
     fn sin_cos_turns(self) -> [Self; 2];
 
-    /// x².
     #[must_use]
     fn square(self) -> Self {
         self * self
@@ -88,13 +84,11 @@ pub fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector divided by its length.
 pub fn normalized<T: Number>(v: [T; 3]) -> [T; 3] {
     let length = dot(v, v).sqrt();
     v.map(|x| x / length)
 }
 
-/// a × b.
 pub fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -102,7 +96,6 @@ pub fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     })
 }
 
-/// a − b.
 pub fn minus<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     std::array::from_fn(|i| a[i] - b[i])
 }

@@ -1,13 +1,12 @@
 //! Offsets of ray origins: rays that leave a triangle must not hit it again, at any scale.
 
-use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Workload};
 use crate::error::Result;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Mesh, MeshBvh, Ray, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "offsets",
     about: "offsets of leaving rays, relative to the scene; out of range: rays that hit what they leave",
@@ -32,7 +31,7 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
     let rows = [STABLE, TEXTBOOK].into_iter().map(|variant| {
         // The renderer's offset is 16 ε times the largest coordinate.
         let offset = |mesh: &Mesh| if variant == STABLE { 4.0 * mesh.error() } else { FIXED };
-        let tally = || Tally::new("offsets", variant, Precision::Single);
+        let row = || ErrorRow::new("offsets", variant, Precision::Single);
         let found = (0..count).into_par_iter().filter_map(|i| {
             let (mesh, [u, v], around, scale) = random(seed, i)?;
             let Surface { point, normal, .. } = mesh.surface(0, u, v)?;
@@ -45,14 +44,14 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
                 let origin = point + normal * offset.copysign(normal.dot(*direction));
                 bvh.nearest(&Ray { origin, direction: *direction }, f32::INFINITY).is_some()
             });
-            let mut tally = tally();
+            let mut row = row();
             // The error is the distance from the surface.
             let away = 1.0 + f64::from(offset / scale);
-            tally.compare(away, 1.0, 1.0, || format!("triangle {i} of size {scale:e}"));
-            tally.impossible(again.count() as u64);
-            Some(tally)
+            row.compare(away, 1.0, 1.0, || format!("triangle {i} of size {scale:e}"));
+            row.out_of_range += again.count() as u64;
+            Some(row)
         });
-        found.reduce(tally, Tally::merge).row()
+        found.reduce(row, ErrorRow::merge)
     });
     Ok(rows.collect())
 }

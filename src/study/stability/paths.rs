@@ -1,6 +1,6 @@
 //! Long paths that lose no energy: a closed white emitting box, and a walk over materials that absorb nothing.
 
-use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Tally, Workload};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, Workload};
 use crate::bsdf::Scatter;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
@@ -11,7 +11,6 @@ use crate::scene::{
 };
 use glam::{DVec3, Vec3};
 
-/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "paths",
     about: "energy after 10 000 bounces in a furnace (paths) and over materials (walks)",
@@ -44,14 +43,14 @@ fn furnace(workload: &Workload, seed: u64) -> Result<ErrorRow> {
     let settings = Settings { sampling: Sampling::Bsdf, seed, ..Settings::default() };
     let rendered = render(&scene, &request, &settings, &Silent)?;
     let exact = f64::from(workload.bounces) + 1.0;
-    let mut tally = Tally::new("paths", STABLE, Precision::Single);
+    let mut row = ErrorRow::new("paths", STABLE, Precision::Single);
     for (i, pixel) in rendered.image.pixels().iter().enumerate() {
-        tally.compare(f64::from(pixel.x), exact, 1.0, || {
+        row.compare(f64::from(pixel.x), exact, 1.0, || {
             format!("{} bounces from pixel ({}, {})", workload.bounces, i % request.width, i / request.width)
         });
     }
-    tally.impossible(rendered.dropped.total());
-    Ok(tally.row())
+    row.out_of_range += rendered.dropped.total();
+    Ok(row)
 }
 
 /// A cube of side 2.06 around the camera: no power of 2.
@@ -85,7 +84,6 @@ fn closed_box() -> Result<Scene> {
     })
 }
 
-/// Index of the glass on the walk.
 const ETA: f32 = 1.5;
 
 /// The product of the weights of directions sampled from white diffuse, mirror and glass surfaces, alternating. Radiance
@@ -98,7 +96,7 @@ fn walks(workload: &Workload, seed: u64) -> ErrorRow {
         Material::Glass { reflectance: white, transmittance: white, eta: ETA },
     ]
     .map(|material| material.bsdf(ScatterModel::default()));
-    let mut tally = Tally::new("walks", STABLE, Precision::Single);
+    let mut row = ErrorRow::new("walks", STABLE, Precision::Single);
     for walk in 0..64 {
         let (mut wo, mut inside, mut throughput) = (Vec3::new(0.6, 0.0, 0.8), false, 1f32);
         for bounce in 0..workload.bounces {
@@ -115,9 +113,9 @@ fn walks(workload: &Workload, seed: u64) -> ErrorRow {
         }
         let scale = if inside { f64::from(ETA).powi(2) } else { 1.0 };
         // The condition number of a product is the number of its factors.
-        tally.compare(f64::from(throughput) * scale, 1.0, f64::from(workload.bounces), || {
+        row.compare(f64::from(throughput) * scale, 1.0, f64::from(workload.bounces), || {
             format!("walk {walk} of {} bounces", workload.bounces)
         });
     }
-    tally.row()
+    row
 }

@@ -17,25 +17,21 @@ impl Precision {
     pub const ALL: [Self; 2] = [Self::Single, Self::Double];
 
     /// Its name in tables: `f32` or `f64`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         if self == Self::Single { "f32" } else { "f64" }
     }
 
     /// The nearest number of this precision.
-    #[must_use]
     pub fn round(self, x: f64) -> f64 {
         if self == Self::Single { f64::from(x as f32) } else { x }
     }
 
     /// The smallest normal number.
-    #[must_use]
     pub fn least(self) -> f64 {
         if self == Self::Single { f64::from(f32::MIN_POSITIVE) } else { f64::MIN_POSITIVE }
     }
 
     /// The distance from |x| to the next larger number of this precision.
-    #[must_use]
     pub fn unit(self, x: f64) -> f64 {
         match self {
             Self::Single => {
@@ -50,13 +46,11 @@ impl Precision {
     }
 
     /// Half a unit of the last place of 1: the largest relative error of one rounding.
-    #[must_use]
     pub fn rounding(self) -> f64 {
         self.unit(1.0) / 2.0
     }
 
     /// The shortest decimal that reads back as `x`.
-    #[must_use]
     pub fn text(self, x: f64) -> String {
         if self == Self::Single { format!("{:?}", x as f32) } else { format!("{x:?}") }
     }

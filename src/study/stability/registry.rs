@@ -2,10 +2,7 @@
 
 use super::experiment::Experiment;
 use super::family::Family;
-use super::{
-    areas, conductor, cuts, density, distribution, facet, film, fresnel, normals, offsets, paths, refraction,
-    shadowing, sphere, tables, triangle,
-};
+use super::{conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, sums, tables};
 
 /// An entry of [`REGISTRY`].
 #[derive(Clone, Copy)]
@@ -18,53 +15,49 @@ pub enum Entry {
 
 /// All families of formulas and all experiments: each is a file and a line here.
 pub static REGISTRY: [Entry; 21] = [
-    Entry::Formula(&fresnel::FAMILY),
+    Entry::Formula(&dielectric::FRESNEL),
     Entry::Formula(&conductor::FAMILY),
-    Entry::Formula(&refraction::FAMILY),
-    Entry::Formula(&distribution::BECKMANN),
-    Entry::Formula(&distribution::GGX),
-    Entry::Formula(&shadowing::BECKMANN),
-    Entry::Formula(&shadowing::GGX),
-    Entry::Formula(&density::BECKMANN),
-    Entry::Formula(&density::GGX),
+    Entry::Formula(&dielectric::REFRACTION),
+    Entry::Formula(&microfacet::BECKMANN_D),
+    Entry::Formula(&microfacet::GGX_D),
+    Entry::Formula(&microfacet::BECKMANN_G1),
+    Entry::Formula(&microfacet::GGX_G1),
+    Entry::Formula(&microfacet::BECKMANN_PDF),
+    Entry::Formula(&microfacet::GGX_PDF),
     Entry::Formula(&normals::BECKMANN),
     Entry::Formula(&normals::GGX),
-    Entry::Formula(&facet::NORMAL),
-    Entry::Formula(&facet::COSINE),
-    Entry::Formula(&sphere::FAMILY),
-    Entry::Formula(&triangle::FAMILY),
+    Entry::Formula(&geometry::HALF_VECTOR),
+    Entry::Formula(&geometry::HALF_COSINE),
+    Entry::Formula(&geometry::SPHERE),
+    Entry::Formula(&geometry::TRIANGLE),
     Entry::Experiment(&offsets::EXPERIMENT),
     Entry::Experiment(&tables::EXPERIMENT),
-    Entry::Experiment(&areas::EXPERIMENT),
-    Entry::Experiment(&film::EXPERIMENT),
+    Entry::Experiment(&sums::AREAS),
+    Entry::Experiment(&sums::FILM),
     Entry::Experiment(&paths::EXPERIMENT),
     Entry::Experiment(&cuts::EXPERIMENT),
 ];
 
 impl Entry {
     /// Its name, which is also that of its rows.
-    #[must_use]
     pub fn name(self) -> &'static str {
         let (Self::Formula(Family { name, .. }) | Self::Experiment(Experiment { name, .. })) = self;
         name
     }
 
     /// What it is, in a line.
-    #[must_use]
     pub fn about(self) -> &'static str {
         let (Self::Formula(Family { about, .. }) | Self::Experiment(Experiment { about, .. })) = self;
         about
     }
 
     /// Id of the figure that shows it.
-    #[must_use]
     pub fn figure(self) -> &'static str {
         let (Self::Formula(Family { figure, .. }) | Self::Experiment(Experiment { figure, .. })) = self;
         figure
     }
 
     /// Names of the inputs of a formula.
-    #[must_use]
     pub fn inputs(self) -> &'static [&'static str] {
         if let Self::Formula(family) = self { family.inputs } else { &[] }
     }
@@ -81,7 +74,6 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Ids of the figures that show entries of the registry, each once.
-#[must_use]
 pub fn figures() -> Vec<&'static str> {
     let mut figures = Vec::new();
     for entry in &REGISTRY {
@@ -93,7 +85,6 @@ pub fn figures() -> Vec<&'static str> {
 }
 
 /// Names of the entries that a figure shows.
-#[must_use]
 pub fn of_figure(figure: &str) -> Vec<&'static str> {
     REGISTRY.iter().filter(|entry| entry.figure() == figure).map(|entry| entry.name()).collect()
 }

@@ -1,5 +1,7 @@
-//! One row of the study's table: a family's variant in one precision, its largest errors, and its impossible results.
+//! One row of the study's table: a family's variant in one precision, its largest errors, and its impossible results; and
+//! bounds on the errors of the code that renders.
 
+use super::case::Case;
 use super::precision::Precision;
 use super::variant::STABLE;
 use serde::{Serialize, Serializer};
@@ -44,9 +46,80 @@ fn finite_or_word<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Err
 }
 
 impl ErrorRow {
-    /// Whether the row is of the code that renders.
+    /// Without any case yet.
+    pub fn new(family: &'static str, variant: &'static str, precision: Precision) -> Self {
+        Self { family, variant, precision, ..Self::default() }
+    }
+
+    /// Takes an error of a further case into the largest ones. `what` is called if it is the largest relative one.
+    pub fn add(&mut self, relative: f64, ulp: f64, condition: f64, what: impl FnOnce() -> String) {
+        self.max_ulp = self.max_ulp.max(ulp);
+        self.max_ulp_per_condition = self.max_ulp_per_condition.max(ulp / condition.max(1.0));
+        if self.worst.is_empty() || relative > self.max_relative || relative.is_nan() {
+            (self.max_relative, self.condition_at_worst, self.worst) = (relative, condition, what());
+        }
+    }
+
+    /// Compares one result with the exact one. `condition` is the sum of the summands' moduli over the result: rounding
+    /// of the summands alone changes the result by that many units of its last place.
+    pub fn compare(&mut self, value: f64, exact: f64, condition: f64, what: impl FnOnce() -> String) {
+        self.cases += 1;
+        self.non_finite += u64::from(!value.is_finite());
+        self.negative += u64::from(value < 0.0);
+        let error = if value == exact { 0.0 } else { (value - exact).abs() };
+        let relative = if error == 0.0 { 0.0 } else { error / exact.abs() };
+        self.add(relative, error / self.precision.unit(exact), condition, what);
+    }
+
+    /// Adds the errors that another thread found of the same variant.
     #[must_use]
+    pub fn merge(mut self, other: Self) -> Self {
+        if self.cases == 0 || other.max_relative > self.max_relative {
+            self.max_relative = other.max_relative;
+            (self.condition_at_worst, self.worst) = (other.condition_at_worst, other.worst);
+        }
+        self.max_ulp = self.max_ulp.max(other.max_ulp);
+        self.max_ulp_per_condition = self.max_ulp_per_condition.max(other.max_ulp_per_condition);
+        self.cases += other.cases;
+        self.non_finite += other.non_finite;
+        self.negative += other.negative;
+        self.out_of_range += other.out_of_range;
+        self
+    }
+
+    /// Whether the row is of the code that renders.
     pub fn is_rendered(&self) -> bool {
         self.variant.starts_with(STABLE)
+    }
+}
+
+/// An upper bound of an error: `T` is a [`Case`] of a formula or the [`ErrorRow`] of an experiment.
+pub struct Bound<T: 'static> {
+    /// Which error, in which unit.
+    pub name: &'static str,
+    /// The largest error for which it holds.
+    pub limit: f64,
+    /// Where the limit comes from: counted roundings, or the accuracy that the code states.
+    pub reason: &'static str,
+    /// The error; `None` where the bound says nothing.
+    pub error: fn(&T) -> Option<f64>,
+}
+
+impl Bound<Case> {
+    /// The error in units of the last place, over the condition number.
+    ///
+    /// Each of n roundings moves a value by at most half a unit of relative size ε, as if an input had been moved by as
+    /// much. The result is then within n/2 last places times the condition number, in either precision, and
+    /// typically within √n/2: each `reason` says which of the two its limit is.
+    pub const fn roundings(limit: f64, reason: &'static str) -> Self {
+        let error = |case: &Case| case.rendered().map(|d| d.ulp / case.amplification());
+        Self { name: "last places over condition number", limit, reason, error }
+    }
+}
+
+impl Bound<ErrorRow> {
+    /// The number of impossible results, which must be 0.
+    pub const fn possible(name: &'static str) -> Self {
+        Self { name, limit: 0.0, reason: "each is a mistake", error: |row| Some(row.out_of_range as f64) }
     }
 }

@@ -1,7 +1,6 @@
 //! A family swept over its grids: every variant in every precision against the exact value at the rounded input.
 
-use super::case::{Case, Place};
-use super::deviation::{Deviation, Exact, Flaw, on_the_edge};
+use super::case::{Case, Deviation, Exact, Flaw, Place, on_the_edge};
 use super::family::Family;
 use super::precision::Precision;
 use super::row::ErrorRow;
@@ -20,7 +19,6 @@ pub struct Sweep {
 impl Sweep {
     /// Sweeps all sections with `side` × `side` places each (fewer where the family says so), and the edges, on all
     /// threads.
-    #[must_use]
     pub fn new(family: &'static Family, side: usize) -> Self {
         let side = (side / family.coarser).max(2);
         let grid = (0..family.sections.len() * side * side).into_par_iter().map(|i| {
@@ -38,20 +36,15 @@ impl Sweep {
     }
 
     /// A row for each variant and precision.
-    #[must_use]
     pub fn rows(&self) -> Vec<ErrorRow> {
         let variants = 0..self.family.variants.len();
         variants.flat_map(|variant| Precision::ALL.map(|precision| self.row(variant, precision))).flatten().collect()
     }
 
     fn row(&self, variant: usize, precision: Precision) -> Option<ErrorRow> {
-        let cases = self.cases.iter().filter(|case| case.precision == precision);
-        let mut cases = cases.filter_map(|case| case.deviations[variant].map(|deviation| (case, deviation))).peekable();
-        cases.peek()?;
-        let (family, variant) = (self.family.name, self.family.variants[variant].name);
-        let mut row = ErrorRow { family, variant, precision, ..ErrorRow::default() };
-        let mut worst = None;
-        for (case, deviation) in cases {
+        let mut row = ErrorRow::new(self.family.name, self.family.variants[variant].name, precision);
+        for case in self.cases.iter().filter(|case| case.precision == precision) {
+            let Some(deviation) = case.deviations[variant] else { continue };
             row.cases += 1;
             match deviation.flaw {
                 Some(Flaw::NonFinite) => row.non_finite += 1,
@@ -60,25 +53,15 @@ impl Sweep {
                 None => {}
             }
             // Where rounding alone decides whether there is a value, errors do not count.
-            if case.condition.is_infinite() {
-                continue;
+            if case.condition.is_finite() {
+                row.add(deviation.relative, deviation.ulp, case.condition, || self.family.text(case));
             }
-            if worst.is_none() || deviation.relative > row.max_relative {
-                (row.max_relative, worst) = (deviation.relative, Some(case));
-            }
-            row.max_ulp = row.max_ulp.max(deviation.ulp);
-            row.max_ulp_per_condition = row.max_ulp_per_condition.max(deviation.ulp / case.amplification());
         }
-        if let Some(case) = worst {
-            row.condition_at_worst = case.condition;
-            row.worst = self.family.text(case);
-        }
-        Some(row)
+        (row.cases > 0).then_some(row)
     }
 }
 
 /// All variants at one input, which is rounded to the precision first.
-#[must_use]
 pub fn case(family: &Family, precision: Precision, inputs: &[f64]) -> Case {
     let inputs: Vec<f64> = inputs.iter().map(|&x| precision.round(x)).collect();
     let exact = Exact::at(family.reference, &inputs);

@@ -1,13 +1,12 @@
 //! Sampling tables of a map with one texel of 10¹² among 10⁻¹²: which bins can be sampled, and with which probability.
 
-use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Tally, Workload};
+use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Workload};
 use crate::error::Result;
 use crate::memory;
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::table::Table2;
 use rayon::prelude::*;
 
-/// The entry of the registry.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "tables",
     about: "probabilities of the bins of a map with one texel of 1e12 among 1e-12; out of range: bins out of reach",
@@ -26,13 +25,13 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
     let table = Table2::new(width, height, weight);
     let total = HOT + COLD * (width * height - 1) as f64;
     // Compare all bins of a row.
-    let bins = |tally: Tally, y: usize, probability: &dyn Fn(usize) -> f64, reached: &dyn Fn(usize) -> bool| {
-        (0..width).fold(tally, |mut tally, x| {
+    let bins = |row: ErrorRow, y: usize, probability: &dyn Fn(usize) -> f64, reached: &dyn Fn(usize) -> bool| {
+        (0..width).fold(row, |mut row, x| {
             let exact = weight(x, y) / total;
             // Probabilities are differences of prefix sums of up to 1, which sets the condition number.
-            tally.compare(probability(x), exact, 1.0 / exact, || format!("bin ({x}, {y}) of {width}x{height}"));
-            tally.impossible(u64::from(!reached(x)));
-            tally
+            row.compare(probability(x), exact, 1.0 / exact, || format!("bin ({x}, {y}) of {width}x{height}"));
+            row.out_of_range += u64::from(!reached(x));
+            row
         })
     };
     // A bin is reached if the random numbers of its lower corner lead back to it.
@@ -42,18 +41,18 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
                 .sample(table.invert((x, y), (0.0, 0.0)))
                 .is_some_and(|sample| (sample.x.cell, sample.y.cell) == (x, y))
         };
-        bins(Tally::new("tables", STABLE, Precision::Double), y, &|x| table.probability(x, y), &reached)
+        bins(ErrorRow::new("tables", STABLE, Precision::Double), y, &|x| table.probability(x, y), &reached)
     });
-    let stable = stable.reduce(|| Tally::new("tables", STABLE, Precision::Double), Tally::merge);
+    let stable = stable.reduce(|| ErrorRow::new("tables", STABLE, Precision::Double), ErrorRow::merge);
     // The textbook's prefix sums in f32, as many renderers have them.
     let rows = prefix_sums((0..height).map(|y| row_sum(width, y, weight)));
     let textbook = (0..height).into_par_iter().map(|y| {
         let row = prefix_sums((0..width).map(|x| weight(x, y) as f32));
         let probability = |x: usize| f64::from(row[x + 1] - row[x]) * f64::from(rows[y + 1] - rows[y]);
-        bins(Tally::new("tables", TEXTBOOK, Precision::Single), y, &probability, &|x| probability(x) > 0.0)
+        bins(ErrorRow::new("tables", TEXTBOOK, Precision::Single), y, &probability, &|x| probability(x) > 0.0)
     });
-    let textbook = textbook.reduce(|| Tally::new("tables", TEXTBOOK, Precision::Single), Tally::merge);
-    Ok(vec![stable.row(), sampled(&table, workload, seed), textbook.row()])
+    let textbook = textbook.reduce(|| ErrorRow::new("tables", TEXTBOOK, Precision::Single), ErrorRow::merge);
+    Ok(vec![stable, sampled(&table, workload, seed), textbook])
 }
 
 /// The weights of the map: the hot texel lies off all symmetries.
@@ -93,12 +92,12 @@ fn sampled(table: &Table2, workload: &Workload, seed: u64) -> ErrorRow {
             None => [1, 0],
         })
         .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    let mut tally = Tally::new("tables", "stable, drawn", Precision::Double);
+    let mut row = ErrorRow::new("tables", "stable, drawn", Precision::Double);
     let count = u64::from(workload.table_samples);
-    tally.compare((count - cold) as f64 / count as f64, 1.0, 1.0, || {
+    row.compare((count - cold) as f64 / count as f64, 1.0, 1.0, || {
         format!("{cold} of {count} samples outside the hot texel")
     });
-    tally.impossible(wrong);
-    tally.cases(count - 1);
-    tally.row()
+    row.out_of_range += wrong;
+    row.cases += count - 1;
+    row
 }

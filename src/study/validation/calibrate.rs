@@ -3,7 +3,6 @@
 use super::case::Case;
 use super::run::of_each;
 use crate::error::{Error, Result};
-use crate::interrupt;
 use etalon_stats::kolmogorov::{Uniformity, uniformity};
 use etalon_stats::multiple::sidak;
 use etalon_stats::{Outcome, Protocol, SampleCount};
@@ -73,22 +72,14 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
     let samples = if let SampleCount::Fixed(n) = protocol.samples { n } else { SAMPLES };
     let protocol = Protocol { samples: SampleCount::Fixed(samples), cells: CELLS, tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
     // All seeds of a case in parallel, unless its tables are large.
-    let of_case = |case: &Case| {
+    let finished = of_each(cases, |case| {
         let at = |i| case.examine(&Protocol { seed: protocol.seed.wrapping_add(i), ..protocol }, 0);
-        let outcomes = if case.is_large() {
-            (0..seeds).map(at).collect::<Result<Vec<Outcome>>>()
-        } else {
-            (0..seeds).into_par_iter().map(at).collect()
-        };
+        let outcomes: Result<Vec<Outcome>> =
+            if case.is_large() { (0..seeds).map(at).collect() } else { (0..seeds).into_par_iter().map(at).collect() };
         done(&case.name);
-        match outcomes {
-            Err(Error::Interrupted) => Ok(None),
-            other => other.map(Some),
-        }
-    };
-    let finished = of_each(cases, of_case)?;
+        outcomes
+    })?;
     let interrupted = finished.iter().any(Option::is_none);
     let finished: Vec<(&Case, Vec<Outcome>)> =
         cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();

@@ -14,11 +14,11 @@ type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
 pub struct Case {
     /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
     pub name: String,
-    test: Box<Test>,
-    /// Computes shared values before tests run in parallel.
-    preparation: Option<Box<dyn Fn() + Send + Sync>>,
-    /// Bytes of its tables.
-    memory: usize,
+    pub(super) test: Box<Test>,
+    /// Computes values that the test shares with others, so that parallel tests do not repeat it.
+    pub(super) preparation: Option<Box<dyn Fn() + Send + Sync>>,
+    /// Bytes of its tables, if they are large.
+    pub(super) memory: usize,
 }
 
 /// A sampler of directions without an inverse.
@@ -41,18 +41,6 @@ impl Case {
         test: impl Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync + 'static,
     ) -> Self {
         Self { name: name.into(), test: Box::new(test), preparation: None, memory: 0 }
-    }
-
-    /// Adds the computation of values that the test shares with others, so that parallel tests do not repeat it.
-    #[must_use]
-    pub fn with_preparation(self, preparation: impl Fn() + Send + Sync + 'static) -> Self {
-        Self { preparation: Some(Box::new(preparation)), ..self }
-    }
-
-    /// Sets the number of bytes of the tables of the test, if they are large.
-    #[must_use]
-    pub fn with_memory(self, memory: usize) -> Self {
-        Self { memory, ..self }
     }
 
     /// Whether no other test must run beside this one, which uses all threads itself.

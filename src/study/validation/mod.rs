@@ -3,7 +3,6 @@
 mod calibrate;
 mod case;
 pub mod planted;
-mod ranks;
 mod run;
 mod select;
 mod shared;
@@ -11,6 +10,5 @@ pub mod suite;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::{Case, DirectionSampler, direction_sampler};
-pub use ranks::Ranked;
-pub use run::{Tested, Validation, run};
+pub use run::{Ranked, Tested, Validation, run};
 pub use select::select;

@@ -1,12 +1,15 @@
-//! A run of tests: all rounds, and verdicts at one level for all tests together.
+//! A run of tests: all rounds, verdicts at one level for all tests together, and p-values in ascending order beside those of
+//! right samplers at each rank.
 
 use super::case::Case;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use etalon_stats::kolmogorov::{Uniformity, uniformity};
+use etalon_stats::multiple::holm_level;
 use etalon_stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
 use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
 use std::time::Instant;
 
 /// The result of a test.
@@ -43,6 +46,24 @@ pub struct Validation {
     pub seconds: f64,
 }
 
+/// The share of right samplers inside [`Ranked::interval`].
+const INSIDE: f64 = 0.99;
+
+/// One p-value at its rank i of n, from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ranked {
+    /// The p-value.
+    pub p: f64,
+    /// The verdict of its test.
+    pub verdict: Verdict,
+    /// i/(n + 1), the expected p-value of right samplers at this rank.
+    pub expected: f64,
+    /// Contains 99 % of the p-values of right samplers at this rank.
+    pub interval: [f64; 2],
+    /// Holm's threshold: a smaller p-value is rejected, if all before it are.
+    pub threshold: f64,
+}
+
 impl Validation {
     fn new(protocol: &Protocol, tests: Vec<Tested>, start: Instant) -> Self {
         let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
@@ -59,13 +80,45 @@ impl Validation {
             tests,
         }
     }
+
+    /// The p-values of all tests that have one of continuous distribution, in ascending order.
+    pub fn ranked(&self) -> Vec<Ranked> {
+        let tests = self.tests.iter().map(|test| &test.outcome);
+        let mut known: Vec<(f64, Verdict)> =
+            tests.filter_map(|outcome| Some((outcome.continuous_p()?, outcome.verdict))).collect();
+        // Sort by p-value: the rank of each decides its expected value and its threshold.
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let n = known.len();
+        // Holm's step-down ranks all tests that have a p-value.
+        let mut all: Vec<f64> = self.tests.iter().filter_map(|test| test.outcome.p).collect();
+        all.sort_by(f64::total_cmp);
+        let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {
+            // Of n uniform random numbers the i-th smallest is distributed as Beta(i, n − i + 1).
+            let beta = Beta::new((i + 1) as f64, (n - i) as f64);
+            let quantile = |share: f64| beta.as_ref().map_or(share, |beta| beta.inverse_cdf(share));
+            Ranked {
+                p,
+                verdict,
+                expected: (i + 1) as f64 / (n + 1) as f64,
+                interval: [quantile(0.5 * (1.0 - INSIDE)), quantile(0.5 * (1.0 + INSIDE))],
+                threshold: holm_level(self.level, self.tests.len(), all.partition_point(|&smaller| smaller < p)),
+            }
+        };
+        known.into_iter().enumerate().map(ranked).collect()
+    }
 }
 
-/// Applies `one` to every case: to large cases one after the other, to the others in parallel.
-pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<T>> {
-    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { one(case).map(Some) });
-    let small = small.collect::<Result<Vec<Option<T>>>>()?;
-    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| one(case), Ok)).collect()
+/// Prepares every case and applies `one` to it: to large cases one after the other, to the others in parallel. `None` for
+/// those that an interruption left unfinished.
+pub(super) fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<Option<T>>> {
+    let finished = |case: &Case| match one(case) {
+        Err(Error::Interrupted) => Ok(None),
+        other => other.map(Some),
+    };
+    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
+    let small = cases.par_iter().map(|case| if case.is_large() { Ok(None) } else { finished(case).map(Some) });
+    let small = small.collect::<Result<Vec<Option<Option<T>>>>>()?;
+    cases.iter().zip(small).map(|(case, done)| done.map_or_else(|| finished(case), Ok)).collect()
 }
 
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` with the name of each finished one.
@@ -76,18 +129,42 @@ pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) ->
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };
     protocol.check()?;
-    cases.iter().take_while(|_| !interrupt::requested()).for_each(Case::prepare);
-    let examine = |case: &Case, round| match case.examine(&protocol, round) {
-        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
-        other => other,
-    };
-    let first = |case: &Case| {
-        let outcome = examine(case, 0);
+    let first = of_each(cases, |case| {
+        let outcome = case.examine(&protocol, 0);
         done(&case.name);
         outcome
-    };
-    let mut outcomes = of_each(cases, first)?;
-    decide(&mut outcomes, protocol.level, |i| examine(&cases[i], 1))?;
+    })?;
+    let mut outcomes: Vec<Outcome> =
+        first.into_iter().map(|first| first.unwrap_or_else(Outcome::interrupted)).collect();
+    decide(&mut outcomes, protocol.level, |i| match cases[i].examine(&protocol, 1) {
+        Err(Error::Interrupted) => Ok(Outcome::interrupted()),
+        other => other,
+    })?;
     let tested = cases.iter().zip(outcomes).map(|(case, outcome)| Tested { name: case.name.clone(), outcome });
     Ok(Validation::new(&protocol, tested.collect(), start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{select, suite};
+    use super::*;
+    use etalon_stats::SampleCount;
+
+    #[test]
+    fn ranks_ascend_and_thresholds_decide() {
+        let cases = select(suite::cases(), &["warp".to_owned()]).unwrap();
+        let protocol = Protocol { samples: SampleCount::Fixed(20_000), ..Protocol::default() };
+        let found = run(&cases, &protocol, &|_| ()).unwrap();
+        let ranked = found.ranked();
+        assert!(ranked.len() > 3 && ranked.len() <= found.tests.len());
+        for pair in ranked.windows(2) {
+            assert!(
+                pair[0].p <= pair[1].p && pair[0].expected < pair[1].expected && pair[0].threshold < pair[1].threshold
+            );
+        }
+        for test in &ranked {
+            assert!(test.interval[0] < test.expected && test.expected < test.interval[1], "{test:?}");
+            assert!(test.verdict != Verdict::Reject || test.p < test.threshold, "{test:?}");
+        }
+    }
 }

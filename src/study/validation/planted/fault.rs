@@ -17,7 +17,7 @@ pub struct PlantedFault {
 
 impl PlantedFault {
     /// `make` builds sampler and pdf with the mistake or without it.
-    pub(super) fn of<D, S, P, F>(name: &'static str, mistake: &'static str, domain: D, make: F) -> Self
+    pub(super) fn of<D, S, P, F>(name: &'static str, domain: D, make: F) -> Self
     where
         D: Domain + Copy + Send + Sync + 'static,
         S: Sampler<D::Point>,
@@ -27,9 +27,13 @@ impl PlantedFault {
         let right = make.clone();
         Self {
             name,
-            mistake,
+            mistake: "",
             faulty: Case::of(format!("planted/{name}"), domain, move || make(true)),
             sound: Case::of(format!("sound/{name}"), domain, move || right(false)),
         }
+    }
+
+    pub(super) fn mistake(self, mistake: &'static str) -> Self {
+        Self { mistake, ..self }
     }
 }

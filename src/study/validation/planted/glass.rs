@@ -6,7 +6,6 @@ use crate::optics::{dielectric, schlick};
 use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
 
-/// Index of the glass.
 const ETA: f64 = 1.5;
 
 /// What happens to light at the boundary.
@@ -42,14 +41,8 @@ impl Boundary {
     }
 }
 
-fn planted(
-    name: &'static str,
-    mistake: &'static str,
-    degrees: f64,
-    eta: f64,
-    spoil: fn(&mut Boundary),
-) -> PlantedFault {
-    PlantedFault::of(name, mistake, Directions::sphere(Pole::Z), move |faulty| {
+fn planted(name: &'static str, degrees: f64, eta: f64, spoil: fn(&mut Boundary)) -> PlantedFault {
+    PlantedFault::of(name, Directions::sphere(Pole::Z), move |faulty| {
         let truth = Boundary::at(degrees, eta);
         let mut boundary = truth;
         if faulty {
@@ -59,39 +52,27 @@ fn planted(
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        planted(
-            "glass/incident-cosine",
+        planted("glass/incident-cosine", 40.0, 1.0 / ETA, |boundary| {
+            boundary.share = schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA)
+        })
+        .mistake(
             "Schlick's polynomial of the incident cosine also inside the glass, 0.04 for 0.25 at 40°: both reports",
-            40.0,
-            1.0 / ETA,
-            |boundary| boundary.share = schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA),
         ),
-        planted(
-            "glass/schlick-for-fresnel",
-            "Schlick's approximation as the probability of reflection, weighed as if by Fresnel's equations",
-            85.0,
-            ETA,
-            |boundary| boundary.share = schlick::schlick(85f64.to_radians().cos(), ETA),
-        ),
-        planted(
-            "glass/total-reflection-outside",
-            "the critical angle looked for on the wrong side: light that enters is totally reflected",
-            60.0,
-            ETA,
-            |boundary| boundary.share = 1.0,
-        ),
-        planted(
-            "glass/inverted-index",
-            "refraction by η where it should be 1/η: the side of the ray mistaken",
-            30.0,
-            ETA,
-            |boundary| boundary.refracted = Boundary::at(30.0, 1.0 / ETA).refracted,
-        ),
-        planted("glass/exchanged", "refraction chosen as often as light is reflected", 30.0, ETA, |boundary| {
+        planted("glass/schlick-for-fresnel", 85.0, ETA, |boundary| {
+            boundary.share = schlick::schlick(85f64.to_radians().cos(), ETA)
+        })
+        .mistake("Schlick's approximation as the probability of reflection, weighed as if by Fresnel's equations"),
+        planted("glass/total-reflection-outside", 60.0, ETA, |boundary| boundary.share = 1.0)
+            .mistake("the critical angle looked for on the wrong side: light that enters is totally reflected"),
+        planted("glass/inverted-index", 30.0, ETA, |boundary| {
+            boundary.refracted = Boundary::at(30.0, 1.0 / ETA).refracted
+        })
+        .mistake("refraction by η where it should be 1/η: the side of the ray mistaken"),
+        planted("glass/exchanged", 30.0, ETA, |boundary| {
             boundary.share = 1.0 - boundary.share;
-        }),
+        })
+        .mistake("refraction chosen as often as light is reflected"),
     ]
 }

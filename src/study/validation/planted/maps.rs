@@ -24,7 +24,6 @@ struct Scheme {
 }
 
 impl Scheme {
-    /// Without a mistake.
     fn right() -> Self {
         let value = |x: usize, y: usize| Rgb::splat(0.25 + ((7 * x + 3 * y) % 5) as f32);
         Self {
@@ -66,8 +65,8 @@ fn by_sine(g: &LatLong, y: f64) -> f64 {
     2.0 * PI * PI / (width * height) * (PI * y / height).sin()
 }
 
-fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
-    PlantedFault::of(name, mistake, Directions::sphere(Pole::Y), move |faulty| {
+fn planted(name: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
+    PlantedFault::of(name, Directions::sphere(Pole::Y), move |faulty| {
         let mut scheme = Scheme::right();
         if faulty {
             spoil(&mut scheme);
@@ -76,77 +75,52 @@ fn planted(name: &'static str, mistake: &'static str, spoil: fn(&mut Scheme)) ->
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        planted(
-            "maps/half-texel",
-            "texel centres taken for their left edges: all directions have an error of half a texel",
-            |scheme| {
-                scheme.place = |g, x, y, fx, fy| {
-                    g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)
-                }
-            },
-        ),
-        planted(
-            "maps/corners",
-            "the corner of the sampled texel taken for all of it, as the course's renderer does",
-            |scheme| {
-                scheme.place = |g, x, y, _, _| g.direction(x as f64, y as f64);
-            },
-        ),
-        planted(
-            "maps/mirrored",
-            "φ running the other way in the pdf than in the sampler: maps from another program",
-            |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z),
-        ),
-        planted("maps/upside-down", "row 0 taken for the nadir in the pdf", |scheme| {
+        planted("maps/half-texel", |scheme| {
+            scheme.place = |g, x, y, fx, fy| {
+                g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)
+            }
+        })
+        .mistake("texel centres taken for their left edges: all directions have an error of half a texel"),
+        planted("maps/corners", |scheme| {
+            scheme.place = |g, x, y, _, _| g.direction(x as f64, y as f64);
+        })
+        .mistake("the corner of the sampled texel taken for all of it, as the course's renderer does"),
+        planted("maps/mirrored", |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z))
+            .mistake("φ running the other way in the pdf than in the sampler: maps from another program"),
+        planted("maps/upside-down", |scheme| {
             scheme.look_up = |w| DVec3::new(w.x, -w.y, w.z);
-        }),
-        planted(
-            "maps/without-sine",
-            "texels sampled by radiance alone, as if those at the poles were as large as the others",
-            |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y),
-        ),
-        planted(
-            "maps/sine-at-the-edge",
-            "the solid angle of a row by the sine at its upper edge: 0 for the first row",
-            |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64),
-        ),
-        planted(
-            "maps/sine-at-the-centre",
-            "the solid angle of a row by the sine at its centre instead of the difference of cosines",
-            |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64 + 0.5),
-        ),
-        planted(
-            "maps/pole-rows",
-            "rows weighted by sin(hπ/(H−1)), which is 0 at both poles: the first report",
-            |scheme| {
-                scheme.weight = |map, x, y| {
-                    let last = map.geometry().height() - 1;
-                    let inside = y > 0 && y < last;
-                    if inside { map.mean_rgb(x, y) * (PI * y as f64 / last as f64).sin() } else { 0.0 }
-                };
-            },
-        ),
-        planted(
-            "maps/dropped-columns",
+        })
+        .mistake("row 0 taken for the nadir in the pdf"),
+        planted("maps/without-sine", |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y))
+            .mistake("texels sampled by radiance alone, as if those at the poles were as large as the others"),
+        planted("maps/sine-at-the-edge", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64))
+            .mistake("the solid angle of a row by the sine at its upper edge: 0 for the first row"),
+        planted("maps/sine-at-the-centre", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64 + 0.5))
+            .mistake("the solid angle of a row by the sine at its centre instead of the difference of cosines"),
+        planted("maps/pole-rows", |scheme| {
+            scheme.weight = |map, x, y| {
+                let last = map.geometry().height() - 1;
+                let inside = y > 0 && y < last;
+                if inside { map.mean_rgb(x, y) * (PI * y as f64 / last as f64).sin() } else { 0.0 }
+            };
+        })
+        .mistake("rows weighted by sin(hπ/(H−1)), which is 0 at both poles: the first report"),
+        planted("maps/dropped-columns", |scheme| {
+            scheme.weight = |map, x, y| if x < map.geometry().width() / 8 * 8 { map.energy(x, y) } else { 0.0 };
+        })
+        .mistake(
             "a table of blocks of eight columns, by whole division: what is left over on the right is never sampled",
-            |scheme| {
-                scheme.weight = |map, x, y| if x < map.geometry().width() / 8 * 8 { map.energy(x, y) } else { 0.0 };
-            },
         ),
-        planted(
-            "maps/compensated-for-plain",
-            "samples of the compensated pdf, which MIS may use, divided by the plain one",
-            |scheme| {
-                scheme.weight = |map, x, y| {
-                    let g = map.geometry();
-                    let row = |y: usize| (0..g.width()).map(|x| map.energy(x, y)).sum::<f64>();
-                    let mean = (0..g.height()).map(row).sum::<f64>() / (4.0 * PI);
-                    (map.energy(x, y) - mean * g.solid_angle(y)).max(0.0)
-                };
-            },
-        ),
+        planted("maps/compensated-for-plain", |scheme| {
+            scheme.weight = |map, x, y| {
+                let g = map.geometry();
+                let row = |y: usize| (0..g.width()).map(|x| map.energy(x, y)).sum::<f64>();
+                let mean = (0..g.height()).map(row).sum::<f64>() / (4.0 * PI);
+                (map.energy(x, y) - mean * g.solid_angle(y)).max(0.0)
+            };
+        })
+        .mistake("samples of the compensated pdf, which MIS may use, divided by the plain one"),
     ]
 }

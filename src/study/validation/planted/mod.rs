@@ -16,7 +16,6 @@ pub use fault::PlantedFault;
 pub use findings::{By, Finding, Findings, run};
 
 /// All planted faults, family by family.
-#[must_use]
 pub fn all() -> Vec<PlantedFault> {
     [
         hemispheres::faults(),

@@ -72,48 +72,34 @@ fn pair(
 }
 
 /// A mistake in the pdf of reflections at visible normals.
-fn pdf_fault(name: &'static str, mistake: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
-    PlantedFault::of(name, mistake, Directions::hemisphere(Pole::Z), move |faulty| {
+fn pdf_fault(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+    PlantedFault::of(name, Directions::hemisphere(Pole::Z), move |faulty| {
         pair(visible, if faulty { wrong } else { pdf_vndf })
     })
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        pdf_fault(
-            "reflection/missing-jacobian",
-            "the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten",
-            |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array()),
-        ),
-        pdf_fault(
-            "reflection/jacobian-of-the-surface",
-            "1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's",
-            |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z,
-        ),
-        pdf_fault(
-            "reflection/swapped-directions",
-            "wo and wi exchanged in the pdf, which by visible normals is not symmetric",
-            |wi| 0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array()),
-        ),
-        PlantedFault::of(
-            "reflection/bounded-density",
-            "the pdf of bounded visible normals with samples of the unbounded ones",
-            half,
-            |faulty| pair(if faulty { visible } else { bounded }, pdf_bounded),
-        ),
-        PlantedFault::of(
-            "reflection/drawn-again",
-            "directions below the horizon sampled once more, with the pdf as it was",
-            half,
-            |faulty| {
-                let draw = move |u: &[f64]| {
-                    let again = || if faulty { visible([u[2], u[3]]) } else { None };
-                    visible([u[0], u[1]]).or_else(again).map(|w| Sample::new(w.to_array()))
-                };
-                (sampler(4, draw), direction_density(pdf_vndf).with_mass(Mass::AtMostOne))
-            },
-        ),
+        pdf_fault("reflection/missing-jacobian", |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array()))
+            .mistake("the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten"),
+        pdf_fault("reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
+            .mistake("1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's"),
+        pdf_fault("reflection/swapped-directions", |wi| {
+            0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array())
+        })
+        .mistake("wo and wi exchanged in the pdf, which by visible normals is not symmetric"),
+        PlantedFault::of("reflection/bounded-density", half, |faulty| {
+            pair(if faulty { visible } else { bounded }, pdf_bounded)
+        })
+        .mistake("the pdf of bounded visible normals with samples of the unbounded ones"),
+        PlantedFault::of("reflection/drawn-again", half, |faulty| {
+            let draw = move |u: &[f64]| {
+                let again = || if faulty { visible([u[2], u[3]]) } else { None };
+                visible([u[0], u[1]]).or_else(again).map(|w| Sample::new(w.to_array()))
+            };
+            (sampler(4, draw), direction_density(pdf_vndf).with_mass(Mass::AtMostOne))
+        })
+        .mistake("directions below the horizon sampled once more, with the pdf as it was"),
     ]
 }

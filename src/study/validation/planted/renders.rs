@@ -12,7 +12,7 @@ use etalon_stats::{Protocol, SampleCount};
 type Spoiled = (RenderTest, fn(&mut [[Mean; 2]]));
 
 /// Both tests find biases of 0.5 % of the whole image, unless the number of samples is given.
-fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: RenderTest) -> PlantedFault {
+fn planted(name: &'static str, faulty: Spoiled, sound: RenderTest) -> PlantedFault {
     let case = |kind: &str, (test, spoil): Spoiled| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let samples = match protocol.samples {
@@ -22,16 +22,14 @@ fn planted(name: &'static str, mistake: &'static str, faulty: Spoiled, sound: Re
             test.examine(&Protocol { samples, ..*protocol }, round, spoil)
         })
     };
-    PlantedFault { name, mistake, faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
+    PlantedFault { name, mistake: "", faulty: case("planted", faulty), sound: case("sound", (sound, |_| ())) }
 }
 
-/// Makes a tile brighter by that factor.
 fn brighten(tile: &mut [Mean; 2], factor: f64) {
     tile[0].value *= factor;
     tile[0].variance *= factor * factor;
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
@@ -43,31 +41,24 @@ pub fn faults() -> Vec<PlantedFault> {
     vec![
         planted(
             "renders/one-percent-more",
-            "an image with one percent more light everywhere: a pdf wrong by a constant factor",
             (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
             lit_sphere(settings),
-        ),
+        )
+        .mistake("an image with one percent more light everywhere: a pdf wrong by a constant factor"),
         planted(
             "renders/one-dark-tile",
-            "one tile of the image a tenth too dark: a worker thread that lost part of its samples",
             (lit_sphere(settings), |tiles| {
                 if let Some(tile) = tiles.get_mut(10) {
                     brighten(tile, 0.9);
                 }
             }),
             lit_sphere(settings),
-        ),
-        planted(
-            "renders/paths-cut-short",
+        )
+        .mistake("one tile of the image a tenth too dark: a worker thread that lost part of its samples"),
+        planted("renders/paths-cut-short", (cut, |_| ()), series).mistake(
             "paths ended after five scatterings where all light is asked for: no roulette that makes up for it",
-            (cut, |_| ()),
-            series,
         ),
-        planted(
-            "renders/shadowing-with-pi",
-            "Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light",
-            (metal(shadowing), |_| ()),
-            metal(bsdf),
-        ),
+        planted("renders/shadowing-with-pi", (metal(shadowing), |_| ()), metal(bsdf))
+            .mistake("Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light"),
     ]
 }

@@ -3,7 +3,6 @@
 use super::fault::PlantedFault;
 use etalon_stats::{Density, Discrete, Sample, Sampler, density, sampler};
 
-/// Weights of a small table.
 const WEIGHTS: [f64; 8] = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
 
 /// The cell of a cumulative table that `u` falls into, by bisection.
@@ -49,54 +48,39 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
     table
 }
 
-/// The faults of this family.
 pub fn faults() -> Vec<PlantedFault> {
     let small = Discrete { outcomes: WEIGHTS.len() };
     vec![
-        PlantedFault::of(
-            "tables/search-off-by-one",
-            "the table's leading 0 forgotten: the search returns the cell before",
-            small,
-            |faulty| {
-                let cdf = cumulative(&WEIGHTS, |sum| sum);
-                by_weight(WEIGHTS.into(), move |u| find(&cdf, u).saturating_sub(usize::from(faulty)))
-            },
-        ),
-        PlantedFault::of(
-            "tables/alias-off-by-one",
-            "an alias table that looks the owner up in the next bucket",
-            small,
-            |faulty| {
-                let table = alias(&WEIGHTS);
-                by_weight(WEIGHTS.into(), move |u| {
-                    let scaled = u * table.len() as f64;
-                    let bucket = scaled as usize;
-                    if scaled.fract() < table[bucket].0 {
-                        bucket
-                    } else {
-                        table[(bucket + usize::from(faulty)) % table.len()].1
-                    }
-                })
-            },
-        ),
-        PlantedFault::of(
-            "tables/rounded-index",
-            "one of n chosen as u (n − 1) rounded: the first and the last come half as often",
-            small,
-            |faulty| {
-                by_weight(vec![1.0; 8], move |u| if faulty { (u * 7.0).round() as usize } else { (u * 8.0) as usize })
-            },
-        ),
-        PlantedFault::of(
-            "tables/f32-sums",
+        PlantedFault::of("tables/search-off-by-one", small, |faulty| {
+            let cdf = cumulative(&WEIGHTS, |sum| sum);
+            by_weight(WEIGHTS.into(), move |u| find(&cdf, u).saturating_sub(usize::from(faulty)))
+        })
+        .mistake("the table's leading 0 forgotten: the search returns the cell before"),
+        PlantedFault::of("tables/alias-off-by-one", small, |faulty| {
+            let table = alias(&WEIGHTS);
+            by_weight(WEIGHTS.into(), move |u| {
+                let scaled = u * table.len() as f64;
+                let bucket = scaled as usize;
+                if scaled.fract() < table[bucket].0 {
+                    bucket
+                } else {
+                    table[(bucket + usize::from(faulty)) % table.len()].1
+                }
+            })
+        })
+        .mistake("an alias table that looks the owner up in the next bucket"),
+        PlantedFault::of("tables/rounded-index", small, |faulty| {
+            by_weight(vec![1.0; 8], move |u| if faulty { (u * 7.0).round() as usize } else { (u * 8.0) as usize })
+        })
+        .mistake("one of n chosen as u (n − 1) rounded: the first and the last come half as often"),
+        PlantedFault::of("tables/f32-sums", Discrete { outcomes: SKY }, |faulty| {
+            let mut weights = vec![1.0; SKY];
+            weights[SKY / 4] = f64::from(1 << 24);
+            let cdf = cumulative(&weights, |sum| if faulty { f64::from(sum as f32) } else { sum });
+            by_weight(weights, move |u| find(&cdf, u))
+        })
+        .mistake(
             "running sums in f32: behind a sun of 2²⁴ times the sky nothing adds up any more, and is never sampled",
-            Discrete { outcomes: SKY },
-            |faulty| {
-                let mut weights = vec![1.0; SKY];
-                weights[SKY / 4] = f64::from(1 << 24);
-                let cdf = cumulative(&weights, |sum| if faulty { f64::from(sum as f32) } else { sum });
-                by_weight(weights, move |u| find(&cdf, u))
-            },
         ),
     ]
 }

@@ -1,16 +1,18 @@
-//! Lights as the renderer samples directions towards them: rectangles, spheres, and the constant sky.
+//! Lights: rectangles sampled uniformly by solid angle, and rectangles, spheres and the constant sky as the renderer samples
+//! directions towards them.
 
 use super::super::case::Case;
 use super::inputs::short;
-use crate::math::Rgb;
+use crate::math::circular::Circular;
+use crate::math::{Real, Rgb};
 use crate::render::Settings;
 use crate::render::lights::{LightSample, SampleLight, Sampled};
+use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Emission, EmitterVisibility, Light, Material, Object, Rectangle, Scene, Shape, Sphere, builtin};
 use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// The shading point.
 const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 
 /// Spheres: distance of the centre and radius. From inside all directions lead to them.
@@ -24,11 +26,60 @@ const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
 ];
 
-/// The cases of this file.
+/// Rectangles as viewed from the origin: sides in x and y, and distance of their plane.
+const VIEWED: [(&str, [f64; 2], [f64; 2], f64); 7] = [
+    ("facing", [-0.35, 0.35], [-0.25, 0.25], 1.5),
+    ("aside", [0.5, 1.2], [-1.0, -0.4], 0.7),
+    ("touching", [-0.35, 0.35], [-0.25, 0.25], 0.005),
+    ("overhead", [-5.0, 4.0], [-3.0, 3.0], 0.01),
+    ("small", [1.0, 1.01], [2.0, 2.01], 3.0),
+    ("grazing", [10.0, 10.7], [0.0, 0.5], 0.1),
+    ("strip", [-100.0, 100.0], [-0.01, 0.01], 1.0),
+];
+
 pub fn cases() -> Vec<Case> {
-    let spheres = SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius));
-    let rectangles = RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y));
-    spheres.into_iter().chain(rectangles).chain([sky()]).collect()
+    let mut cases = Vec::new();
+    for (name, xs, ys, depth) in VIEWED {
+        cases.push(viewed::<f64>(format!("light/rectangle/{name}"), xs, ys, depth, |u| u));
+        cases.push(viewed::<f32>(format!("light/rectangle-f32/{name}"), xs, ys, depth, |u| f64::from(short(u))));
+    }
+    cases.extend(SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius)));
+    cases.extend(RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y)));
+    cases.push(sky());
+    cases
+}
+
+/// A position along a side, from 0 to 1: in f32 the sides themselves are rounded.
+fn onto_side(x: f64) -> f64 {
+    if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x }
+}
+
+/// The point on the rectangle, of pdf ∝ cos θ / r² with respect to area.
+fn viewed<T: Circular + Send + Sync + 'static>(
+    name: String,
+    xs: [f64; 2],
+    ys: [f64; 2],
+    depth: f64,
+    random: fn(f64) -> f64,
+) -> Case {
+    Case::of(name, Square, move || {
+        let [x0, x1] = xs;
+        let [y0, y1] = ys;
+        let rectangle = SphericalRectangle::new(xs.map(T::from_f64), ys.map(T::from_f64), T::from_f64(depth));
+        let draw = move |u: &[f64]| {
+            let [x, y] = rectangle.sample([T::from_f64(random(u[0])), T::from_f64(random(u[1]))]).map(Real::to_f64);
+            // Position on the rectangle, from 0 to 1 along each side.
+            let place = [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
+            Some(Sample::new(place.map(onto_side)))
+        };
+        // Uniform by solid angle: per area, the pdf is cos θ / r² over the solid angle.
+        let scale = (x1 - x0) * (y1 - y0) * depth / solid_angle(xs, ys, depth);
+        let pdf = move |[x, y]: [f64; 2]| {
+            let (x, y) = (x0 + x * (x1 - x0), y0 + y * (y1 - y0));
+            scale / (x * x + y * y + depth * depth).powf(1.5)
+        };
+        (sampler(2, draw), density(pdf))
+    })
 }
 
 /// The only light of a scene, as the renderer has it.
@@ -95,8 +146,7 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
             let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
             // Position on the rectangle, from 0 to 1 along each side.
             let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
-            // In f32 the sides themselves are rounded.
-            Some(Sample::new(chart.map(|x| if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x })))
+            Some(Sample::new(chart.map(onto_side)))
         };
         // cos θ / r² of the point of the chart, times the area.
         let front = 4.0 * x.cross(y);

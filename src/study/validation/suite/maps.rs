@@ -21,7 +21,7 @@ fn source(name: impl Into<String>, make: impl Fn() -> Image + Send + Sync + 'sta
     (name.into(), Arc::new(move || map.get(|| EnvMap::new(make()))))
 }
 
-/// The cases of this file.
+/// The cases of the built-in maps and of those of this file.
 pub fn cases() -> Vec<Case> {
     let mut sources: Vec<Source> = Synthetic::ALL.map(|map| source(map.name(), move || map.make())).into();
     for [width, height] in [[1, 1], [2, 1], [3, 2], [10, 10]] {
@@ -38,12 +38,11 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// The cases of a map that the user gives.
-#[must_use]
 pub fn of_map(name: &str, map: Arc<EnvMap>) -> Vec<Case> {
     let texels = map.image().pixels().len();
     of(&(name.to_owned(), Arc::new(move || map.clone())))
         .into_iter()
-        .map(|(entry, case)| case.with_memory(texels * entry.bytes_per_texel))
+        .map(|(entry, case)| Case { memory: texels * entry.bytes_per_texel, ..case })
         .collect()
 }
 
@@ -112,7 +111,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
         let invert = |wi: [f64; 3]| by.invert_for(wi.into(), normal).map_or_else(Vec::new, |u| u.to_vec());
         Ok(examine(&sphere, &drawn.with_inverse(invert), &pdf, protocol, round)?)
     };
-    Case::new(name, test).with_preparation(move || drop(preparation()))
+    Case { preparation: Some(Box::new(move || drop(preparation()))), ..Case::new(name, test) }
 }
 
 fn is_black(map: &EnvMap) -> bool {

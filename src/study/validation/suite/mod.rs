@@ -5,9 +5,7 @@ mod inputs;
 mod lights;
 pub mod maps;
 mod normals;
-mod rectangles;
 pub mod renders;
-mod smooth;
 mod strata;
 mod tables;
 mod warps;
@@ -15,23 +13,10 @@ mod warps;
 use super::case::Case;
 
 /// All cases, family by family.
-#[must_use]
 pub fn cases() -> Vec<Case> {
-    let mut all = warps::cases();
-    all.extend(tables::cases());
-    all.extend(maps::cases());
-    all.extend(strata::cases());
-    all.extend(normals::cases());
-    all.extend(of_bsdfs().map(|(_, case)| case));
-    all.extend(rectangles::cases());
-    all.extend(lights::cases());
-    all.extend(renders::cases());
-    all
-}
-
-/// The cases of all BSDFs, each with its BSDF's name in the registry.
-fn of_bsdfs() -> impl Iterator<Item = (&'static str, Case)> {
-    bsdfs::cases().into_iter().chain(smooth::cases())
+    let bsdfs = bsdfs::cases().into_iter().map(|(_, case)| case).collect();
+    let families = [warps::cases(), tables::cases(), maps::cases(), strata::cases(), normals::cases(), bsdfs];
+    families.into_iter().chain([lights::cases(), renders::cases()]).flatten().collect()
 }
 
 #[cfg(test)]
@@ -51,7 +36,7 @@ mod tests {
 
     #[test]
     fn every_bsdf_and_every_map_sampler_has_a_case() {
-        let tested: HashSet<&str> = of_bsdfs().map(|(bsdf, _)| bsdf).collect();
+        let tested: HashSet<&str> = bsdfs::cases().into_iter().map(|(bsdf, _)| bsdf).collect();
         for (name, _) in crate::bsdf::ALL {
             assert!(tested.contains(name), "{name}");
         }

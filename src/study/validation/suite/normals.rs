@@ -8,7 +8,6 @@ use crate::sampling::normals::SampleNormals;
 use etalon_stats::{Directions, Pole, Sample, density, sampler};
 use glam::DVec3;
 
-/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, distribution) in DISTRIBUTIONS {

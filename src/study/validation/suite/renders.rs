@@ -75,13 +75,10 @@ impl RenderTest {
     pub fn case(self, name: impl Into<String>) -> Case {
         let is_sphere = matches!(self.truth, Truth::Sphere);
         let case = Case::new(name, move |protocol, round| self.examine(protocol, round, |_| ()));
-        if is_sphere { case.with_preparation(|| drop(lit_sphere_truth())) } else { case }
+        if is_sphere { Case { preparation: Some(Box::new(|| drop(lit_sphere_truth()))), ..case } } else { case }
     }
 
     /// One round of the test, as [`etalon_stats::examine`]. `spoil` changes the rendered tiles, to plant faults.
-    ///
-    /// # Errors
-    /// Those of [`Protocol::check`] and of [`render`].
     pub fn examine(&self, protocol: &Protocol, round: u64, spoil: fn(&mut [[Mean; 2]])) -> Result<Outcome> {
         protocol.check()?;
         let start = Instant::now();

@@ -13,7 +13,6 @@ use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 
-/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {

@@ -5,7 +5,6 @@ use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
 
-/// The weight of cell i of n.
 type Weights = fn(usize, usize) -> f64;
 
 /// Shapes of weights: constant, linear, 90 % in one cell, zeros at the ends, zeros in between.
@@ -16,7 +15,6 @@ const SHAPES: [(&str, Weights); 5] = [
     ("dark-ends", |i, n| f64::from(4 * i > n && 4 * i < 3 * n)),
     ("gaps", |i, _| if i % 3 == 1 { 0.0 } else { (i % 7) as f64 + 0.1 }),
 ];
-/// Lengths of the tables.
 const CELLS: [usize; 5] = [1, 2, 37, 1024, 65535];
 
 fn weights(shape: Weights, n: usize) -> Vec<f64> {
@@ -32,7 +30,6 @@ fn steps(n: usize) -> Vec<f64> {
     (1..n).map(|i| i as f64 / n as f64).collect()
 }
 
-/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in SHAPES {

@@ -7,7 +7,6 @@ use crate::sampling::{direction_density, warp};
 use etalon_stats::{Directions, Line, Pole, Sample, density, sampler};
 use glam::DVec3;
 
-/// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
