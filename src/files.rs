@@ -92,7 +92,6 @@ fn link_target(path: &Path) -> Result<PathBuf> {
 const MAX_LINKS: usize = 40;
 
 /// Whether both paths lead to the same existing file.
-#[must_use]
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b) || is_same_inode(a, b)
 }
@@ -169,7 +168,6 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
 }
 
 /// A text without the byte order mark that some programs begin it with.
-#[must_use]
 pub fn without_bom(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }

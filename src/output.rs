@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Where results go, by `-o`.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[must_use]
 pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
@@ -31,7 +32,6 @@ pub const DEFAULT_FOLDER: &str = "out";
 impl Target {
     /// A path with one of the known extensions names the files (all get its stem); any other path is a folder, made
     /// if it is missing. Without a path, the folder `out`.
-    #[must_use]
     pub fn new(out: Option<&Path>) -> Self {
         let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -48,20 +48,17 @@ impl Target {
     }
 
     /// Makes default names end with `variant`; a name that `-o` gives is not changed.
-    #[must_use]
     pub fn with_variant(self, variant: &str) -> Self {
         Self { variant: variant.into(), ..self }
     }
 
     /// Adds files that must not be replaced.
-    #[must_use]
     pub fn with_inputs(mut self, inputs: &[PathBuf]) -> Self {
         self.inputs.extend_from_slice(inputs);
         self
     }
 
     /// Whether a file was named, not a folder.
-    #[must_use]
     pub fn is_named(&self) -> bool {
         self.name.is_some()
     }
@@ -83,7 +80,6 @@ impl Target {
     }
 
     /// The files that were written, and which of them replaced older ones under default names.
-    #[must_use]
     pub fn written(&self, files: Vec<PathBuf>) -> Written {
         let was_there = |path: &&PathBuf| {
             path.parent() == Some(&self.folder) && self.before.iter().any(|name| path.file_name() == Some(name))
@@ -106,7 +102,6 @@ pub struct Written {
 
 impl Written {
     /// A line for each file.
-    #[must_use]
     pub fn text(&self) -> String {
         let line = |path: &PathBuf| {
             let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
@@ -148,7 +143,6 @@ fn shortened(name: String, limit: usize) -> String {
 }
 
 /// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
-#[must_use]
 pub fn checksum(text: &OsStr) -> String {
     let mut crc = flate2::Crc::new();
     crc.update(text.as_encoded_bytes());
@@ -156,7 +150,6 @@ pub fn checksum(text: &OsStr) -> String {
 }
 
 /// `name` with a hyphen for each character that file names should not have.
-#[must_use]
 pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
 }

@@ -13,6 +13,7 @@ pub enum Scale {
 
 /// An axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Axis {
     /// Text beside the axis, with markup.
     pub(super) label: String,
@@ -25,31 +26,26 @@ pub struct Axis {
 
 impl Axis {
     /// A linear axis that shows all the data. `label` may carry the markup of [`super::text`].
-    #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new() }
     }
 
     /// A logarithmic axis that shows all positive data.
-    #[must_use]
     pub fn log(label: impl Into<String>) -> Self {
         Self { scale: Scale::Log10, ..Self::linear(label) }
     }
 
     /// Shows exactly this range; from a higher to a lower value runs the axis backwards.
-    #[must_use]
     pub fn range(self, from: f64, to: f64) -> Self {
         Self { range: Some((from, to)), ..self }
     }
 
     /// Puts a labelled tick at every multiple of `step` (linear axes).
-    #[must_use]
     pub fn every(self, step: f64) -> Self {
         Self { every: Some(step), ..self }
     }
 
     /// Puts labelled ticks only at these integers.
-    #[must_use]
     pub fn at(self, places: impl Into<Vec<f64>>) -> Self {
         Self { at: places.into(), ..self }
     }
@@ -92,7 +88,6 @@ pub struct Span {
 impl Span {
     /// The nearest range that can be drawn: ends that are not finite are taken from the other end or
     /// from 0 to 1 (1 to 10 on a logarithmic scale), and an empty range is widened about its value.
-    #[must_use]
     pub fn new(from: f64, to: f64, scale: Scale) -> Self {
         let usable = |v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
         let (least, most) = if scale == Scale::Linear { (-1e300, 1e300) } else { (1e-300, 1e300) };
@@ -138,19 +133,16 @@ impl Span {
     }
 
     /// Lower end of the range.
-    #[must_use]
     pub fn lo(&self) -> f64 {
         self.from.min(self.to)
     }
 
     /// Upper end of the range.
-    #[must_use]
     pub fn hi(&self) -> f64 {
         self.from.max(self.to)
     }
 
     /// Where `value` lies between the start (0) and the end (1) of the axis; NaN when it has no place on the scale.
-    #[must_use]
     pub fn position(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.from) / (self.to - self.from),

@@ -3,7 +3,7 @@
 use super::axis::Span;
 use super::colour_bar;
 use super::drawing::Drawing;
-use super::frame::{self, Sides};
+use super::frame::{Axes, Sides};
 use super::legend::Legend;
 use super::occupancy::Occupancy;
 use super::panel::{Mark, Panel};
@@ -33,34 +33,32 @@ pub(super) struct Chart {
 impl Chart {
     /// Draws `panel` in a frame of the given size, with its legend if it is to have its own.
     pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
+        let frame = Rect::new(0.0, 0.0, width, height);
         let mut sketch = Sketch {
             drawing: Drawing::new(width, height, 1.0),
-            space: Occupancy::new(Rect::new(0.0, 0.0, width, height)),
+            space: Occupancy::new(frame),
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
             outside: Sides::default(),
-            frame: Rect::new(0.0, 0.0, width, height),
+            frame,
             spans: panel.spans(),
         };
         // Grid or heat map below, marks above it
-        let (x, y) = sketch.spans;
-        let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
+        let axes = Axes::new(panel, frame);
         let mut room = Sides::default();
         match &panel.heatmap {
             Some(map) => {
                 sketch.drawing.image(sketch.frame, map.image());
                 room = colour_bar::draw(&mut sketch.drawing, map, &sketch.frame);
             }
-            None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
+            None => axes.grid(&mut sketch.drawing),
         }
         sketch.marks(&panel.marks);
         // Labels of reference lines and notes, clear of the marks and of the y axis' factor
-        let factor = frame::factor_height(&up);
+        let factor = axes.factor_height();
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
-        let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
-        room = room.union(around);
-
+        room = room.union(axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
@@ -127,10 +125,8 @@ impl Sketch {
             })),
             _ => self.space.nearest_free([x, y], [long, high], gap, 150.0),
         };
-        let text = |centre: Point| {
-            let text = Text::new(centre, theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
-            text.held(Anchor::Middle, Level::Middle)
-        };
+        let text =
+            |centre: Point| Text::new(centre, theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
         match found {
             Some(place) => {
                 self.space.add(&place.grown(CLEAR));

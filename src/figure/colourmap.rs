@@ -7,7 +7,6 @@ use super::shapes::Colour;
 
 /// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
 /// takes the dark one.
-#[must_use]
 pub fn sequential(t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
@@ -16,7 +15,6 @@ pub fn sequential(t: f64) -> Colour {
 
 /// Diverging scale: `t` from −1 (blue) over 0 (nearly white) to 1 (red), equally dark at both ends. Outside values take
 /// the nearest end, NaN takes the middle.
-#[must_use]
 pub fn diverging(t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(-1.0, 1.0) };
     oklch(0.96 - 0.5 * t.abs(), 0.15 * t.abs(), if t < 0.0 { 255.0 } else { 30.0 })

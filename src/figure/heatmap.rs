@@ -20,6 +20,7 @@ pub enum Shading {
 
 /// A grid of values, row 0 at the top. What is not finite is shown in [`theme::NO_VALUE`].
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Heatmap {
     columns: usize,
     values: Vec<f64>,
@@ -43,19 +44,14 @@ impl Heatmap {
     }
 
     /// Spreads the colours over this range instead of that of the values; values outside take the colour of the nearest end.
-    #[must_use]
     pub fn range(self, lo: f64, hi: f64) -> Self {
         Self { range: Some((lo, hi)), ..self }
     }
 
-    /// Cells in a row.
-    #[must_use]
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows of cells.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.values.len() / self.columns
     }
@@ -89,7 +85,6 @@ impl Heatmap {
     }
 
     /// The map as an image, one pixel for each value.
-    #[must_use]
     pub fn image(&self) -> Rgb8 {
         let span = self.span();
         Rgb8::from_fn(self.columns, self.rows(), |x, y| {
@@ -110,7 +105,7 @@ mod tests {
         let colours =
             [colourmap::sequential(0.0), colourmap::sequential(1.0), theme::NO_VALUE, colourmap::sequential(0.5)];
         let bytes: Vec<u8> = colours.iter().flat_map(|c| [c.r, c.g, c.b]).collect();
-        assert_eq!((image.width(), image.height(), image.data()), (2, 2, bytes.as_slice()));
+        assert_eq!((image.width(), image.height(), image.pixels().as_raw()), (2, 2, &bytes));
     }
 
     #[test]

@@ -83,7 +83,7 @@ impl Legend {
             for sample in samples {
                 draw_sample(drawing, sample, [x, y]);
             }
-            let text = Text::new([x + SAMPLE + SAMPLE_GAP, y], theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
+            let text = Text::new([x + SAMPLE + SAMPLE_GAP, y], theme::NOTE_SIZE, label.clone());
             drawing.text(text.held(Anchor::Start, Level::Middle));
         }
     }

@@ -16,54 +16,45 @@ const OUTLINE: f64 = 1.2;
 /// Why plotters' result can be unwrapped.
 const NEVER: &str = "drawing into memory cannot fail";
 
+/// What is drawn at once, from the lowest to the topmost.
+#[derive(Clone, Copy)]
+enum Layer {
+    Areas,
+    Rules,
+    Curves,
+    Dots,
+}
+
 impl Sketch {
-    /// Draws areas, then reference lines, then curves, then dots.
+    /// Draws areas, then reference lines, then curves and the outlines of bars, then dots.
     pub fn marks(&mut self, marks: &[Mark]) {
-        // Areas
-        for mark in marks {
-            match mark {
-                Mark::Band { colour, points, .. } => self.band(*colour, points),
-                Mark::Bars { colour, edges, heights, .. } => {
-                    for outline in self.outlines(edges, heights) {
-                        self.fill(outline, colour.faded(0.3));
+        for layer in [Layer::Areas, Layer::Rules, Layer::Curves, Layer::Dots] {
+            for mark in marks {
+                match (layer, mark) {
+                    (Layer::Areas, Mark::Band { colour, points, .. }) => self.band(*colour, points),
+                    (Layer::Areas, Mark::Bars { colour, edges, heights, .. }) => {
+                        let outlines = self.outlines(edges, heights);
+                        outlines.into_iter().for_each(|outline| self.fill(outline, colour.faded(0.3)));
                     }
-                }
-                _ => {}
-            }
-        }
-        // Reference lines
-        for mark in marks {
-            match mark {
-                Mark::Vertical { at, .. } => {
-                    let x = self.spans.0.position(*at);
-                    self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
-                }
-                Mark::Horizontal { at, .. } => {
-                    let y = self.spans.1.position(*at);
-                    self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
-                }
-                _ => {}
-            }
-        }
-        // Curves, and the outlines of bars
-        for mark in marks {
-            match mark {
-                Mark::Line { stroke, points, .. } => {
-                    let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
-                    self.curve(&positions, *stroke);
-                }
-                Mark::Bars { colour, edges, heights, .. } => {
-                    for outline in self.outlines(edges, heights) {
-                        self.curve(&outline, Stroke::solid(*colour, OUTLINE));
+                    (Layer::Rules, Mark::Vertical { at, .. }) => {
+                        let x = self.spans.0.position(*at);
+                        self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
                     }
+                    (Layer::Rules, Mark::Horizontal { at, .. }) => {
+                        let y = self.spans.1.position(*at);
+                        self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
+                    }
+                    (Layer::Curves, Mark::Line { stroke, points, .. }) => {
+                        let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
+                        self.curve(&positions, *stroke);
+                    }
+                    (Layer::Curves, Mark::Bars { colour, edges, heights, .. }) => {
+                        let outlines = self.outlines(edges, heights);
+                        outlines.iter().for_each(|outline| self.curve(outline, Stroke::solid(*colour, OUTLINE)));
+                    }
+                    (Layer::Dots, Mark::Dots { colour, points, .. }) => self.dots(*colour, points),
+                    _ => {}
                 }
-                _ => {}
-            }
-        }
-        // Dots
-        for mark in marks {
-            if let Mark::Dots { colour, points, .. } = mark {
-                self.dots(*colour, points);
             }
         }
     }
@@ -74,7 +65,7 @@ impl Sketch {
         dash: &'static [f64],
     ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
         let (width, height) = ((self.frame.width * GRID) as i32, (self.frame.height * GRID) as i32);
-        let area: DrawingArea<Canvas<'a>, Shift> = Canvas::new(&mut self.drawing, dash).into_drawing_area();
+        let area: DrawingArea<Canvas<'a>, Shift> = Canvas { drawing: &mut self.drawing, dash }.into_drawing_area();
         area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
     }
 

@@ -11,6 +11,7 @@ use super::panel::Panel;
 /// Every panel's legend goes into a corner that is free of data, or else below the panel. Panels with the same legend
 /// share one, below all of them.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Plot {
     panels: Vec<Panel>,
     stacked: bool,
@@ -27,7 +28,6 @@ const SCALE: f64 = 2.0;
 
 impl Plot {
     /// Panels side by side.
-    #[must_use]
     pub fn new(panels: impl Into<Vec<Panel>>) -> Self {
         let panels = panels.into();
         let frame = if panels.len() > 1 { [350.0, 265.0] } else { [460.0, 310.0] };
@@ -35,19 +35,16 @@ impl Plot {
     }
 
     /// Panels above each other.
-    #[must_use]
     pub fn stacked(panels: impl Into<Vec<Panel>>) -> Self {
         Self { panels: panels.into(), stacked: true, frame: [460.0, 220.0] }
     }
 
     /// Sets the size of each panel's frame in drawing units; at least 60 and at most 4000 a side.
-    #[must_use]
     pub fn frame_size(self, width: f64, height: f64) -> Self {
         Self { frame: [width, height].map(|v| if v.is_nan() { 60.0 } else { v.clamp(60.0, 4000.0) }), ..self }
     }
 
     /// Lays out and draws all panels.
-    #[must_use]
     pub fn draw(&self) -> Drawing {
         let [width, height] = self.frame;
         let shared = self.shared_legend();
@@ -119,17 +116,13 @@ mod tests {
     use super::super::axis::Axis;
     use super::super::drawing::Item;
     use super::super::heatmap::{Heatmap, Shading};
-    use super::super::shapes::{Anchor, Point, Rect, Text};
+    use super::super::shapes::{Point, Rect, Text};
     use super::super::{text, theme};
     use super::*;
 
     /// The box around a text's capitals and descenders.
     fn bounds(t: &Text) -> Rect {
-        let along = match t.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => -t.width() / 2.0,
-            Anchor::End => -t.width(),
-        };
+        let along = t.start();
         let (top, height) = (t.drop() - t.size * text::CAP_HEIGHT, t.size * (text::CAP_HEIGHT + text::DESCENT));
         let [x, y] = t.at;
         if t.upwards {
@@ -140,12 +133,12 @@ mod tests {
     }
 
     fn texts(page: &Drawing) -> Vec<&Text> {
-        page.items().iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
+        page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
     }
 
     /// Nothing is cut off, and no text lies on another or on the data.
     fn assert_sound(page: &Drawing) {
-        let sheet = Rect::new(0.0, 0.0, page.width(), page.height());
+        let sheet = Rect::new(0.0, 0.0, page.width, page.height);
         let boxes: Vec<(Rect, &str)> = texts(page).into_iter().map(|t| (bounds(t), t.markup.as_str())).collect();
         let overlap = |a: &Rect, b: &Rect| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
         for (i, (a, what)) in boxes.iter().enumerate() {
@@ -155,7 +148,7 @@ mod tests {
                 assert!(!overlap(a, b), "{what:?} lies on {other:?}");
             }
         }
-        for item in page.items() {
+        for item in &page.items {
             let Item::Path { points, paint, .. } = item else { continue };
             if paint.stroke.is_some_and(|stroke| stroke.width == theme::LINE) {
                 for pair in points.windows(2) {
@@ -233,7 +226,7 @@ mod tests {
                         .horizontal(y, "h")
                         .note([x, y], "n");
                     let page = Plot::new([panel]).frame_size(100.0, 80.0).draw();
-                    assert!(page.width() < 2000.0 && page.height() < 2000.0, "{x} {y}");
+                    assert!(page.width < 2000.0 && page.height < 2000.0, "{x} {y}");
                 }
             }
         }
@@ -255,6 +248,6 @@ mod tests {
         let panel = panel.title("Observed").heatmap(map);
         let page = Plot::new([panel.clone(), panel]).frame_size(200.0, 100.0).draw();
         assert_sound(&page);
-        assert_eq!(page.items().iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
+        assert_eq!(page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
     }
 }

@@ -24,11 +24,7 @@ pub enum Face {
 }
 
 impl Face {
-    /// All faces, in the order of their discriminants.
-    pub const ALL: [Face; 3] = [Face::Regular, Face::Oblique, Face::Bold];
-
     /// The font file.
-    #[must_use]
     pub fn bytes(self) -> &'static [u8] {
         match self {
             Face::Regular => dejavu::sans::regular(),
@@ -48,7 +44,6 @@ impl Face {
     }
 
     /// Advance width of `c` in font sizes; a character that the font lacks counts as its empty box.
-    #[must_use]
     pub fn advance(self, c: char) -> f64 {
         let tables = self.tables();
         let glyph = tables.glyph_index(c).unwrap_or_default();
@@ -75,14 +70,12 @@ pub struct Run {
 
 impl Run {
     /// Advance width in drawing units (without kerning, so never too narrow by more than a hair).
-    #[must_use]
     pub fn width(&self) -> f64 {
         self.size * self.text.chars().map(|c| self.face.advance(c)).sum::<f64>()
     }
 }
 
 /// Splits `markup` into runs for text of the given size.
-#[must_use]
 pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
     let upright = if bold { Face::Bold } else { Face::Regular };
     let mut current = Run { text: String::new(), face: upright, size, rise: 0.0 };
@@ -125,7 +118,6 @@ pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
 }
 
 /// Advance width of a marked-up string in drawing units.
-#[must_use]
 pub fn width(markup: &str, size: f64, bold: bool) -> f64 {
     runs(markup, size, bold).iter().map(Run::width).sum()
 }
@@ -162,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_fonts_have_every_glyph_that_the_plots_need() {
-        for face in Face::ALL {
+        for face in [Face::Regular, Face::Oblique, Face::Bold] {
             for c in "θηκλμρσφωαβΔΩ∥⊥°₀₁₂²³⁻−×±·≤≥≈∞∫√→–—…".chars()
             {
                 assert!(face.tables().glyph_index(c).is_some(), "{face:?} lacks {c}");

@@ -96,7 +96,6 @@ const STRATEGIES: [(&str, Colour); 8] = [
 
 /// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
 /// remain, in the order of the palette.
-#[must_use]
 pub fn strategies(names: &[&str]) -> Vec<Colour> {
     let own = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
     let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
@@ -125,7 +124,7 @@ pub const THIN: f64 = 0.9;
 pub const DOT: f64 = 2.4;
 
 /// Frames, ticks and tick labels.
-pub const INK: Colour = Colour::rgb(38, 38, 38);
+pub const INK: Colour = Colour::INK;
 /// Grid lines.
 pub const GRID: Stroke = Stroke::solid(Colour::rgb(228, 228, 228), 0.7);
 /// Reference lines.
@@ -143,7 +142,6 @@ pub const TICK_SIZE: f64 = 11.5;
 pub const NOTE_SIZE: f64 = 11.5;
 
 /// The stroke of the `index`-th series: every one of the first 35 differs, neighbours in both colour and dash.
-#[must_use]
 pub fn series(index: usize) -> Stroke {
     Stroke { colour: SERIES[index % SERIES.len()], width: LINE, dash: DASHES[index % DASHES.len()] }
 }

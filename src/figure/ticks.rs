@@ -26,7 +26,6 @@ pub struct Ticks {
 const MOST_STEPS: f64 = 200.0;
 
 /// Steps of 1, 2, 2.5 or 5 times a power of ten, the smallest that gives at most `most` ticks.
-#[must_use]
 pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
     // The smallest round step that is not below the wanted one
     let wanted = (hi - lo) / most.max(2) as f64;
@@ -39,7 +38,6 @@ pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
 }
 
 /// A tick at every multiple of `step`; round steps instead when `step` is not a positive number that fits the range.
-#[must_use]
 pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     let count = (hi - lo) / step;
     if !(step > 0.0 && (0.5..=MOST_STEPS).contains(&count)) {
@@ -60,7 +58,6 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
 }
 
 /// Ticks at those of `places` (integers) that lie in the range.
-#[must_use]
 pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
     let major = inside.map(|&at| Tick { at, label: number(at, 0) }).collect();
@@ -89,7 +86,6 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
 
 /// Decades, all or every so many, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
 /// holds no two decades. Needs `lo > 0`.
-#[must_use]
 pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);
     if last <= first {
@@ -139,7 +135,6 @@ fn ten(n: i32) -> f64 {
 }
 
 /// Fixed decimals with a true minus sign; never a negative zero.
-#[must_use]
 pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

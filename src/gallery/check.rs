@@ -25,6 +25,7 @@ pub enum Kind {
 
 /// A comparison with its outcome. NaN passes no check. Field names are JSON keys and CSV columns.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[must_use]
 pub struct Check {
     /// What is compared, with its unit.
     pub name: String,
@@ -49,39 +50,33 @@ pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64,
 
 impl Check {
     /// `got` must equal `expected`: counts, and numbers known to the last bit.
-    #[must_use]
     pub fn equal(name: impl Into<String>, expected: f64, got: f64) -> Self {
         Self { name: name.into(), kind: Kind::Equal, expected, got, tolerance: None, pass: got == expected }
     }
 
     /// `got` must be within `tolerance` of `expected`.
-    #[must_use]
     pub fn within(name: impl Into<String>, expected: f64, got: f64, tolerance: f64) -> Self {
         let pass = (got - expected).abs() <= tolerance;
         Self { name: name.into(), kind: Kind::Within, expected, got, tolerance: Some(tolerance), pass }
     }
 
     /// `got` must not exceed `limit`.
-    #[must_use]
     pub fn at_most(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtMost, expected: limit, got, tolerance: None, pass: got <= limit }
     }
 
     /// `got` must reach `limit`.
-    #[must_use]
     pub fn at_least(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtLeast, expected: limit, got, tolerance: None, pass: got >= limit }
     }
 
     /// A statement must be true.
-    #[must_use]
     pub fn is_true(name: impl Into<String>, holds: bool) -> Self {
         let got = f64::from(u8::from(holds));
         Self { name: name.into(), kind: Kind::True, expected: 1.0, got, tolerance: None, pass: holds }
     }
 
     /// What the check demands: "0.500 ± 0.012", "≤ 0.05", "= 0".
-    #[must_use]
     pub fn demand(&self) -> String {
         let expected = significant(self.expected);
         match self.kind {
@@ -94,7 +89,6 @@ impl Check {
     }
 
     /// What the figure has, with as many digits as the demand gives a meaning.
-    #[must_use]
     pub fn measured(&self) -> String {
         match self.kind {
             Kind::Within => self.rounded(self.got),

@@ -24,7 +24,6 @@ pub enum Report {
 
 impl Report {
     /// The name in lists and headings.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "first report",
@@ -35,7 +34,6 @@ impl Report {
     }
 
     /// How the report is cited.
-    #[must_use]
     pub fn citation(self) -> Option<&'static str> {
         match self {
             Self::First => Some(
@@ -73,7 +71,6 @@ pub struct Figure {
 
 impl Figure {
     /// "first report: Figure 1, reflectance from air into glass".
-    #[must_use]
     pub fn counterpart(&self) -> String {
         match self.report {
             Report::Neither => self.reproduces.to_owned(),
@@ -106,7 +103,6 @@ impl Content {
     }
 
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
-    #[must_use]
     pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
         Self { image: Some(RenderedImage { image: image.clone(), tone }), ..self }
     }

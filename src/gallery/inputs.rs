@@ -19,7 +19,6 @@ pub enum Effort {
 
 impl Effort {
     /// `full` or `quick`.
-    #[must_use]
     pub fn of<T>(self, full: T, quick: T) -> T {
         match self {
             Self::Full => full,
@@ -42,19 +41,16 @@ pub struct Inputs {
 
 impl Inputs {
     /// Default settings of a render under the run's seed.
-    #[must_use]
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
     }
 
     /// How claims are tested: with samples that detect errors of 2 %, or of 5 % in a quick run.
-    #[must_use]
     pub fn protocol(&self) -> Protocol {
         Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
     }
 
     /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.
-    #[must_use]
     pub fn spheres(&self) -> (Scene, Request) {
         let (scene, request) = self.originals.as_ref().map_or_else(builtin::cornell_spheres, |o| o.spheres.clone());
         (scene, self.request(request, 64, 4))

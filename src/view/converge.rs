@@ -51,7 +51,6 @@ pub struct Row {
 }
 
 /// The table of all levels.
-#[must_use]
 pub fn rows(result: &Convergence) -> Vec<Row> {
     let target = result.common_rmse();
     let of_curve = |curve: &Curve| {
@@ -87,7 +86,6 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
 }
 
 /// A verdict as text.
-#[must_use]
 pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
         CurveVerdict::Biased => "biased",
@@ -137,7 +135,6 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
 }
 
 /// Error against processor time and against samples, and efficiency at equal time.
-#[must_use]
 pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
@@ -189,7 +186,6 @@ fn efficiency(result: &Convergence) -> Panel {
 }
 
 /// "0.52 s", "31 ms".
-#[must_use]
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s >= 10.0 => format!("{s:.0} s"),
@@ -245,8 +241,7 @@ fn beside(left: &Rgb8, right: &Rgb8) -> Rgb8 {
     let width = left.width();
     Rgb8::from_fn(2 * width, left.height(), |x, y| {
         let (image, x) = if x < width { (left, x) } else { (right, x - width) };
-        let at = 3 * (y * width + x);
-        [0, 1, 2].map(|c| image.data()[at + c])
+        image.pixel(x, y)
     })
 }
 
@@ -264,16 +259,5 @@ fn round(value: f64) -> f64 {
 /// # Errors
 /// Those of [`images`].
 pub fn sheet(result: &Convergence) -> Result<Drawing> {
-    Ok(above(curves(result), images(result)?))
-}
-
-/// One drawing above another, both in the middle of the page.
-fn above(upper: Drawing, lower: Drawing) -> Drawing {
-    let width = upper.width().max(lower.width());
-    let mut page = Drawing::new(width, upper.height() + lower.height(), upper.scale());
-    let (dx, dy) = ((width - lower.width()) / 2.0, upper.height());
-    let middle = (width - upper.width()) / 2.0;
-    page.append(upper, middle, 0.0);
-    page.append(lower, dx, dy);
-    page
+    Ok(Drawing::stacked(vec![curves(result), images(result)?], 0.5, 2.0))
 }

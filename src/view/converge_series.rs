@@ -34,7 +34,6 @@ pub struct DepthRow {
 }
 
 /// The table of all depths of all scenes.
-#[must_use]
 pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
     let of_scene = |depths: &DepthCurve| {
         let DepthCurve { scene, replicates, spp, levels } = depths.clone();
@@ -54,7 +53,6 @@ pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
 }
 
 /// Missing light over the depth, and over the time that the render takes.
-#[must_use]
 pub fn depths(scenes: &[DepthCurve]) -> Drawing {
     let share = || Axis::log("light missing (share of all)");
     let mut over_depth = Panel::new(Axis::linear("maximum depth").range(0.0, 10.0).every(1.0), share());
@@ -110,7 +108,6 @@ pub struct RoughnessRow {
 }
 
 /// The table of all roughnesses.
-#[must_use]
 pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow> {
     let row = |l: &roughness::RoughnessLevel| RoughnessRow {
         alpha: l.alpha,
@@ -128,7 +125,6 @@ pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow>
 }
 
 /// Noise and efficiency over the roughness, a curve for each way of sampling normals.
-#[must_use]
 pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
     let alpha = || Axis::log("/{α}");
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
@@ -151,7 +147,6 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
 }
 
 /// Error over the number of lights, and over time: fixed lights, and random light samples.
-#[must_use]
 pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let error = || Axis::log("RMSE of radiance");
     let mut by_number = Panel::new(Axis::log("lights, or light samples per pixel"), error());
@@ -185,7 +180,6 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
 const SAMPLED: [&str; 3] = ["light", "light-cosine", "strata-64"];
 
 /// K of "median-cut-K".
-#[must_use]
 pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
     curve.strategy.name.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
 }

@@ -6,7 +6,6 @@ use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
-#[must_use]
 pub fn by_conventions(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
@@ -15,7 +14,6 @@ pub fn by_conventions(image: &Image) -> Rgb8 {
 pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
 
 /// One depth.
-#[must_use]
 pub fn image(result: &Depths, place: usize) -> Drawing {
     let depth = DEPTHS[place];
     let what = match depth {
@@ -33,7 +31,6 @@ const FACTOR: f32 = 4.0;
 const WIDEST: usize = 320;
 
 /// The differences of consecutive depths on one scale, each with the path classes that make it.
-#[must_use]
 pub fn differences(result: &Depths) -> Drawing {
     let images: Vec<(String, Rgb8)> = result
         .differences

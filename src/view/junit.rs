@@ -7,7 +7,6 @@ use crate::study::validation::{Tested, Validation};
 use etalon_stats::Verdict;
 
 /// The document.
-#[must_use]
 pub fn document(validation: &Validation) -> String {
     let Validation { tests, rejected, inconclusive, seconds, .. } = validation;
     let mut text = format!(

@@ -5,7 +5,6 @@ use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::proposal::{Proposal, RowBin};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
-#[must_use]
 pub fn drawing(result: &Proposal) -> Drawing {
     let edges: Vec<f64> = result
         .bins
@@ -36,7 +35,6 @@ pub fn drawing(result: &Proposal) -> Drawing {
 }
 
 /// The drawing for a map with too little light for the experiment.
-#[must_use]
 pub fn nothing_to_test() -> Drawing {
     let axis = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
     Plot::new([Panel::new(axis, Axis::linear("share of the samples").range(0.0, 1.0))

@@ -28,13 +28,11 @@ pub fn shot(shot: &SphereRender) -> Result<Drawing> {
 }
 
 /// The table of [`errors`]: one strategy after another.
-#[must_use]
 pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
     series.iter().flat_map(|s| s.rows.iter().map(|row| (s.label, *row))).collect()
 }
 
 /// Error against samples and against time, both logarithmic; on the Grace map, PBRT-v2's beside them.
-#[must_use]
 pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
     let axis = || Axis::log("relative RMSE");
     let mut by_samples =

@@ -15,7 +15,7 @@ const HEADING: f64 = 20.0;
 /// A row of maps for every grid of the sweeps, each of the relative errors in f32.
 pub fn maps(sweeps: &[Sweep]) -> Result<Drawing> {
     let rows = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |section| row(sweep, section)));
-    Ok(Drawing::stacked(rows.collect::<Result<_>>()?, 1.5))
+    Ok(Drawing::stacked(rows.collect::<Result<_>>()?, 0.0, 1.5))
 }
 
 fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
@@ -30,9 +30,9 @@ fn row(sweep: &Sweep, number: usize) -> Result<Drawing> {
     let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
     panels.push(panel(sweep, number, "rounding of the input".into(), "relative error in f32", &rounding)?);
     let maps = Plot::new(panels).frame_size(190.0, 150.0).draw();
-    let mut row = Drawing::new(maps.width(), HEADING + maps.height(), maps.scale());
+    let mut row = Drawing::new(maps.width, HEADING + maps.height, maps.scale);
     let text = Text::new([14.0, HEADING], theme::TITLE_SIZE, heading).held(Anchor::Start, Level::Baseline);
-    row.text(text.coloured(theme::INK).bold());
+    row.text(text.bold());
     row.append(maps, 0.0, HEADING);
     Ok(row)
 }

@@ -11,14 +11,13 @@ const LINE: f64 = 21.0;
 const FRAME: [f64; 2] = [128.0, 62.0];
 
 /// A line for each family, a dot for each variant: filled for f32, open for f64.
-#[must_use]
 pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
     families.dedup();
     let [left, top] = FRAME;
     let (width, height) = (DECADE * f64::from(SCALE.1 - SCALE.0), LINE * families.len() as f64);
     let mut page = Drawing::new(left + width + 24.0, top + height + 50.0, 2.0);
-    let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup).coloured(theme::INK);
+    let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup);
     // Decades
     for power in SCALE.0..=SCALE.1 {
         let x = left + DECADE * f64::from(power - SCALE.0);
@@ -83,7 +82,7 @@ fn legend(page: &mut Drawing, left: f64) {
             let x = left + 160.0 * column as f64;
             dot(page, [x + 6.0, y], colour(form), precision);
             let label = Text::new([x + 16.0, y], theme::TICK_SIZE, format!("{name}, {}", precision.name()));
-            page.text(label.coloured(theme::INK).held(Anchor::Start, Level::Middle));
+            page.text(label.held(Anchor::Start, Level::Middle));
         }
     }
 }

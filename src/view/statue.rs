@@ -7,7 +7,6 @@ use crate::study::roughness::StatueRender;
 use crate::study::sampling_strategies::{ProfileBin, StrategyComparison};
 
 /// One statue.
-#[must_use]
 pub fn image(shot: &StatueRender, metal: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
@@ -18,7 +17,6 @@ pub fn image(shot: &StatueRender, metal: &str) -> Drawing {
 }
 
 /// A copper statue by one sampling strategy.
-#[must_use]
 pub fn strategy(shot: &StatueRender, how: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
@@ -30,13 +28,7 @@ pub fn strategy(shot: &StatueRender, how: &str) -> Drawing {
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.
 pub fn errors(result: &StrategyComparison) -> Result<Drawing> {
-    let (above, below) = (maps(result)?, profile(result));
-    let width = above.width().max(below.width());
-    let mut sheet = Drawing::new(width, above.height() + below.height(), 2.0);
-    let (left, down) = (((width - above.width()) / 2.0).round(), above.height());
-    sheet.append(above, left, 0.0);
-    sheet.append(below, 0.0, down);
-    Ok(sheet)
+    Ok(Drawing::stacked(vec![maps(result)?, profile(result)], 0.5, 2.0))
 }
 
 /// The colours of both maps.

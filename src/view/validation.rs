@@ -67,13 +67,11 @@ impl<'a> From<&'a Tested> for Row<'a> {
 }
 
 /// The table of a run.
-#[must_use]
 pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
     validation.tests.iter().map(Row::from).collect()
 }
 
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
-#[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
     let tests = validation.ranked();
     let n = tests.len();
@@ -142,13 +140,11 @@ impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
 }
 
 /// The table of a calibration.
-#[must_use]
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
     calibration.tests.iter().map(CalibrationRow::from).collect()
 }
 
 /// All p-values of a calibration as a histogram, with what chance allows each bar.
-#[must_use]
 pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     const BARS: usize = 20;
     // Histogram of the p-values

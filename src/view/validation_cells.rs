@@ -28,7 +28,6 @@ pub struct Row {
 }
 
 /// The table of a test's cells.
-#[must_use]
 pub fn rows(counts: &Counts) -> Vec<Row> {
     let places = counts.grid.cells().map(Some).chain(std::iter::repeat(None));
     let of = |(i, (place, (&observed, &expected))): (usize, (Option<Cell>, (&u64, &f64)))| Row {
@@ -77,13 +76,12 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
     const EDGE: f64 = 12.0;
     let (first, second) = (EDGE + theme::TITLE_SIZE, EDGE + theme::TITLE_SIZE + 1.5 * theme::NOTE_SIZE);
     let widest = text::width(&title, theme::TITLE_SIZE, true).max(text::width(&remark, theme::NOTE_SIZE, false));
-    let width = drawing.width().max(widest + 2.0 * EDGE).ceil();
-    let left = 0.5 * (width - drawing.width());
-    let mut page = Drawing::new(width, (second + drawing.height()).ceil(), drawing.scale());
+    let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
+    let left = 0.5 * (width - drawing.width);
+    let mut page = Drawing::new(width, (second + drawing.height).ceil(), drawing.scale);
     page.append(drawing, left, second);
-    let centred = |y: f64, size: f64, line: String| {
-        Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline).coloured(theme::INK)
-    };
+    let centred =
+        |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
     page.text(centred(first, theme::TITLE_SIZE, title).bold());
     page.text(centred(second, theme::NOTE_SIZE, remark));
     page

@@ -25,7 +25,6 @@ pub mod validation;
 use super::figure::Figure;
 
 /// All figures, in the order in which they are made and shown.
-#[must_use]
 pub fn registry() -> Vec<Figure> {
     [
         fresnel::figures(),

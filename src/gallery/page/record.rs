@@ -54,7 +54,6 @@ pub struct Setup {
 
 impl Setup {
     /// The setup of this process.
-    #[must_use]
     pub fn of(inputs: &Inputs, options: &str) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -70,7 +69,6 @@ impl Setup {
 }
 
 /// A path without the place on this machine: absolute paths lose their folders.
-#[must_use]
 pub fn without_folder(name: &str) -> String {
     let path = Path::new(name);
     match path.file_name() {
