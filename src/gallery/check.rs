@@ -24,17 +24,15 @@ pub enum Kind {
 }
 
 /// A comparison with its outcome. NaN passes no check. Field names are JSON keys and CSV columns.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[must_use]
 pub struct Check {
     /// What is compared, with its unit.
     pub name: String,
-    /// How it is compared.
     pub kind: Kind,
     /// The expected value, or the limit of [`Kind::AtMost`] and [`Kind::AtLeast`].
     #[serde(deserialize_with = "number_or_nan")]
     pub expected: f64,
-    /// What the figure has.
     #[serde(deserialize_with = "number_or_nan")]
     pub got: f64,
     /// Of [`Kind::Within`] alone.
@@ -81,7 +79,7 @@ impl Check {
         let expected = significant(self.expected);
         match self.kind {
             Kind::Equal => format!("= {expected}"),
-            Kind::Within => format!("{} ± {}", self.rounded(self.expected), significant(self.tolerance())),
+            Kind::Within => format!("{} ± {}", self.rounded(self.expected), significant(self.tolerance.unwrap_or(0.0))),
             Kind::AtMost => format!("≤ {expected}"),
             Kind::AtLeast => format!("≥ {expected}"),
             Kind::True => "true".into(),
@@ -97,13 +95,9 @@ impl Check {
         }
     }
 
-    fn tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(0.0)
-    }
-
     /// `value` up to the second significant digit of the tolerance.
     fn rounded(&self, value: f64) -> String {
-        let place = self.tolerance().log10().floor();
+        let place = self.tolerance.unwrap_or(0.0).log10().floor();
         if !(-16.0..=0.0).contains(&place) {
             return significant(value);
         }

@@ -16,9 +16,7 @@ pub enum Report {
     First,
     /// Of 2022, about path tracing and microfacets.
     Second,
-    /// In both of them.
     Both,
-    /// In neither.
     Neither,
 }
 
@@ -46,14 +44,10 @@ impl Report {
     }
 }
 
-/// Makes a figure's content from the inputs and from studies that other figures may share.
-pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
-
 /// A figure: its texts, and how it is made.
 pub struct Figure {
     /// The name of its files, and of `--only`.
     pub id: &'static str,
-    /// Its heading.
     pub title: &'static str,
     /// The report with its counterpart.
     pub report: Report,
@@ -65,11 +59,17 @@ pub struct Figure {
     pub beside: Option<&'static str>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
     pub command: Option<String>,
-    /// How its content is made.
-    pub make: Make,
+    /// Makes its content from the inputs and from studies that other figures may share.
+    pub make: Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>,
 }
 
 impl Figure {
+    /// A figure without texts yet, for the last line of a literal.
+    pub fn by(make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync + 'static) -> Self {
+        let report = Report::Neither;
+        Self { id: "", title: "", report, reproduces: "", shows: "", beside: None, command: None, make: Box::new(make) }
+    }
+
     /// "first report: Figure 1, reflectance from air into glass".
     pub fn counterpart(&self) -> String {
         match self.report {
@@ -79,7 +79,6 @@ impl Figure {
     }
 }
 
-/// A figure's content.
 pub struct Content {
     /// SVG, PNG and PDF.
     pub drawing: Drawing,
@@ -110,9 +109,7 @@ impl Content {
 
 /// A render, and how its PPM file shows it.
 pub struct RenderedImage {
-    /// Linear radiance.
     pub image: Image,
-    /// Radiance to 8 bits.
     pub tone: ToneMap,
 }
 

@@ -15,9 +15,7 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "their own formulas",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
                 image.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

@@ -1,4 +1,4 @@
-//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`.
+//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`, and `depth-differences`.
 
 use crate::errata::Conventions;
 use crate::gallery::prelude::*;
@@ -7,21 +7,15 @@ use crate::scene::Request;
 use crate::study::depth::{self, DEPTHS, Depths, RadianceRow};
 use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::view::depth as view;
+use std::rc::Rc;
 
 /// One render, taken apart by path class.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct DepthSeries;
-
-impl Study for DepthSeries {
-    type Output = Depths;
-
-    fn run(self, inputs: &Inputs) -> Result<Depths> {
-        let (scene, request) = inputs.spheres();
-        depth::depths(&scene, &request, &inputs.settings())
-    }
+fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
+    let (scene, request) = inputs.spheres();
+    studies.get("depths", || depth::depths(&scene, &request, &inputs.settings()))
 }
 
-/// One figure for each of [`DEPTHS`], in that order.
+/// One figure for each of [`DEPTHS`], in that order, and one of what each adds.
 pub fn figures() -> Vec<Figure> {
     let texts = [
         ("depth-0", "depth-1", "Figure 1a, depth 0", "Only the area light itself is visible."),
@@ -66,13 +60,21 @@ pub fn figures() -> Vec<Figure> {
         shows,
         beside: Some(beside),
         command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report", DEPTHS[place])),
-        make: Box::new(move |inputs, studies| content(inputs, studies, place)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, place))
     };
-    texts.into_iter().enumerate().map(figure).collect()
+    let differences = Figure {
+        id: "depth-differences",
+        title: "What each further scattering adds, by path class",
+        report: Report::Second,
+        reproduces: "Figure 1, what appears at each depth",
+        shows: "Each depth minus the one before, on one scale, with the path classes that make up the difference.",
+        ..Figure::by(differences)
+    };
+    texts.into_iter().enumerate().map(figure).chain([differences]).collect()
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Content> {
-    let result = studies.get(DepthSeries, inputs)?;
+    let result = series(inputs, studies)?;
     let m = DEPTHS[place];
     let (scene, request) = inputs.spheres();
     let mut checks = vec![Check::equal("dropped samples", 0.0, result.dropped.total() as f64)];
@@ -103,6 +105,17 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
     Ok(Content::new(view::image(&result, place), &rows, checks)?
         .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
+}
+
+fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = series(inputs, studies)?;
+    let mut checks = vec![Check::within("total share of all path classes", 1.0, result.share(|_| true), 1e-6)];
+    for pair in DEPTHS.windows(2) {
+        let added = (result.mean(pair[1]) - result.mean(pair[0])) / result.mean(100);
+        let name = format!("share of the classes of depth {} (the difference from depth {})", pair[1], pair[0]);
+        checks.push(Check::within(name, added, result.share(|r| r.depth == pair[1]), 1e-6));
+    }
+    Content::new(view::differences(&result), &result.classes, checks)
 }
 
 /// What the report sees appear at each depth, by path class and by the share of an object's pixels that it lights. The

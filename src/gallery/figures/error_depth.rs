@@ -15,9 +15,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 1, max_ray_depth",
         shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

@@ -21,9 +21,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 3, over all roughnesses",
         shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

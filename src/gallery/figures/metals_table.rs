@@ -16,9 +16,7 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "Table 1, η and k of metals",
         shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. η and k: \
                 Johnson & Christy 1972 (Ag, Au, Cu), Rakic 1995 (Al), Table 1 of the report (Fe).",
-        beside: None,
-        command: None,
-        make: Box::new(|_, _| content()),
+        ..Figure::by(|_, _| content())
     }]
 }
 

@@ -18,9 +18,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "text, proposal distributions",
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
-        beside: None,
         command: Some("etalon envmap proposal {map}".into()),
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

@@ -19,9 +19,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
-        beside: None,
         command: Some("etalon validate".into()),
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

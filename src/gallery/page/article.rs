@@ -1,11 +1,11 @@
 //! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
 
 use super::embedded::EmbeddedImage;
-use super::html::{Escaped, Seconds};
 use super::record::Record;
+use crate::figure::escape;
 use crate::gallery::check::Check;
 use crate::gallery::figure::Figure;
-use crate::view::text::counted;
+use crate::view::text::{counted, seconds};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -35,26 +35,26 @@ impl Article<'_> {
     /// The figure as an `<article>`.
     pub fn html(&self, out: &mut String, folder: &Path) -> std::fmt::Result {
         let Self { figure, record, image, .. } = self;
-        let id = Escaped(figure.id);
+        let id = escape(figure.id);
         writeln!(
             out,
             "<article id=\"figure-{id}\" data-id=\"{id}\" data-failed=\"{}\" data-beside=\"{}\">",
             self.failed(),
-            Escaped(self.beside.unwrap_or_default())
+            escape(self.beside.unwrap_or_default())
         )?;
-        writeln!(out, "<h3>{} <code>{id}</code></h3>", Escaped(&self.heading()))?;
-        writeln!(out, "<p>{}</p>", Escaped(figure.shows))?;
-        writeln!(out, "<p class=\"fine\">Counterpart: {}</p>", Escaped(&figure.counterpart()))?;
+        writeln!(out, "<h3>{} <code>{id}</code></h3>", escape(&self.heading()))?;
+        writeln!(out, "<p>{}</p>", escape(figure.shows))?;
+        writeln!(out, "<p class=\"fine\">Counterpart: {}</p>", escape(&figure.counterpart()))?;
         writeln!(
             out,
             "<figure><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{}\"><img src=\"{}\" width=\"{}\" height=\"{}\" \
              data-vector=\"{}\" alt=\"{}\" /></a>",
-            Escaped(&self.heading()),
+            escape(&self.heading()),
             image.source,
             image.width,
             image.height,
             image.vector,
-            Escaped(&self.alternative())
+            escape(&self.alternative())
         )?;
         out.push_str("<figcaption class=\"fine\">Files beside this page:");
         for extension in FILES.into_iter().filter(|e| folder.join(format!("{}.{e}", figure.id)).exists()) {
@@ -62,7 +62,7 @@ impl Article<'_> {
         }
         out.push_str("</figcaption></figure>\n");
         if let Some(beside) = self.beside {
-            let beside = Escaped(beside);
+            let beside = escape(beside);
             writeln!(out, "<p class=\"beside\">Compare with <a href=\"#figure-{beside}\">{beside}</a></p>")?;
         }
         checks(out, &record.checks)?;
@@ -72,7 +72,7 @@ impl Article<'_> {
             out.push_str("<p>or, with all options,</p>");
             command(out, &direct.replace("{map}", &record.setup.map))?;
         }
-        writeln!(out, "<p class=\"fine\">{} here</p></div>\n</article>", Seconds(record.seconds))
+        writeln!(out, "<p class=\"fine\">{} here</p></div>\n</article>", seconds(record.seconds))
     }
 
     /// Number and title.
@@ -93,7 +93,7 @@ pub fn join(command: &str, options: &str) -> String {
 }
 
 fn command(out: &mut String, text: &str) -> std::fmt::Result {
-    writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", Escaped(text))
+    writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", escape(text))
 }
 
 fn checks(out: &mut String, checks: &[Check]) -> std::fmt::Result {
@@ -112,10 +112,10 @@ fn checks(out: &mut String, checks: &[Check]) -> std::fmt::Result {
             out,
             "<tr><td class=\"{class}\">{verdict}</td><td>{}</td><td class=\"number\" title=\"{}\">{}</td>\
              <td class=\"number\">{}</td></tr>",
-            Escaped(&check.name),
+            escape(&check.name),
             check.got,
-            Escaped(&check.measured()),
-            Escaped(&check.demand())
+            escape(&check.measured()),
+            escape(&check.demand())
         )?;
     }
     out.push_str("</tbody></table>\n");

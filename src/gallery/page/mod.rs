@@ -2,18 +2,17 @@
 
 mod article;
 mod embedded;
-mod html;
 mod record;
 
 pub use record::{Record, Records, Setup, read_records, without_folder};
 
 use super::figure::{Figure, Report};
 use crate::error::{Error, Result};
+use crate::figure::escape;
 use crate::files;
-use crate::view::text::counted;
+use crate::view::text::{counted, seconds};
 use article::{Article, join};
 use embedded::EmbeddedImage;
-use html::{Escaped, Seconds};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -78,9 +77,9 @@ fn document(articles: &[Article<'_>], folder: &Path) -> std::result::Result<Stri
     out.push_str("<main id=\"main\" tabindex=\"-1\">\n");
     errata(&mut out, articles)?;
     for (i, (report, group)) in groups.iter().enumerate() {
-        writeln!(out, "<section>\n<h2 id=\"part-{}\">{}</h2>", i + 1, Escaped(&capitalized(report.name())))?;
+        writeln!(out, "<section>\n<h2 id=\"part-{}\">{}</h2>", i + 1, escape(&capitalized(report.name())))?;
         if let Some(citation) = report.citation() {
-            writeln!(out, "<p class=\"fine\">{}</p>", Escaped(citation))?;
+            writeln!(out, "<p class=\"fine\">{}</p>", escape(citation))?;
         }
         for article in group {
             article.html(&mut out, folder)?;
@@ -98,7 +97,7 @@ fn document(articles: &[Article<'_>], folder: &Path) -> std::result::Result<Stri
 fn summary(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
     let checks: usize = articles.iter().map(|a| a.record.checks.len()).sum();
     let failed: usize = articles.iter().map(Article::failed).sum();
-    let seconds: f64 = articles.iter().map(|a| a.record.seconds).sum();
+    let total: f64 = articles.iter().map(|a| a.record.seconds).sum();
     let verdict = if failed == 0 { "none" } else { "some" };
     writeln!(
         out,
@@ -109,12 +108,12 @@ fn summary(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
          <div><dt>Total time</dt><dd>{}</dd></div></dl>",
         articles.len(),
         checks - failed,
-        Seconds(seconds)
+        seconds(total)
     )?;
     if failed > 0 {
         out.push_str("<p class=\"fail\">Checks failed in:");
         for article in articles.iter().filter(|a| a.failed() > 0) {
-            write!(out, " <a href=\"#figure-{0}\">{0}</a>", Escaped(article.figure.id))?;
+            write!(out, " <a href=\"#figure-{0}\">{0}</a>", escape(article.figure.id))?;
         }
         out.push_str("</p>\n");
     }
@@ -127,14 +126,14 @@ fn summary(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
             out,
             "<p class=\"fine\">{}: <code>{}</code>, etalon {}, seed {}, map {}; {}, {}, {}, {}</p>",
             counted(count, "figure"),
-            Escaped(&join("etalon reproduce", &setup.options)),
-            Escaped(&setup.version),
+            escape(&join("etalon reproduce", &setup.options)),
+            escape(&setup.version),
             setup.seed,
-            Escaped(&setup.map),
-            Escaped(&setup.cpu),
+            escape(&setup.map),
+            escape(&setup.cpu),
             counted(setup.cores, "core"),
             counted(setup.threads, "thread"),
-            Escaped(&setup.system)
+            escape(&setup.system)
         )?;
     }
     out.push_str(
@@ -158,13 +157,13 @@ fn contents(out: &mut String, articles: &[Article<'_>], groups: &[Group<'_, '_>]
         out.push_str("<p><a href=\"#errata\">Where the reports are wrong</a></p>\n");
     }
     for (i, (report, group)) in groups.iter().enumerate() {
-        writeln!(out, "<p><a href=\"#part-{}\">{}</a></p>\n<ul>", i + 1, Escaped(&capitalized(report.name())))?;
+        writeln!(out, "<p><a href=\"#part-{}\">{}</a></p>\n<ul>", i + 1, escape(&capitalized(report.name())))?;
         for article in group {
             let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
             writeln!(
                 out,
                 "<li data-id=\"{0}\"><a href=\"#figure-{0}\">{1}. {0}</a>{mark}</li>",
-                Escaped(article.figure.id),
+                escape(article.figure.id),
                 article.number
             )?;
         }
@@ -190,12 +189,12 @@ fn errata(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
                 out,
                 "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td>{}</td>\
                  <td><a href=\"#figure-{id}\">{id}</a></td></tr>",
-                Escaped(&erratum.printed),
-                Escaped(&erratum.right),
-                Escaped(&erratum.test),
+                escape(&erratum.printed),
+                escape(&erratum.right),
+                escape(&erratum.test),
                 p_value(erratum.p_value),
-                Escaped(&erratum.picture_error),
-                id = Escaped(article.figure.id)
+                escape(&erratum.picture_error),
+                id = escape(article.figure.id)
             )?;
         }
     }
