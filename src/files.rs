@@ -15,24 +15,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary file, and its place in the list.
-struct Part {
-    file: NamedTempFile,
-    _listed: Listed,
-}
-
-impl Part {
-    fn new(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> std::io::Result<Self> {
-        // Locked until the file is in the list: none is made while the process ends.
-        let mut parts = parts();
-        let file = builder.tempfile_in(folder)?;
-        parts.push(file.path().into());
-        let listed = Listed(file.path().into());
-        Ok(Self { file, _listed: listed })
-    }
-}
-
-/// Removes a file from the list when it is dropped.
+/// Keeps a file in the list; dropped, it removes the file from there.
 struct Listed(PathBuf);
 
 impl Drop for Listed {
@@ -61,12 +44,12 @@ pub fn exit_without_parts(code: i32) -> ! {
 /// [`Error::Io`], [`Error::Parameter`] for a path that is a device or a pipe, and those of `fill`.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &link_target(path)?;
-    let mut part = temporary(path)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, part.file.as_file_mut());
+    let (mut part, _listed) = temporary(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, part.as_file_mut());
     fill(&mut writer)?;
     writer.flush().map_err(|e| Error::io(path, e))?;
     drop(writer);
-    part.file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    part.persist(path).map_err(|e| Error::io(path, e.error))?;
     Ok(())
 }
 
@@ -93,23 +76,18 @@ const MAX_LINKS: usize = 40;
 
 /// Whether both paths lead to the same existing file.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b) || is_same_inode(a, b)
-}
-
-#[cfg(unix)]
-fn is_same_inode(a: &Path, b: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let inode = |path| std::fs::metadata(path).map(|there: std::fs::Metadata| (there.dev(), there.ino()));
-    matches!((inode(a), inode(b)), (Ok(a), Ok(b)) if a == b)
-}
-
-#[cfg(not(unix))]
-fn is_same_inode(_: &Path, _: &Path) -> bool {
-    false
+    #[cfg(unix)]
+    let identity = |path: &Path| {
+        use std::os::unix::fs::MetadataExt;
+        path.metadata().map(|there| (there.dev(), there.ino()))
+    };
+    #[cfg(not(unix))]
+    let identity = Path::canonicalize;
+    matches!((identity(a), identity(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
-fn temporary(path: &Path) -> Result<Part> {
+fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         Ok(there) if !there.is_file() => {
@@ -130,7 +108,12 @@ fn temporary(path: &Path) -> Result<Part> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    Part::new(&builder, folder).map_err(|e| Error::io(path, e))
+    // Locked until the file is in the list: none is made while the process ends.
+    let mut parts = parts();
+    let file = builder.tempfile_in(folder).map_err(|e| Error::io(path, e))?;
+    parts.push(file.path().into());
+    let listed = Listed(file.path().into());
+    Ok((file, listed))
 }
 
 /// [`write_atomic`] for bytes in memory.

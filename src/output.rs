@@ -26,20 +26,23 @@ pub struct Target {
 /// Extensions by which a path is known to name a file, not a folder.
 const FILE_EXTENSIONS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "json"];
 
+/// The extension of a path that names a file.
+fn file_extension(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?;
+    FILE_EXTENSIONS.into_iter().find(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// The folder of results without `-o`.
-pub const DEFAULT_FOLDER: &str = "out";
+const DEFAULT_FOLDER: &str = "out";
 
 impl Target {
     /// A path with one of the known extensions names the files (all get its stem); any other path is a folder, made
     /// if it is missing. Without a path, the folder `out`.
     pub fn new(out: Option<&Path>) -> Self {
         let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
-        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let (folder, name) = match extension {
-            Some(e) if FILE_EXTENSIONS.contains(&e.as_str()) => {
-                (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from))
-            }
-            _ => (path, None),
+        let (folder, name) = match file_extension(path) {
+            Some(_) => (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from)),
+            None => (path, None),
         };
         // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
@@ -159,11 +162,8 @@ pub fn file_name(name: &str) -> String {
 /// # Errors
 /// A path that names a file of another kind.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
-    let extension = out.and_then(Path::extension).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let Some(known) = FILE_EXTENSIONS.iter().find(|known| extension.as_deref() == Some(**known)) else {
-        return Ok(None);
-    };
-    if IMAGES.contains(known) {
+    let Some(known) = out.and_then(file_extension) else { return Ok(None) };
+    if IMAGES.contains(&known) {
         return Ok(Some(known));
     }
     Err(Error::parameter("out", format!("an image cannot be written as .{known}"))
@@ -179,17 +179,13 @@ const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
 /// Rows that CSV cannot hold, such as nested lists.
 pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
     if rows.is_empty() {
-        let mut text = table(&[T::default()])?;
-        let header = text.iter().position(|b| *b == b'\n').map_or(text.len(), |end| end + 1);
-        text.truncate(header);
-        return Ok(text);
+        let text = table(&[T::default()])?;
+        return Ok(text.split_inclusive(|b| *b == b'\n').next().unwrap_or_default().to_vec());
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let bad = |e: String| Error::io(Path::new("table"), std::io::Error::other(e));
-    for row in rows {
-        writer.serialize(row).map_err(|e| bad(e.to_string()))?;
-    }
-    writer.into_inner().map_err(|e| bad(e.to_string()))
+    let written = rows.iter().try_for_each(|row| writer.serialize(row)).map_err(std::io::Error::from);
+    let text = written.and_then(|()| writer.into_inner().map_err(csv::IntoInnerError::into_error));
+    text.map_err(|e| Error::io(Path::new("table"), e))
 }
 
 /// Extensions of the files of [`write`](write()).

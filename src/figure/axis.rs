@@ -15,9 +15,7 @@ pub enum Scale {
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Axis {
-    /// Text beside the axis, with markup.
     pub(super) label: String,
-    /// Linear or logarithmic.
     pub(super) scale: Scale,
     range: Option<(f64, f64)>,
     every: Option<f64>,
@@ -132,12 +130,10 @@ impl Span {
         }
     }
 
-    /// Lower end of the range.
     pub fn lo(&self) -> f64 {
         self.from.min(self.to)
     }
 
-    /// Upper end of the range.
     pub fn hi(&self) -> f64 {
         self.from.max(self.to)
     }

@@ -22,7 +22,6 @@ const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
-    /// The items.
     pub drawing: Drawing,
     /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
@@ -65,9 +64,7 @@ impl Chart {
     }
 }
 
-/// A chart while it is drawn.
 pub(super) struct Sketch {
-    /// The items so far.
     pub drawing: Drawing,
     /// The frame, at the origin.
     pub frame: Rect,

@@ -60,7 +60,6 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// An empty white page.
     pub fn new(width: f64, height: f64, scale: f64) -> Self {
         Self { width, height, scale, items: Vec::new() }
     }

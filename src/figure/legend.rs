@@ -46,7 +46,6 @@ impl Legend {
         (!entries.is_empty()).then_some(Self { entries })
     }
 
-    /// Number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

@@ -10,7 +10,6 @@ use plotters::coord::{Shift, types::RangedCoordf64};
 use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
 use plotters::style::{RGBAColor, ShapeStyle};
 
-/// Width of the outline of bars.
 const OUTLINE: f64 = 1.2;
 
 /// Why plotters' result can be unwrapped.

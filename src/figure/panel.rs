@@ -21,25 +21,19 @@ pub(super) enum Mark {
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Panel {
-    /// Text above the frame; may be empty.
     pub(super) title: String,
-    /// Axis below the frame.
     pub(super) x: Axis,
-    /// Axis to the left of the frame.
     pub(super) y: Axis,
-    /// In the order in which they were added.
     pub(super) marks: Vec<Mark>,
     /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
 }
 
 impl Panel {
-    /// An empty panel between two axes.
     pub fn new(x: Axis, y: Axis) -> Self {
         Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None }
     }
 
-    /// A title above the frame.
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
@@ -59,6 +53,12 @@ impl Panel {
         self.with(Mark::Dots { label: label.into(), colour, points: points.into() })
     }
 
+    /// A curve through `points`, each with a dot.
+    pub fn dotted_line(self, label: impl Into<String>, stroke: Stroke, points: impl Into<Vec<Point>>) -> Self {
+        let (label, points) = (label.into(), points.into());
+        self.line(label.clone(), stroke, points.clone()).dots(label, stroke.colour, points)
+    }
+
     /// A pale band between two curves, from `[x, lower, upper]`.
     pub fn band(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<[f64; 3]>>) -> Self {
         self.with(Mark::Band { label: label.into(), colour, points: points.into() })
@@ -66,14 +66,8 @@ impl Panel {
 
     /// A histogram: bar `i` stands from `edges[i]` to `edges[i + 1]`, `heights[i]` high; bars beyond the shorter list
     /// are left out.
-    pub fn bars(
-        self,
-        label: impl Into<String>,
-        colour: Colour,
-        edges: impl Into<Vec<f64>>,
-        heights: impl Into<Vec<f64>>,
-    ) -> Self {
-        self.with(Mark::Bars { label: label.into(), colour, edges: edges.into(), heights: heights.into() })
+    pub fn bars(self, label: impl Into<String>, colour: Colour, edges: Vec<f64>, heights: Vec<f64>) -> Self {
+        self.with(Mark::Bars { label: label.into(), colour, edges, heights })
     }
 
     /// A vertical reference line with its label beside it, where nothing else is drawn.

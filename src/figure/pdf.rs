@@ -96,7 +96,6 @@ impl Page {
         self.content.close_path();
     }
 
-    /// Fills and strokes the current path.
     fn paint(&mut self, paint: &Paint) {
         let fill = paint.fill.map_or(255, |c| c.alpha);
         let stroke = paint.stroke.map_or(255, |s| s.colour.alpha);

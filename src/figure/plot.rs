@@ -44,7 +44,6 @@ impl Plot {
         Self { frame: [width, height].map(|v| if v.is_nan() { 60.0 } else { v.clamp(60.0, 4000.0) }), ..self }
     }
 
-    /// Lays out and draws all panels.
     pub fn draw(&self) -> Drawing {
         let [width, height] = self.frame;
         let shared = self.shared_legend();
@@ -221,7 +220,7 @@ mod tests {
                         .line("a", theme::series(0), [[x, y], [y, x], [1.0, 2.0]])
                         .dots("b", theme::BLUE, [[x, y]])
                         .band("c", theme::BLUE, [[x, y, 1.0], [1.0, x, y], [2.0, 1.0, y]])
-                        .bars("d", theme::BLUE, [x, y, 1.0], [y, x, 3.0])
+                        .bars("d", theme::BLUE, vec![x, y, 1.0], vec![y, x, 3.0])
                         .vertical(x, "v")
                         .horizontal(y, "h")
                         .note([x, y], "n");
@@ -243,7 +242,7 @@ mod tests {
 
     #[test]
     fn heat_maps_stand_with_their_colour_bars() {
-        let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)").unwrap();
+        let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)");
         let panel = Panel::new(Axis::linear("/{φ} (°)").range(0.0, 360.0), Axis::linear("/{θ} (°)").range(180.0, 0.0));
         let panel = panel.title("Observed").heatmap(map);
         let page = Plot::new([panel.clone(), panel]).frame_size(200.0, 100.0).draw();

@@ -18,7 +18,6 @@ impl Rgb8 {
         RgbImage::from_raw(width as u32, height as u32, data).expect("three bytes a pixel").into()
     }
 
-    /// Evaluates `f(x, y)` at every pixel.
     pub fn from_fn(width: usize, height: usize, f: impl Fn(usize, usize) -> [u8; 3]) -> Self {
         RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(f(x as usize, y as usize))).into()
     }

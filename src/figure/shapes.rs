@@ -2,7 +2,6 @@
 
 use super::text;
 
-/// A point in drawing units.
 pub type Point = [f64; 2];
 
 /// An sRGB colour with opacity.
@@ -21,7 +20,6 @@ impl Colour {
     /// Of text, frames and ticks.
     pub const INK: Colour = Colour::rgb(38, 38, 38);
 
-    /// An opaque colour.
     pub const fn rgb(r: u8, g: u8, b: u8) -> Self {
         Self { r, g, b, alpha: 255 }
     }

@@ -15,16 +15,12 @@ const SMALL: f64 = 0.7;
 /// The three cuts of DejaVu Sans that drawings use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Face {
-    /// Upright.
     Regular,
-    /// Slanted.
     Oblique,
-    /// Bold.
     Bold,
 }
 
 impl Face {
-    /// The font file.
     pub fn bytes(self) -> &'static [u8] {
         match self {
             Face::Regular => dejavu::sans::regular(),
@@ -58,11 +54,8 @@ fn parse(face: Face) -> ttf_parser::Face<'static> {
 /// A stretch of text in one face, size and height above the baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The letters.
     pub text: String,
-    /// Its face.
     pub face: Face,
-    /// Font size in drawing units.
     pub size: f64,
     /// Height of this run's baseline above the text's, in drawing units.
     pub rise: f64,

@@ -5,7 +5,6 @@
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Value on the axis.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,
@@ -129,7 +128,6 @@ fn within_two_decades(lo: f64, hi: f64) -> Option<Ticks> {
     (major.len() >= 3).then_some(Ticks { major, minor, exponent: 0 })
 }
 
-/// Ten to the power `n`.
 fn ten(n: i32) -> f64 {
     10f64.powi(n)
 }

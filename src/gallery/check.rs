@@ -5,7 +5,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// How a number is compared with what is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Kind {
-    /// got = expected.
     #[default]
     #[serde(rename = "equal")]
     Equal,
@@ -37,7 +36,6 @@ pub struct Check {
     pub got: f64,
     /// Of [`Kind::Within`] alone.
     pub tolerance: Option<f64>,
-    /// Whether the comparison holds.
     pub pass: bool,
 }
 
@@ -47,28 +45,23 @@ pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64,
 }
 
 impl Check {
-    /// `got` must equal `expected`: counts, and numbers known to the last bit.
     pub fn equal(name: impl Into<String>, expected: f64, got: f64) -> Self {
         Self { name: name.into(), kind: Kind::Equal, expected, got, tolerance: None, pass: got == expected }
     }
 
-    /// `got` must be within `tolerance` of `expected`.
     pub fn within(name: impl Into<String>, expected: f64, got: f64, tolerance: f64) -> Self {
         let pass = (got - expected).abs() <= tolerance;
         Self { name: name.into(), kind: Kind::Within, expected, got, tolerance: Some(tolerance), pass }
     }
 
-    /// `got` must not exceed `limit`.
     pub fn at_most(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtMost, expected: limit, got, tolerance: None, pass: got <= limit }
     }
 
-    /// `got` must reach `limit`.
     pub fn at_least(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtLeast, expected: limit, got, tolerance: None, pass: got >= limit }
     }
 
-    /// A statement must be true.
     pub fn is_true(name: impl Into<String>, holds: bool) -> Self {
         let got = f64::from(u8::from(holds));
         Self { name: name.into(), kind: Kind::True, expected: 1.0, got, tolerance: None, pass: holds }

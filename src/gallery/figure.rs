@@ -21,7 +21,6 @@ pub enum Report {
 }
 
 impl Report {
-    /// The name in lists and headings.
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "first report",
@@ -31,7 +30,6 @@ impl Report {
         }
     }
 
-    /// How the report is cited.
     pub fn citation(self) -> Option<&'static str> {
         match self {
             Self::First => Some(
@@ -80,13 +78,11 @@ impl Figure {
 }
 
 pub struct Content {
-    /// SVG, PNG and PDF.
     pub drawing: Drawing,
     /// The numbers of the drawing as CSV text.
     pub table: Vec<u8>,
     /// A render, written as EXR, PFM and PPM beside the drawing.
     pub image: Option<RenderedImage>,
-    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
@@ -94,9 +90,6 @@ pub struct Content {
 
 impl Content {
     /// A drawing, the rows of its table, and its checks.
-    ///
-    /// # Errors
-    /// Those of [`output::table`].
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
         Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new() })
     }
@@ -118,7 +111,6 @@ pub struct RenderedImage {
 pub struct Erratum {
     /// What the report prints.
     pub printed: String,
-    /// The correction.
     pub right: String,
     /// The test that detects the error.
     pub test: String,

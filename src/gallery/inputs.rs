@@ -18,7 +18,6 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// `full` or `quick`.
     pub fn of<T>(self, full: T, quick: T) -> T {
         match self {
             Self::Full => full,
@@ -29,13 +28,10 @@ impl Effort {
 
 /// The inputs of all figures.
 pub struct Inputs {
-    /// The environment map.
     pub map: NamedMap,
     /// The second report's own scenes; without them, the built-in ones.
     pub originals: Option<Originals>,
-    /// Of all random numbers.
     pub seed: u64,
-    /// The sizes of renders and tests.
     pub effort: Effort,
 }
 
@@ -79,9 +75,6 @@ impl Inputs {
     }
 
     /// The copper statue (in the report's files, its bunny) of the sampling figures, and their request.
-    ///
-    /// # Errors
-    /// Those of [`builtin::cornell_statue`].
     pub fn copper(&self) -> Result<(Scene, Request)> {
         let (scene, request) = match &self.originals {
             Some(originals) => originals.bunny.clone(),

@@ -23,12 +23,10 @@ pub struct Reproduced {
     /// Wall-clock time; studies that figures share count for the first of them.
     pub seconds: f64,
     pub checks: Vec<Check>,
-    /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
 }
 
 pub struct Reproduction {
-    /// In the order of the registry.
     pub figures: Vec<Reproduced>,
     /// Whether an interruption ended the run before all figures were made.
     pub interrupted: bool,

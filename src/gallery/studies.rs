@@ -14,9 +14,6 @@ pub struct Studies(HashMap<(TypeId, String), Rc<dyn Any>>);
 
 impl Studies {
     /// The result called `name`, computed by `run` if it is not yet known. Names distinguish results of one type.
-    ///
-    /// # Errors
-    /// Those of `run`.
     pub fn get<T: 'static>(&mut self, name: impl Into<String>, run: impl FnOnce() -> Result<T>) -> Result<Rc<T>> {
         let key = (TypeId::of::<T>(), name.into());
         if let Some(Ok(known)) = self.0.get(&key).map(|known| known.clone().downcast()) {
@@ -27,7 +24,6 @@ impl Studies {
         Ok(result)
     }
 
-    /// The statistics of the run's environment map.
     pub fn map_info(&mut self, inputs: &Inputs) -> Result<Rc<Info>> {
         self.get("map", || Ok(Info::of(&inputs.map.map)))
     }

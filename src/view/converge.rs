@@ -1,6 +1,5 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
 
-use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
@@ -10,47 +9,32 @@ use serde::Serialize;
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
-    /// The strategy's name.
-    pub strategy: String,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: usize,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Mean wall-clock time of a render.
-    pub wall_seconds: f64,
-    /// Mean time to build tables and trees.
-    pub preparation_seconds: f64,
-    /// Root mean square error.
-    pub rmse: f64,
-    /// Lower end of its interval.
-    pub rmse_low: f64,
-    /// Upper end of its interval.
-    pub rmse_high: f64,
-    /// Relative mean squared error.
-    pub rel_mse: f64,
-    /// Of its interval.
-    pub rel_mse_half_width: f64,
+    strategy: String,
+    spp: u32,
+    replicates: usize,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    preparation_seconds: f64,
+    rmse: f64,
+    rmse_low: f64,
+    rmse_high: f64,
+    rel_mse: f64,
+    rel_mse_half_width: f64,
     /// Mean HDR-FLIP of the first replicate.
-    pub flip: Option<f64>,
+    flip: Option<f64>,
     /// 1 / (MSE · processor seconds).
-    pub efficiency_per_second: f64,
+    efficiency_per_second: f64,
     /// p of RMSE ∝ sppᵖ.
-    pub slope: f64,
-    /// Of its interval.
-    pub slope_half_width: f64,
+    slope: f64,
+    slope_half_width: f64,
     /// Of the last level.
-    pub mean_squared_bias: f64,
-    /// Its standard error.
-    pub mean_squared_bias_error: f64,
-    /// The verdict on the curve.
-    pub verdict: &'static str,
+    mean_squared_bias: f64,
+    mean_squared_bias_error: f64,
+    verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
-    pub seconds_to_common_rmse: Option<f64>,
+    seconds_to_common_rmse: Option<f64>,
 }
 
-/// The table of all levels.
 pub fn rows(result: &Convergence) -> Vec<Row> {
     let target = result.common_rmse();
     let of_curve = |curve: &Curve| {
@@ -85,7 +69,6 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// A verdict as text.
 pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
         CurveVerdict::Biased => "biased",
@@ -177,7 +160,7 @@ fn efficiency(result: &Convergence) -> Panel {
     for (i, (curve, stroke)) in result.curves.iter().zip(strokes(result)).enumerate() {
         let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
         let left = i as f64;
-        panel = panel.bars("", stroke.colour, [left + 0.15, left + 0.85], [level.efficiency]);
+        panel = panel.bars("", stroke.colour, vec![left + 0.15, left + 0.85], vec![level.efficiency]);
         let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
         panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
         panel = panel.line(label(curve), stroke, Vec::new());
@@ -196,12 +179,9 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// Every strategy's image after equal time, with its relative error beside it.
-///
-/// # Errors
-/// Those of [`Heatmap::new`].
-pub fn images(result: &Convergence) -> Result<Drawing> {
+pub fn images(result: &Convergence) -> Drawing {
     let seconds = result.common_seconds();
-    let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
+    let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
     // Each strategy at the level nearest to the common time
@@ -222,7 +202,7 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
             // Relative to at least 3 % of the mean
             (got - expected) / expected.max(0.03 * mean)
         });
-        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();
+        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "").range(-limit, limit).image();
         let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
         let caption = format!(
             "{}: {} spp, {}, RMSE {}\u{a0}%",
@@ -234,7 +214,7 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
         cells.push((caption, beside(&shown, &map)));
     }
     let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
-    Ok(contact_sheet(&title, 4, &cells))
+    contact_sheet(&title, 4, &cells)
 }
 
 fn beside(left: &Rgb8, right: &Rgb8) -> Rgb8 {
@@ -255,9 +235,6 @@ fn round(value: f64) -> f64 {
 }
 
 /// Curves above images at equal time.
-///
-/// # Errors
-/// Those of [`images`].
-pub fn sheet(result: &Convergence) -> Result<Drawing> {
-    Ok(Drawing::stacked(vec![curves(result), images(result)?], 0.5, 2.0))
+pub fn sheet(result: &Convergence) -> Drawing {
+    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
 }

@@ -13,27 +13,19 @@ use serde::Serialize;
 /// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DepthRow {
-    /// The scene's name.
-    pub scene: String,
-    /// Maximum path depth.
-    pub depth: u32,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: u32,
+    scene: String,
+    depth: u32,
+    spp: u32,
+    replicates: u32,
     /// Of the light of the deepest image.
-    pub missing_share: f64,
-    /// Of the interval of the share.
-    pub missing_share_half_width: f64,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Of the interval of the time.
-    pub cpu_seconds_half_width: f64,
+    missing_share: f64,
+    missing_share_half_width: f64,
+    cpu_seconds: f64,
+    cpu_seconds_half_width: f64,
     /// Of the time of the deepest image.
-    pub time_share: f64,
+    time_share: f64,
 }
 
-/// The table of all depths of all scenes.
 pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
     let of_scene = |depths: &DepthCurve| {
         let DepthCurve { scene, replicates, spp, levels } = depths.clone();
@@ -66,11 +58,12 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
-        over_depth = over_depth
-            .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())
-            .line(label.clone(), stroke, by_depth.clone())
-            .dots(label.clone(), stroke.colour, by_depth);
-        over_time = over_time.line(label.clone(), stroke, by_time.clone()).dots(label, stroke.colour, by_time);
+        over_depth = over_depth.band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>()).dotted_line(
+            label.clone(),
+            stroke,
+            by_depth,
+        );
+        over_time = over_time.dotted_line(label, stroke, by_time);
         for level in levels {
             over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string());
         }
@@ -85,29 +78,19 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
 /// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RoughnessRow {
-    /// Roughness α.
-    pub alpha: f32,
-    /// How normals are sampled.
-    pub normals: &'static str,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: u32,
-    /// Mean squared error.
-    pub mse: f64,
-    /// Of its interval.
-    pub mse_half_width: f64,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Of the interval of the time.
-    pub cpu_seconds_half_width: f64,
+    alpha: f32,
+    normals: &'static str,
+    spp: u32,
+    replicates: u32,
+    mse: f64,
+    mse_half_width: f64,
+    cpu_seconds: f64,
+    cpu_seconds_half_width: f64,
     /// 1 / (MSE · processor seconds).
-    pub efficiency_per_second: f64,
-    /// Of its interval.
-    pub efficiency_half_width: f64,
+    efficiency_per_second: f64,
+    efficiency_half_width: f64,
 }
 
-/// The table of all roughnesses.
 pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow> {
     let row = |l: &roughness::RoughnessLevel| RoughnessRow {
         alpha: l.alpha,
@@ -136,7 +119,7 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
             let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
             let line: Vec<_> = mine().map(|(x, [_, value, _])| [x, value]).collect();
-            panel.band("", stroke.colour, band).line(*name, stroke, line.clone()).dots(*name, stroke.colour, line)
+            panel.band("", stroke.colour, band).dotted_line(*name, stroke, line)
         };
         let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
         noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));

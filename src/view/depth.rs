@@ -13,7 +13,6 @@ pub fn by_conventions(image: &Image) -> Rgb8 {
 /// How [`by_conventions`] shows radiance, for captions.
 pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
 
-/// One depth.
 pub fn image(result: &Depths, place: usize) -> Drawing {
     let depth = DEPTHS[place];
     let what = match depth {

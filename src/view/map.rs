@@ -38,7 +38,6 @@ pub struct Display {
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
-    /// Tone-maps `map` for the page.
     pub fn new(map: &EnvMap, look: Look) -> Self {
         // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);

@@ -1,12 +1,10 @@
 //! Images of metal statues, and the comparison of two sampling strategies on one.
 
 use super::depth::{SHOWN, by_conventions};
-use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, contact_sheet, theme};
 use crate::study::roughness::StatueRender;
 use crate::study::sampling_strategies::{ProfileBin, StrategyComparison};
 
-/// One statue.
 pub fn image(shot: &StatueRender, metal: &str) -> Drawing {
     let row = &shot.row;
     let caption = format!(
@@ -27,28 +25,27 @@ pub fn strategy(shot: &StatueRender, how: &str) -> Drawing {
 }
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.
-pub fn errors(result: &StrategyComparison) -> Result<Drawing> {
-    Ok(Drawing::stacked(vec![maps(result)?, profile(result)], 0.5, 2.0))
+pub fn errors(result: &StrategyComparison) -> Drawing {
+    Drawing::stacked(vec![maps(result), profile(result)], 0.0, 2.0)
 }
 
-/// The colours of both maps.
 const SCALE: (f64, f64) = (0.003, 3.0);
 /// Larger maps are averaged over blocks of pixels.
 const WIDEST: usize = 240;
 
-fn maps(result: &StrategyComparison) -> Result<Drawing> {
-    let panel = |shot: &StatueRender, title: &str| -> Result<Panel> {
+fn maps(result: &StrategyComparison) -> Drawing {
+    let panel = |shot: &StatueRender, title: &str| {
         let error = shot.rendered.part.film.standard_error();
         let (width, height) = (error.width() as f64, error.height() as f64);
         let error = error.reduced(error.width().div_ceil(WIDEST));
         let values = error.pixels().iter().map(|p| f64::from(p.element_sum()) / 3.0).collect();
-        let map = Heatmap::new(error.width(), values, Shading::Log10, "standard error")?.range(SCALE.0, SCALE.1);
+        let map = Heatmap::new(error.width(), values, Shading::Log10, "standard error").range(SCALE.0, SCALE.1);
         let (x, y) = (Axis::linear("pixel column").range(0.0, width), Axis::linear("pixel row").range(height, 0.0));
-        Ok(Panel::new(x, y).title(title).heatmap(map))
+        Panel::new(x, y).title(title).heatmap(map)
     };
     let panels =
-        [panel(&result.importance, "importance")?, panel(&result.hemisphere, "hemisphere (grey: all samples equal)")?];
-    Ok(Plot::new(panels).frame_size(300.0, 225.0).draw())
+        [panel(&result.importance, "importance"), panel(&result.hemisphere, "hemisphere (grey: all samples equal)")];
+    Plot::new(panels).frame_size(300.0, 225.0).draw()
 }
 
 /// Light, what the eye sees of it, and noise, at each distance from the silhouette.

@@ -9,38 +9,26 @@ use serde::Serialize;
 /// A line of the table. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row<'a> {
-    /// Name of the test.
-    pub name: &'a str,
-    /// Its verdict.
-    pub verdict: String,
-    /// The test's statistic.
-    pub statistic: f64,
-    /// Degrees of freedom.
-    pub dof: usize,
-    /// p-value of the test; none where nothing was counted.
-    pub p: Option<f64>,
-    /// Samples taken.
-    pub samples: u64,
+    name: &'a str,
+    verdict: String,
+    statistic: f64,
+    dof: usize,
+    p: Option<f64>,
+    samples: u64,
     /// Relative error of the pdf (root mean square) that is detected with 90 % probability.
-    pub detectable: Option<f64>,
-    /// Integral of the pdf.
-    pub mass: Option<f64>,
-    /// The bound of the mass's error.
-    pub mass_error: Option<f64>,
-    /// Which kind of bound.
-    pub mass_bound: Option<Bound>,
-    /// Cells that were counted.
-    pub cells: usize,
+    detectable: Option<f64>,
+    mass: Option<f64>,
+    mass_error: Option<f64>,
+    mass_bound: Option<Bound>,
+    cells: usize,
     /// Cells put together for lack of expected samples.
-    pub pooled: usize,
+    pooled: usize,
     /// Samples without a direction.
-    pub none: u64,
-    /// Whether a second round was taken.
-    pub repeated: bool,
-    /// Wall-clock time.
-    pub seconds: f64,
+    none: u64,
+    repeated: bool,
+    seconds: f64,
     /// A violation, or why the test is inconclusive.
-    pub remark: &'a str,
+    remark: &'a str,
 }
 
 impl<'a> From<&'a Tested> for Row<'a> {
@@ -66,7 +54,6 @@ impl<'a> From<&'a Tested> for Row<'a> {
     }
 }
 
-/// The table of a run.
 pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
     validation.tests.iter().map(Row::from).collect()
 }
@@ -118,18 +105,13 @@ pub fn drawing(validation: &Validation) -> Drawing {
 /// A line of a calibration's table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct CalibrationRow<'a> {
-    /// Name of the test.
-    pub name: &'a str,
-    /// p-values.
-    pub count: usize,
+    name: &'a str,
+    count: usize,
     /// Kolmogorov–Smirnov distance from the uniform distribution.
-    pub distance: f64,
-    /// p-value; none where nothing was counted.
-    pub p: f64,
-    /// Whether the p-values are not uniform.
-    pub uneven: bool,
-    /// A violation, if there is one.
-    pub fault: &'a str,
+    distance: f64,
+    p: f64,
+    uneven: bool,
+    fault: &'a str,
 }
 
 impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
@@ -139,7 +121,6 @@ impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
     }
 }
 
-/// The table of a calibration.
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
     calibration.tests.iter().map(CalibrationRow::from).collect()
 }

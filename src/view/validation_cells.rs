@@ -1,6 +1,5 @@
 //! One test's counts: observed, expected, and their residuals.
 
-use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use crate::study::validation::Tested;
 use etalon_stats::{Cell, Counts};
@@ -10,24 +9,17 @@ use serde::Serialize;
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row {
     /// "cell", "atom" or "none".
-    pub kind: &'static str,
-    /// Lower end of the first coordinate.
-    pub x_from: Option<f64>,
-    /// Upper end of the first coordinate.
-    pub x_to: Option<f64>,
-    /// Lower end of the second coordinate.
-    pub y_from: Option<f64>,
-    /// Upper end of the second coordinate.
-    pub y_to: Option<f64>,
-    /// Samples in the cell.
-    pub observed: u64,
-    /// Expected samples in the cell.
-    pub expected: f64,
+    kind: &'static str,
+    x_from: Option<f64>,
+    x_to: Option<f64>,
+    y_from: Option<f64>,
+    y_to: Option<f64>,
+    observed: u64,
+    expected: f64,
     /// (O − E)/√E.
-    pub residual: f64,
+    residual: f64,
 }
 
-/// The table of a test's cells.
 pub fn rows(counts: &Counts) -> Vec<Row> {
     let places = counts.grid.cells().map(Some).chain(std::iter::repeat(None));
     let of = |(i, (place, (&observed, &expected))): (usize, (Option<Cell>, (&u64, &f64)))| Row {
@@ -54,8 +46,8 @@ fn residual(observed: u64, expected: f64) -> f64 {
 }
 
 /// The drawing of a test's cells; `None` for a test that counts nothing.
-pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
-    let Some(counts) = &tested.outcome.counts else { return Ok(None) };
+pub fn drawing(tested: &Tested) -> Option<Drawing> {
+    let counts = tested.outcome.counts.as_ref()?;
     let p = tested.outcome.p.map_or("none".into(), |p| if p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") });
     let title = format!("{}: {}, /{{p}} = {p}", tested.name, tested.outcome.verdict);
     let rows = rows(counts);
@@ -66,9 +58,9 @@ pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
     } else if columns.iter().all(|n| *n == 1) {
         listed(cells, &format!("cell, by {}", counts.axes[0]))
     } else {
-        maps(counts.axes, cells, &columns)?
+        maps(counts.axes, cells, &columns)
     };
-    Ok(Some(headed(plot.draw(), title, remainder(counts.atoms, beyond))))
+    Some(headed(plot.draw(), title, remainder(counts.atoms, beyond)))
 }
 
 /// Puts two lines above a drawing.
@@ -88,7 +80,7 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
 }
 
 /// Three heat maps: at their places where all cells are equal, else by number of row and column.
-fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
+fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Plot {
     let width = |row: &Row| row.y_to.zip(row.y_from).map_or(0.0, |(to, from)| to - from);
     let height = |row: &Row| row.x_to.zip(row.x_from).map_or(0.0, |(to, from)| to - from);
     let is_constant =
@@ -111,17 +103,17 @@ fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
         columns.iter().flat_map(row).collect()
     };
     let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
-    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Result<Panel> {
-        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples")?.range(0.0, highest);
-        Ok(Panel::new(across.clone(), down.clone()).title(title).heatmap(map))
+    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Panel {
+        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples").range(0.0, highest);
+        Panel::new(across.clone(), down.clone()).title(title).heatmap(map)
     };
-    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations")?;
-    Ok(Plot::new([
-        counts("observed /{O}", &|row| row.observed as f64)?,
-        counts("expected /{E}", &|row| row.expected)?,
+    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
+    Plot::new([
+        counts("observed /{O}", &|row| row.observed as f64),
+        counts("expected /{E}", &|row| row.expected),
         Panel::new(across.clone(), down.clone()).title("residual (/{O} − /{E})/√/{E}").heatmap(residual),
     ])
-    .frame_size(250.0, 210.0))
+    .frame_size(250.0, 210.0)
 }
 
 /// Counts one after the other, with their residuals.
@@ -163,17 +155,6 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
 
 /// The number of cells in each row of the grid.
 fn columns(counts: &Counts) -> Vec<usize> {
-    let mut columns: Vec<usize> = Vec::new();
-    let mut row = None;
-    for cell in counts.grid.cells() {
-        if row == Some(cell.x) {
-            if let Some(last) = columns.last_mut() {
-                *last += 1;
-            }
-        } else {
-            columns.push(1);
-            row = Some(cell.x);
-        }
-    }
-    columns
+    let cells: Vec<Cell> = counts.grid.cells().collect();
+    cells.chunk_by(|a, b| a.x == b.x).map(<[Cell]>::len).collect()
 }

@@ -32,7 +32,6 @@ fn content(inputs: &Inputs) -> Result<Content> {
     Ok(Content { errata: errata.iter().map(row).collect(), ..content })
 }
 
-/// A row of the page's list.
 fn row(erratum: &Erratum) -> figure::Erratum {
     figure::Erratum {
         printed: format!("{}: {}", erratum.report, erratum.printed),

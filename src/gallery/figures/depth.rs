@@ -18,47 +18,39 @@ fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
 /// One figure for each of [`DEPTHS`], in that order, and one of what each adds.
 pub fn figures() -> Vec<Figure> {
     let texts = [
-        ("depth-0", "depth-1", "Figure 1a, depth 0", "Only the area light itself is visible."),
+        ("depth-0", "Figure 1a, depth 0", "Only the area light itself is visible."),
         (
             "depth-1",
-            "depth-0",
             "Figure 1b, depth 1",
             "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
         ),
         (
             "depth-2",
-            "depth-1",
             "Figure 1c, depth 2",
             "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
              light must enter and leave it.",
         ),
         (
             "depth-3",
-            "depth-2",
             "Figure 1d, depth 3",
             "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
         ),
-        (
-            "depth-4",
-            "depth-3",
-            "Figure 1e, depth 4",
-            "The glass sphere, as clear as before, appears in the mirror sphere.",
-        ),
-        ("depth-5", "depth-4", "Figure 1f, depth 5", "The light that this depth adds is faint."),
+        ("depth-4", "Figure 1e, depth 4", "The glass sphere, as clear as before, appears in the mirror sphere."),
+        ("depth-5", "Figure 1f, depth 5", "The light that this depth adds is faint."),
         (
             "depth-100",
-            "depth-5",
             "Figure 1g, depth 100",
             "Practically all light. Compare it with depth 5 to see how little was missing.",
         ),
     ];
-    let figure = |(place, (id, beside, reproduces, shows))| Figure {
+    let figure = |(place, (id, reproduces, shows)): (usize, (&'static str, _, _))| Figure {
         id,
         title: "Mirror and glass sphere, paths up to a depth",
         report: Report::Second,
         reproduces,
         shows,
-        beside: Some(beside),
+        // Beside the depth before, the first beside the second.
+        beside: Some(if place == 0 { texts[1].0 } else { texts[place - 1].0 }),
         command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report", DEPTHS[place])),
         ..Figure::by(move |inputs, studies| content(inputs, studies, place))
     };

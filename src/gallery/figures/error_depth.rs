@@ -7,7 +7,6 @@ use crate::study::converge::depth::{self, DepthCurve};
 use crate::study::converge::doubling::Deadline;
 use crate::view::converge_series as view;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "error-depth",

@@ -33,7 +33,6 @@ pub fn small(inputs: &Inputs, (scene, request): (Scene, Request)) -> (Scene, Req
     (scene, Request { light_samples: 1, ..request })
 }
 
-/// The curves of the sphere.
 pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
     let (scene, request) = sphere(inputs);
     let plan = plan(inputs, inputs.effort.of(128, 32), inputs.effort.of(5, 4));
@@ -84,7 +83,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+    Content::new(view::sheet(&result), &view::rows(&result), checks)
 }
 
 fn cornell_content(inputs: &Inputs) -> Result<Content> {
@@ -102,7 +101,7 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+    Content::new(view::sheet(&result), &view::rows(&result), checks)
 }
 
 /// Nothing was left out for lack of time.

@@ -13,7 +13,6 @@ const QUICK_ALPHAS: [f32; 3] = [0.05, 0.25, 1.0];
 /// From this α on, visible normals must have less noise than all normals; below, both pdfs are nearly the same.
 const ROUGH: f32 = 0.25;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "error-time-roughness",

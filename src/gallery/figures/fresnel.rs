@@ -7,7 +7,6 @@ use crate::view::fresnel as view;
 
 /// Index of refraction of the report's glass.
 const GLASS: f64 = 1.45;
-/// Angles of a curve.
 const POINTS: usize = 901;
 /// tan θ = 1.45, as the report prints it.
 const BREWSTER_DEG: f64 = 55.407_711_312_490_06;

@@ -8,7 +8,6 @@ use crate::view::{converge, converge_series as view};
 /// Numbers of lights that the map is cut into.
 const LIGHTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "median-cut-error",

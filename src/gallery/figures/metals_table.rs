@@ -4,10 +4,8 @@ use crate::gallery::prelude::*;
 use crate::study::metals;
 use crate::view::metals as view;
 
-/// Angles of a curve.
 const POINTS: usize = 181;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "metals-table",

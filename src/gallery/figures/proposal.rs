@@ -9,7 +9,6 @@ const SAMPLES: usize = 100_000;
 /// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
 const LEVEL: f64 = 1e-3;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "proposal",

@@ -44,7 +44,6 @@ pub fn figures() -> Vec<Figure> {
     ]
 }
 
-/// The statue in iron.
 pub fn iron() -> Vec<Figure> {
     vec![Figure {
         id: "iron",

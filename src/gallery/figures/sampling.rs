@@ -81,5 +81,5 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         let name = "noise on the statue, importance over hemisphere sampling";
         checks.push(Check::at_most(name, result.noise_ratio(), 0.25));
     }
-    Content::new(view::errors(&result)?, &result.profile, checks)
+    Content::new(view::errors(&result), &result.profile, checks)
 }

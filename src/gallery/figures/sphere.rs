@@ -58,7 +58,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
     if let Some((_, rmse)) = pbrt {
         checks.push(Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0));
     }
-    let content = Content::new(view::shot(&shot)?, &[shot.row], checks)?;
+    let content = Content::new(view::shot(&shot), &[shot.row], checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
 }
 

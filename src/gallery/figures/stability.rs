@@ -51,7 +51,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<C
         }
         summary::worst_cases(&rows)
     } else {
-        maps::maps(&own.sweeps)?
+        maps::maps(&own.sweeps)
     };
     let checks = own.bounds.iter().map(|bound| Check::at_most(&bound.name, bound.got, bound.limit));
     Content::new(drawing, &own.rows, checks.collect())

@@ -10,7 +10,6 @@ const QUICK: [&str; 6] = ["warp", "table", "strata", "light", "bsdf/glass", "bsd
 /// p-values so near to either end are evidence: too uniform is as suspicious as not uniform.
 const LEVEL: f64 = 5e-4;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "validation",

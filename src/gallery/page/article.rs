@@ -12,27 +12,21 @@ use std::path::Path;
 /// Formats of a figure's files, in the order of the links.
 const FILES: [&str; 7] = ["svg", "png", "pdf", "csv", "exr", "pfm", "ppm"];
 
-/// A figure of the registry that was made.
 pub struct Article<'a> {
-    /// Its texts.
     pub figure: &'a Figure,
     /// Its place in the registry, from 1.
     pub number: usize,
-    /// Its checks and how it was made.
     pub record: &'a Record,
-    /// The image inside the page.
     pub image: EmbeddedImage,
     /// Its counterpart for comparison, if that is on the page, too.
     pub beside: Option<&'static str>,
 }
 
 impl Article<'_> {
-    /// Number of failed checks.
     pub fn failed(&self) -> usize {
         self.record.checks.iter().filter(|c| !c.pass).count()
     }
 
-    /// The figure as an `<article>`.
     pub fn html(&self, out: &mut String, folder: &Path) -> std::fmt::Result {
         let Self { figure, record, image, .. } = self;
         let id = escape(figure.id);
@@ -80,7 +74,6 @@ impl Article<'_> {
         format!("{}. {}", self.number, self.figure.title)
     }
 
-    /// The text in place of the image.
     fn alternative(&self) -> String {
         let Figure { id, title, shows, .. } = self.figure;
         format!("{title} ({id}). {shows}")

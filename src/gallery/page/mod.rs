@@ -18,7 +18,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The page's file name.
 pub const FILE: &str = "index.html";
 
 /// Writes the records and the page of those figures in `folder` that have one.
