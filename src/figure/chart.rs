@@ -122,36 +122,33 @@ impl Sketch {
             })),
             _ => self.space.nearest_free([x, y], [long, high], gap, 150.0),
         };
-        let text =
-            |centre: Point| Text::new(centre, theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
-        match found {
-            Some(place) => {
+        // No free place inside: the nearest one beside the frame or above it, else next to it
+        let place = match (found, mark) {
+            (Some(place), _) => {
                 self.space.add(&place.grown(CLEAR));
                 self.drawing.rect(place, Colour::WHITE.faded(0.85));
-                let text = text(place.centre());
-                self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+                place
             }
-            // No free place inside: the nearest one beside the frame or above it, else next to it
-            None if matches!(mark, Mark::Horizontal { .. }) => {
-                let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
-                let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));
-                let nearest = Rect::new(right + CLEAR, y - high / 2.0, long, high);
-                let place = self.beside.first_free(places).unwrap_or(nearest);
+            (None, Mark::Horizontal { .. }) => {
+                let at = |y: f64| Rect::new(right + CLEAR, y - high / 2.0, long, high);
+                let up_and_down = slots(0.0, bottom).flat_map(|d| [at(y - d), at(y + d)]);
+                let place = self.beside.first_free(up_and_down).unwrap_or(at(y));
                 self.beside.add(&place);
                 self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
-                self.drawing.text(text(place.centre()));
+                place
             }
-            None => {
-                let rows = slots(CLEAR, OUTSIDE).map(|up| Rect::new(x - long / 2.0, -up - high, long, high));
-                let nearest = Rect::new(x - long / 2.0, -CLEAR - high, long, high);
-                let place = self.above.first_free(rows).unwrap_or(nearest);
+            (None, _) => {
+                let at = |up: f64| Rect::new(x - long / 2.0, -up - high, long, high);
+                let place = self.above.first_free(slots(CLEAR, OUTSIDE).map(at)).unwrap_or(at(CLEAR));
                 self.above.add(&place.grown(CLEAR));
                 let overhang = (place.right() - right).max(-place.x) + CLEAR;
                 let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
                 self.outside = self.outside.union(room);
-                self.drawing.text(text(place.centre()));
+                place
             }
-        }
+        };
+        let text = Text::new(place.centre(), theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
+        self.drawing.text(if place.height > place.width { text.upwards() } else { text });
     }
 
     /// Draws the legend in a free place along the edges, or returns it when there is none.
