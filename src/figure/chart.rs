@@ -1,6 +1,5 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
-use super::axis::Span;
 use super::colour_bar;
 use super::drawing::Drawing;
 use super::frame::{Axes, Sides};
@@ -32,44 +31,40 @@ pub(super) struct Chart {
 impl Chart {
     /// Draws `panel` in a frame of the given size, with its legend if it is to have its own.
     pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
-        let frame = Rect::new(0.0, 0.0, width, height);
+        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
         let mut sketch = Sketch {
             drawing: Drawing::new(width, height, 1.0),
-            space: Occupancy::new(frame),
+            space: Occupancy::new(axes.frame),
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
             outside: Sides::default(),
-            frame,
-            spans: panel.spans(),
+            axes,
         };
         // Grid or heat map below, marks above it
-        let axes = Axes::new(panel, frame);
         let mut room = Sides::default();
         match &panel.heatmap {
             Some(map) => {
-                sketch.drawing.image(sketch.frame, map.image());
-                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.frame);
+                sketch.drawing.image(sketch.axes.frame, map.image());
+                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.axes.frame);
             }
-            None => axes.grid(&mut sketch.drawing),
+            None => sketch.axes.grid(&mut sketch.drawing),
         }
         sketch.marks(&panel.marks);
         // Labels of reference lines and notes, clear of the marks and of the y axis' factor
-        let factor = axes.factor_height();
+        let factor = sketch.axes.factor_height();
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
-        room = room.union(axes.draw(&mut sketch.drawing, sketch.outside));
+        room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
 
-pub(super) struct Sketch {
+pub(super) struct Sketch<'a> {
     pub drawing: Drawing,
-    /// The frame, at the origin.
-    pub frame: Rect,
-    /// Ranges of the x and the y axis.
-    pub spans: (Span, Span),
+    /// With the frame at the origin.
+    pub axes: Axes<'a>,
     /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.
     pub space: Occupancy,
     above: Occupancy,
@@ -78,22 +73,22 @@ pub(super) struct Sketch {
     outside: Sides,
 }
 
-impl Sketch {
+impl Sketch<'_> {
     /// Positions along the axes of a point of the data.
     pub fn position(&self, p: Point) -> Point {
-        [self.spans.0.position(p[0]), self.spans.1.position(p[1])]
+        [self.axes.x.position(p[0]), self.axes.y.position(p[1])]
     }
 
     /// The place in the frame of positions along the axes.
     pub fn place(&self, p: Point) -> Point {
-        [self.frame.width * p[0], self.frame.height * (1.0 - p[1])]
+        [self.axes.frame.width * p[0], self.axes.frame.height * (1.0 - p[1])]
     }
 
     /// Writes the label of a reference line or a note where there is room.
     fn label(&mut self, mark: &Mark) {
         let (label, at) = match mark {
-            Mark::Vertical { at, label } => (label, [self.spans.0.position(*at), 0.5]),
-            Mark::Horizontal { at, label } => (label, [0.5, self.spans.1.position(*at)]),
+            Mark::Vertical { at, label } => (label, [self.axes.x.position(*at), 0.5]),
+            Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)]),
             Mark::Note { at, text } => (text, self.position(*at)),
             _ => return,
         };
@@ -106,7 +101,7 @@ impl Sketch {
         let long = (text::width(label, theme::NOTE_SIZE, false) + 4.0).max(high);
         // A gap that is more than what the line itself takes, in whole cells.
         let gap = CLEAR + 3.5;
-        let (right, bottom) = (self.frame.width, self.frame.height);
+        let (right, bottom) = (self.axes.frame.width, self.axes.frame.height);
         // Candidates: along a vertical line from the top, along a horizontal line from the right, around a point
         let found = match mark {
             Mark::Vertical { .. } => {
@@ -155,8 +150,8 @@ impl Sketch {
     fn legend(&mut self, legend: Legend) -> Option<Legend> {
         for columns in 1..=legend.len().min(3) {
             let [width, height] = legend.size(columns);
-            let (left, right) = (INSET, self.frame.width - INSET - width);
-            let (top, bottom) = (INSET, self.frame.height - INSET - height);
+            let (left, right) = (INSET, self.axes.frame.width - INSET - width);
+            let (top, bottom) = (INSET, self.axes.frame.height - INSET - height);
             let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
             let corners = [[right, top], [left, top], [right, bottom], [left, bottom]];
             let sides = [[middle[0], top], [middle[0], bottom], [right, middle[1]], [left, middle[1]]];

@@ -56,8 +56,8 @@ pub(super) fn most_rows(height: f64) -> usize {
 pub(super) struct Axes<'a> {
     pub panel: &'a Panel,
     pub frame: Rect,
-    x: Span,
-    y: Span,
+    pub x: Span,
+    pub y: Span,
     across: Ticks,
     up: Ticks,
 }

@@ -24,7 +24,7 @@ enum Layer {
     Dots,
 }
 
-impl Sketch {
+impl Sketch<'_> {
     /// Draws areas, then reference lines, then curves and the outlines of bars, then dots.
     pub fn marks(&mut self, marks: &[Mark]) {
         for layer in [Layer::Areas, Layer::Rules, Layer::Curves, Layer::Dots] {
@@ -36,11 +36,11 @@ impl Sketch {
                         outlines.into_iter().for_each(|outline| self.fill(outline, colour.faded(0.3)));
                     }
                     (Layer::Rules, Mark::Vertical { at, .. }) => {
-                        let x = self.spans.0.position(*at);
+                        let x = self.axes.x.position(*at);
                         self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
                     }
                     (Layer::Rules, Mark::Horizontal { at, .. }) => {
-                        let y = self.spans.1.position(*at);
+                        let y = self.axes.y.position(*at);
                         self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
                     }
                     (Layer::Curves, Mark::Line { stroke, points, .. }) => {
@@ -63,7 +63,7 @@ impl Sketch {
         &'a mut self,
         dash: &'static [f64],
     ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
-        let (width, height) = ((self.frame.width * GRID) as i32, (self.frame.height * GRID) as i32);
+        let (width, height) = ((self.axes.frame.width * GRID) as i32, (self.axes.frame.height * GRID) as i32);
         let area: DrawingArea<Canvas<'a>, Shift> = Canvas { drawing: &mut self.drawing, dash }.into_drawing_area();
         area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
     }
@@ -119,7 +119,8 @@ impl Sketch {
             self.fill(outline, colour.faded(0.2));
             for pair in run.windows(2) {
                 let (a, b) = (pair[0], pair[1]);
-                let columns = ((b[0] - a[0]).abs() * self.frame.width).ceil().clamp(1.0, self.frame.width) as usize;
+                let columns =
+                    ((b[0] - a[0]).abs() * self.axes.frame.width).ceil().clamp(1.0, self.axes.frame.width) as usize;
                 for i in 0..=columns {
                     let t = i as f64 / columns as f64;
                     let [x, lower, upper] = [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t);
@@ -133,7 +134,7 @@ impl Sketch {
     fn outlines(&mut self, edges: &[f64], heights: &[f64]) -> Vec<Vec<Point>> {
         // On a logarithmic scale bars stand on the frame. Positions far outside are clamped.
         let low = |v: f64| if v.is_nan() { -1.0 } else { v.clamp(-1e6, 1e6) };
-        let floor = low(self.spans.1.position(0.0));
+        let floor = low(self.axes.y.position(0.0));
         let mut outlines: Vec<Vec<Point>> = Vec::new();
         let mut outline: Vec<Point> = Vec::new();
         for (edge, &height) in edges.windows(2).zip(heights) {

@@ -185,8 +185,8 @@ impl Page {
         names.finish();
         let mut states = resources.ext_g_states();
         for (i, &[fill, stroke]) in self.opacities.iter().enumerate() {
-            let mut state =
-                states.insert(Name(format!("A{i}").as_bytes())).start::<pdf_writer::writers::ExtGraphicsState>();
+            let state = states.insert(Name(format!("A{i}").as_bytes()));
+            let mut state = state.start::<pdf_writer::writers::ExtGraphicsState>();
             state.non_stroking_alpha(unit(fill)).stroking_alpha(unit(stroke));
         }
         states.finish();

@@ -162,10 +162,8 @@ mod tests {
     }
 
     fn wave(k: usize) -> Vec<Point> {
-        (0..300)
-            .map(|i| f64::from(i) / 30.0)
-            .map(|x| [x, 0.5 + 0.48 * (x * (1.0 + 0.3 * k as f64) + k as f64).sin()])
-            .collect()
+        let height = |x: f64| 0.5 + 0.48 * (x * (1.0 + 0.3 * k as f64) + k as f64).sin();
+        (0..300).map(|i| f64::from(i) / 30.0).map(|x| [x, height(x)]).collect()
     }
 
     #[test]
@@ -178,14 +176,10 @@ mod tests {
             }
             panel = panel.vertical(3.3, "first rule").vertical(3.5, "second").vertical(9.9, "/{θ}_{B} = 55.41°");
             panel = panel.horizontal(0.5, "half").horizontal(0.52, "a little more").note([5.0, 0.5], "slope −1/2");
-            let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6)).dots(
-                "dots",
-                theme::GREEN,
-                [[1e-9, 1.0]],
-            );
-            for plot in
-                [Plot::new([panel.clone()]), Plot::new([panel.clone(), other.clone()]), Plot::stacked([other, panel])]
-            {
+            let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6));
+            let other = other.dots("dots", theme::GREEN, [[1e-9, 1.0]]);
+            let both = [panel.clone(), other];
+            for plot in [Plot::new([panel]), Plot::new(both.clone()), Plot::stacked(both)] {
                 assert_sound(&plot.draw());
                 assert_sound(&plot.frame_size(150.0, 120.0).draw());
             }
@@ -196,10 +190,8 @@ mod tests {
     fn long_labels_fit_on_the_page() {
         let x = Axis::linear("an axis label far wider than its frame").range(0.0, 1e7);
         let y = Axis::linear("another one, higher than its frame").range(0.0, 3e-9);
-        let panel = Panel::new(x, y)
-            .line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]])
-            .vertical(5e6, "1")
-            .horizontal(1e-9, "h");
+        let panel = Panel::new(x, y).line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]]);
+        let panel = panel.vertical(5e6, "1").horizontal(1e-9, "h");
         assert_sound(&Plot::new([panel.clone()]).frame_size(130.0, 100.0).draw());
         assert_sound(&Plot::new([panel]).frame_size(700.0, 500.0).draw());
         // A label too long for any place is not lost.

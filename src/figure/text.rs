@@ -31,11 +31,10 @@ impl Face {
 
     /// The font file's tables, parsed once per process.
     pub fn tables(self) -> &'static ttf_parser::Face<'static> {
-        static TABLES: [LazyLock<ttf_parser::Face<'static>>; 3] = [
-            LazyLock::new(|| parse(Face::Regular)),
-            LazyLock::new(|| parse(Face::Oblique)),
-            LazyLock::new(|| parse(Face::Bold)),
-        ];
+        static TABLES: LazyLock<[ttf_parser::Face<'static>; 3]> = LazyLock::new(|| {
+            [Face::Regular, Face::Oblique, Face::Bold]
+                .map(|face| ttf_parser::Face::parse(face.bytes(), 0).expect("the embedded fonts are sound"))
+        });
         &TABLES[self as usize]
     }
 
@@ -45,10 +44,6 @@ impl Face {
         let glyph = tables.glyph_index(c).unwrap_or_default();
         f64::from(tables.glyph_hor_advance(glyph).unwrap_or(0)) / f64::from(tables.units_per_em())
     }
-}
-
-fn parse(face: Face) -> ttf_parser::Face<'static> {
-    ttf_parser::Face::parse(face.bytes(), 0).expect("the embedded fonts are sound")
 }
 
 /// A stretch of text in one face, size and height above the baseline.

@@ -81,8 +81,8 @@ pub struct Content {
     pub drawing: Drawing,
     /// The numbers of the drawing as CSV text.
     pub table: Vec<u8>,
-    /// A render, written as EXR, PFM and PPM beside the drawing.
-    pub image: Option<RenderedImage>,
+    /// A render, written as EXR, PFM and PPM beside the drawing, and how the PPM shows it.
+    pub image: Option<(Image, ToneMap)>,
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
@@ -96,14 +96,8 @@ impl Content {
 
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
     pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
-        Self { image: Some(RenderedImage { image: image.clone(), tone }), ..self }
+        Self { image: Some((image.clone(), tone)), ..self }
     }
-}
-
-/// A render, and how its PPM file shows it.
-pub struct RenderedImage {
-    pub image: Image,
-    pub tone: ToneMap,
 }
 
 /// An error of a report with the evidence for it: a row of "where the reports are wrong".

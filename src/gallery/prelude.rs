@@ -5,3 +5,4 @@ pub use super::figure::{Content, Figure, Report};
 pub use super::inputs::Inputs;
 pub use super::studies::Studies;
 pub use crate::error::Result;
+pub use std::rc::Rc;

@@ -1,7 +1,7 @@
 //! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::Check;
-use super::figure::{Content, Erratum, Figure, RenderedImage};
+use super::figure::{Content, Erratum, Figure};
 use super::figures::registry;
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
@@ -89,7 +89,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
-    if let Some(RenderedImage { image, tone }) = &image {
+    if let Some((image, tone)) = &image {
         let metadata = Metadata::default().with("figure", figure.id);
         for extension in ["exr", "pfm", "ppm"] {
             let path = output::with_extension(&stem, extension);

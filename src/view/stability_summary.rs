@@ -36,7 +36,8 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         for row in rows.iter().filter(|row| row.family == *family) {
             let place = (row.max_relative.log10() - f64::from(SCALE.0)) * DECADE;
             let x = left + if place.is_nan() { width } else { place.clamp(0.0, width) };
-            dot(&mut page, [x, y + aside(row.variant)], colour(row.variant), row.precision);
+            let (colour, aside) = look(row.variant);
+            dot(&mut page, [x, y + aside], colour, row.precision);
         }
     }
     page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));
@@ -48,20 +49,12 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     page
 }
 
-fn colour(variant: &str) -> Colour {
+/// The colour of a variant, and the vertical offset of its dots, so that none hides another.
+fn look(variant: &str) -> (Colour, f64) {
     match variant {
-        REPORT => theme::ERRATUM_VARIANT,
-        _ if variant.starts_with(STABLE) => theme::STABLE_VARIANT,
-        _ => theme::TEXTBOOK_VARIANT,
-    }
-}
-
-/// Vertical offset of a variant's dot, so that none hides another.
-fn aside(variant: &str) -> f64 {
-    match variant {
-        REPORT => 5.0,
-        _ if variant.starts_with(STABLE) => -5.0,
-        _ => 0.0,
+        REPORT => (theme::ERRATUM_VARIANT, 5.0),
+        _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -5.0),
+        _ => (theme::TEXTBOOK_VARIANT, 0.0),
     }
 }
 
@@ -80,7 +73,7 @@ fn legend(page: &mut Drawing, left: f64) {
             [(STABLE, "as it renders"), ("textbook", "textbook"), (REPORT, "report")].into_iter().enumerate()
         {
             let x = left + 160.0 * column as f64;
-            dot(page, [x + 6.0, y], colour(form), precision);
+            dot(page, [x + 6.0, y], look(form).0, precision);
             let label = Text::new([x + 16.0, y], theme::TICK_SIZE, format!("{name}, {}", precision.name()));
             page.text(label.held(Anchor::Start, Level::Middle));
         }

@@ -7,7 +7,6 @@ use crate::scene::Request;
 use crate::study::depth::{self, DEPTHS, Depths, RadianceRow};
 use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::view::depth as view;
-use std::rc::Rc;
 
 /// One render, taken apart by path class.
 fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {

@@ -6,7 +6,6 @@ use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge as view;
-use std::rc::Rc;
 
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
 pub const LIMIT: f64 = 120.0;

@@ -5,7 +5,6 @@ use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::roughness::{self, StatueRender};
 use crate::view::statue as view;
-use std::rc::Rc;
 
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;

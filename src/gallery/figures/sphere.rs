@@ -6,7 +6,6 @@ use crate::raster::ToneMap;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
 use crate::study::sphere::{self as study, AtNormal, Exact, PBRT_RMSE, Series};
 use crate::view::sphere as view;
-use std::rc::Rc;
 
 /// Samples per pixel of the report's renders.
 const SPP: [u32; 4] = [8, 16, 32, 64];

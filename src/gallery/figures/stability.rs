@@ -4,7 +4,6 @@
 use crate::gallery::prelude::*;
 use crate::study::stability::{self, Stability, Workload};
 use crate::view::{stability as maps, stability_summary as summary};
-use std::rc::Rc;
 
 /// Ids and titles of the figures.
 const TITLES: [(&str, &str); 6] = [
