@@ -39,9 +39,6 @@ pub fn exit_without_parts(code: i32) -> ! {
 ///
 /// Missing parent folders are made. The file gets the usual permissions (0666 & ~umask). A symbolic link stays a
 /// link: the file that it leads to is replaced, or made if it is missing.
-///
-/// # Errors
-/// [`Error::Io`], [`Error::Parameter`] for a path that is a device or a pipe, and those of `fill`.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &link_target(path)?;
     let (mut part, _listed) = temporary(path)?;
@@ -54,9 +51,6 @@ pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>
 }
 
 /// Checks before a long computation that `path` can be written.
-///
-/// # Errors
-/// As [`write_atomic`]; makes missing parent folders, too.
 pub fn check_writable(path: &Path) -> Result<()> {
     temporary(&link_target(path)?).map(drop)
 }
@@ -117,18 +111,12 @@ fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {
 }
 
 /// [`write_atomic`] for bytes in memory.
-///
-/// # Errors
-/// Those of [`write_atomic`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomic(path, |w| w.write_all(bytes).map_err(|e| Error::io(path, e)))
 }
 
 /// Reads a whole file, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
 /// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
-///
-/// # Errors
-/// [`Error::Io`], [`Error::Limit`] for a larger file, [`Error::Input`] for a device or a named pipe.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;

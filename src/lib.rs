@@ -1,8 +1,8 @@
 //! A test bench for the sampling code of physically based renderers: plots, environment maps, a small path tracer and
 //! statistical tests.
 //!
-//! Modules in layers, highest first; a module imports only from lines below its own. `gallery`, `view` and `figure` are private
-//! to the program. The repository's `ARCHITECTURE.md` says more.
+//! Modules in layers, highest first; a module imports only from lines below its own. Those without a link are
+//! private to the program. The repository's `ARCHITECTURE.md` says more.
 //!
 //! | modules | what they hold |
 //! |---|---|
@@ -13,13 +13,13 @@
 //! | [`render`], [`import`] | the path tracer and its film; scene files, meshes, external samplers |
 //! | [`scene`] | camera, shapes, BVH, materials, lights, built-in scenes |
 //! | [`bsdf`], [`envmap`] | BSDFs; lat-long maps and their samplers |
-//! | [`output`] | drawings and tables as files |
+//! | `output` | drawings and tables as files |
 //! | [`raster`], `figure` | float images and their files; plots as SVG, PNG and PDF |
 //! | [`errata`] | the formulas that are wrong in the two reports |
 //! | [`sampling`] | warps, tables, normals of microfacets, solid angles of shapes |
 //! | [`optics`] | Fresnel equations, metals, microfacet distributions |
 //! | [`math`] | colours, local frames, the float trait, elementary functions |
-//! | [`files`], [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
+//! | `files`, [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
 //!
 //! The statistical tests are the crate [`etalon_stats`].
 
@@ -29,14 +29,14 @@ pub mod envmap;
 pub mod errata;
 pub mod error;
 mod figure;
-pub mod files;
+mod files;
 mod gallery;
 pub mod import;
 pub mod interrupt;
 pub mod math;
 pub mod memory;
 pub mod optics;
-pub mod output;
+mod output;
 pub mod raster;
 pub mod render;
 pub mod sampling;

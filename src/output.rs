@@ -95,7 +95,6 @@ impl Target {
 /// The files that a command has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
-    /// All of them.
     #[serde(serialize_with = "lossy")]
     pub files: Vec<PathBuf>,
     /// Those under default names that replaced older ones.
@@ -104,7 +103,6 @@ pub struct Written {
 }
 
 impl Written {
-    /// A line for each file.
     pub fn text(&self) -> String {
         let line = |path: &PathBuf| {
             let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
@@ -120,9 +118,6 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
 }
 
 /// An error if `path` is one of the inputs.
-///
-/// # Errors
-/// [`Error::Parameter`] that names the file.
 pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
     if inputs.iter().any(|input| files::is_same_file(input, path)) {
         return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
@@ -158,9 +153,6 @@ pub fn file_name(name: &str) -> String {
 }
 
 /// The image format that a path names, if it names a file.
-///
-/// # Errors
-/// A path that names a file of another kind.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
     let Some(known) = out.and_then(file_extension) else { return Ok(None) };
     if IMAGES.contains(&known) {
@@ -174,9 +166,6 @@ pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
 const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
 
 /// Rows as CSV text, with the field names of `T` as header, also without rows.
-///
-/// # Errors
-/// Rows that CSV cannot hold, such as nested lists.
 pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
     if rows.is_empty() {
         let text = table(&[T::default()])?;
@@ -194,9 +183,6 @@ pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
 
 /// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
-///
-/// # Errors
-/// A file that cannot be written, a drawing too large for a PNG.
 pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
     let csv = with_extension(stem, "csv");
     files::write_bytes(&csv, table)?;

@@ -62,7 +62,6 @@ impl Axis {
         }
     }
 
-    /// At most about `most` ticks on `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
         if !self.at.is_empty() {
             return ticks::at(span.lo(), span.hi(), &self.at);

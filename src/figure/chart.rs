@@ -29,7 +29,6 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// Draws `panel` in a frame of the given size, with its legend if it is to have its own.
     pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
         let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
         let mut sketch = Sketch {

@@ -10,7 +10,6 @@ use super::theme;
 /// Width of the bar, and its distance from the frame.
 const WIDTH: f64 = 13.0;
 const GAP: f64 = 12.0;
-/// Colours of the bar.
 const STEPS: usize = 256;
 
 /// Draws the bar of `map` to the right of `frame`; returns the room needed outside the frame.

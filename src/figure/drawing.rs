@@ -99,7 +99,6 @@ impl Drawing {
         }
     }
 
-    /// Adds an open line through `points`.
     pub fn line(&mut self, points: impl Into<Vec<Point>>, stroke: Stroke) {
         self.add(Item::Path { points: points.into(), closed: false, paint: stroke.into() });
     }
@@ -124,7 +123,6 @@ impl Drawing {
         self.add(Item::Image { rect, image });
     }
 
-    /// Adds all items of another drawing, moved by (dx, dy).
     pub fn append(&mut self, other: Drawing, dx: f64, dy: f64) {
         self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
     }

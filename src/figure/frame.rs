@@ -83,7 +83,6 @@ impl<'a> Axes<'a> {
         Self { panel, frame, x, y, across, up }
     }
 
-    /// Grid lines at the labelled ticks.
     pub fn grid(&self, drawing: &mut Drawing) {
         let frame = &self.frame;
         for tick in &self.across.major {
@@ -96,7 +95,6 @@ impl<'a> Axes<'a> {
         }
     }
 
-    /// Height above the frame of the factor of the y axis.
     pub fn factor_height(&self) -> f64 {
         factor_height(&self.up)
     }

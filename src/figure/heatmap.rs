@@ -48,7 +48,6 @@ impl Heatmap {
         self.values.len().div_ceil(self.columns).max(1)
     }
 
-    /// The axis along the colour bar.
     pub(super) fn axis(&self) -> Axis {
         let axis = if self.shading == Shading::Log10 { Axis::log("") } else { Axis::linear("") };
         match (self.range, self.shading) {
@@ -61,7 +60,6 @@ impl Heatmap {
         }
     }
 
-    /// The range of values that the colours show.
     pub(super) fn span(&self) -> Span {
         self.axis().span(self.values.iter().copied(), 0.0)
     }

@@ -91,7 +91,6 @@ impl Panel {
         Self { heatmap: Some(heatmap), ..self }
     }
 
-    /// The ranges of both axes.
     pub(super) fn spans(&self) -> (Span, Span) {
         if let Some(map) = &self.heatmap {
             let (columns, rows) = (map.columns() as f64, map.rows() as f64);

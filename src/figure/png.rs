@@ -21,15 +21,12 @@ impl Drawing {
     /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
         let (w, h) = ((self.width * self.scale).ceil(), (self.height * self.scale).ceil());
-        let unpaintable = |what: &str| {
-            Error::parameter("figure size", format!("{w} x {h} pixels: {what}"))
-                .with_hint(format!("a figure may have 1 to {MAX_SIDE} pixels a side and {MAX_PIXELS} in all"))
-        };
         // Also false for NaN.
-        if !(w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE && w * h <= MAX_PIXELS) {
-            return Err(unpaintable("cannot be painted"));
-        }
-        let mut page = Pixmap::new(w as u32, h as u32).ok_or_else(|| unpaintable("too large"))?;
+        let paintable = w >= 1.0 && h >= 1.0 && w <= MAX_SIDE && h <= MAX_SIDE && w * h <= MAX_PIXELS;
+        let mut page = paintable.then(|| Pixmap::new(w as u32, h as u32)).flatten().ok_or_else(|| {
+            Error::parameter("figure size", format!("{w} x {h} pixels: cannot be painted"))
+                .with_hint(format!("a figure may have 1 to {MAX_SIDE} pixels a side and {MAX_PIXELS} in all"))
+        })?;
         page.fill(tiny_skia::Color::WHITE);
         let to_pixels = Transform::from_scale(self.scale as f32, self.scale as f32);
         for item in &self.items {

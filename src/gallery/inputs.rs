@@ -36,7 +36,6 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Default settings of a render under the run's seed.
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
     }

@@ -66,7 +66,6 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
     Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
 }
 
-/// What the colours mean, above all panels.
 fn legend(sheet: &mut Drawing, middle: f64) {
     const SAMPLE: f64 = 26.0;
     for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (CORRECTED, "corrected", 40.0)] {

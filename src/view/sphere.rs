@@ -23,7 +23,6 @@ pub fn shot(shot: &SphereRender) -> Drawing {
     )
 }
 
-/// The table of [`errors`]: one strategy after another.
 pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
     series.iter().flat_map(|s| s.rows.iter().map(|row| (s.label, *row))).collect()
 }

@@ -8,7 +8,6 @@ use crate::study::stability::{Case, Precision, Scale, Section, Sweep};
 const SCALE: (f64, f64) = (1e-8, 1.0);
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
-/// Height of the heading of a row.
 const HEADING: f64 = 20.0;
 
 /// A row of maps for every grid of the sweeps, each of the relative errors in f32.

@@ -65,7 +65,6 @@ fn dot(page: &mut Drawing, at: [f64; 2], colour: Colour, precision: Precision) {
     }
 }
 
-/// Two lines above the frame.
 fn legend(page: &mut Drawing, left: f64) {
     for (line, precision) in Precision::ALL.into_iter().enumerate() {
         let y = 20.0 + LINE * line as f64;

@@ -1,7 +1,7 @@
 //! Images of metal statues, and the comparison of two sampling strategies on one.
 
-use super::depth::{SHOWN, by_conventions};
-use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, contact_sheet, theme};
+use super::depth::{SHOWN, captioned};
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use crate::study::roughness::StatueRender;
 use crate::study::sampling_strategies::{ProfileBin, StrategyComparison};
 
@@ -11,7 +11,7 @@ pub fn image(shot: &StatueRender, metal: &str) -> Drawing {
         "{metal}, /{{α}} = {}; {} samples per pixel; mean radiance of the statue {:.3}, {:.3}, {:.3}; {SHOWN}",
         row.alpha, row.spp, row.statue_r, row.statue_g, row.statue_b
     );
-    contact_sheet("", 1, &[(caption, by_conventions(&shot.rendered.image))])
+    captioned(caption, &shot.rendered.image)
 }
 
 /// A copper statue by one sampling strategy.
@@ -21,7 +21,7 @@ pub fn strategy(shot: &StatueRender, how: &str) -> Drawing {
         "{how}; {} samples per pixel, one light sample each; standard error on the statue {:.3}; {SHOWN}",
         row.spp, row.noise
     );
-    contact_sheet("", 1, &[(caption, by_conventions(&shot.rendered.image))])
+    captioned(caption, &shot.rendered.image)
 }
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.

@@ -31,9 +31,10 @@ pub struct Row<'a> {
     remark: &'a str,
 }
 
-impl<'a> From<&'a Tested> for Row<'a> {
-    fn from(Tested { name, outcome }: &'a Tested) -> Self {
-        Self {
+pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
+    let tests = validation.tests.iter();
+    tests
+        .map(|Tested { name, outcome }| Row {
             name,
             verdict: outcome.verdict.to_string(),
             statistic: outcome.statistic,
@@ -50,12 +51,8 @@ impl<'a> From<&'a Tested> for Row<'a> {
             repeated: outcome.repeated,
             seconds: outcome.seconds,
             remark: outcome.remark().unwrap_or_default(),
-        }
-    }
-}
-
-pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
-    validation.tests.iter().map(Row::from).collect()
+        })
+        .collect()
 }
 
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
@@ -114,15 +111,21 @@ pub struct CalibrationRow<'a> {
     fault: &'a str,
 }
 
-impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
-    fn from(Calibrated { name, uniformity, skewed, violation }: &'a Calibrated) -> Self {
-        let Uniformity { count, distance, p } = *uniformity;
-        Self { name, count, distance, p, uneven: *skewed, fault: violation.as_deref().unwrap_or_default() }
-    }
-}
-
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
-    calibration.tests.iter().map(CalibrationRow::from).collect()
+    let tests = calibration.tests.iter();
+    tests
+        .map(|Calibrated { name, uniformity, skewed, violation }| {
+            let Uniformity { count, distance, p } = *uniformity;
+            CalibrationRow {
+                name,
+                count,
+                distance,
+                p,
+                uneven: *skewed,
+                fault: violation.as_deref().unwrap_or_default(),
+            }
+        })
+        .collect()
 }
 
 /// All p-values of a calibration as a histogram, with what chance allows each bar.

@@ -15,7 +15,6 @@ const LARGEST_PNG: usize = 60_000;
 const WIDEST: u32 = 1200;
 /// Of JPEG: differs from the PNG by less than the noise of the images.
 const QUALITY: u8 = 82;
-/// The largest file that is read, in bytes.
 const LIMIT: u64 = 256 << 20;
 
 pub struct EmbeddedImage {

@@ -11,7 +11,6 @@ use std::num::NonZero;
 use std::path::Path;
 
 const FILE: &str = "reproduce.json";
-/// The largest such file that is read.
 const LIMIT: u64 = 16 << 20;
 
 /// Records by the figure's id.
