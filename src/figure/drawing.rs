@@ -139,14 +139,11 @@ impl Drawing {
         }
         let svg = self.svg();
         let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
-        let files = [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)];
-        let mut written = Vec::with_capacity(files.len());
-        for (extension, bytes) in files {
+        let write = |(extension, bytes): (&str, Vec<u8>)| {
             let path = with_extension(stem, extension);
-            crate::files::write_bytes(&path, &bytes)?;
-            written.push(path);
-        }
-        Ok(written)
+            crate::files::write_bytes(&path, &bytes).map(|()| path)
+        };
+        [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)].into_iter().map(write).collect()
     }
 }
 

@@ -59,6 +59,13 @@ impl Panel {
         self.line(label.clone(), stroke, points.clone()).dots(label, stroke.colour, points)
     }
 
+    /// A curve through `[x, low, value, high]` at the values, with a pale band from low to high.
+    pub fn banded_line(self, label: impl Into<String>, stroke: Stroke, points: &[[f64; 4]]) -> Self {
+        let band: Vec<_> = points.iter().map(|&[x, low, _, high]| [x, low, high]).collect();
+        let line: Vec<_> = points.iter().map(|&[x, _, value, _]| [x, value]).collect();
+        self.band("", stroke.colour, band).line(label, stroke, line)
+    }
+
     /// A pale band between two curves, from `[x, lower, upper]`.
     pub fn band(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<[f64; 3]>>) -> Self {
         self.with(Mark::Band { label: label.into(), colour, points: points.into() })

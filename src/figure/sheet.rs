@@ -20,30 +20,24 @@ const LINE: f64 = 16.0;
 pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
     let columns = columns.clamp(1, images.len().max(1));
     let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image)).collect();
-    let sizes: Vec<[f64; 2]> = shown.iter().map(size).collect();
-    let cell = sizes
-        .iter()
-        .map(|s| s[0])
-        .fold(60.0, f64::max)
-        .max(text::width(title, theme::TITLE_SIZE, true) / columns as f64 - GAP);
-    let captions: Vec<Vec<String>> = images.iter().map(|(caption, _)| wrapped(caption, cell)).collect();
+    let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
+    let cell = widest.max(text::width(title, theme::TITLE_SIZE, true) / columns as f64 - GAP);
+    let captioned = |((caption, _), image): (&(String, Rgb8), Rgb8)| (size(&image), image, wrapped(caption, cell));
+    let cells: Vec<([f64; 2], Rgb8, Vec<String>)> = images.iter().zip(shown).map(captioned).collect();
 
     // Rows of images, aligned at the bottom, with their captions below
-    let head = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
     let mut page = Drawing::new(0.0, 0.0, SCALE);
-    let mut y = head;
-    for ((shown, sizes), captions) in shown.chunks(columns).zip(sizes.chunks(columns)).zip(captions.chunks(columns)) {
-        let tallest = sizes.iter().map(|s| s[1]).fold(0.0, f64::max);
-        let lines = captions.iter().map(Vec::len).max().unwrap_or(0);
-        for (i, image) in shown.iter().enumerate() {
+    let mut y = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
+    for row in cells.chunks(columns) {
+        let tallest = row.iter().map(|([_, h], ..)| *h).fold(0.0, f64::max);
+        let lines = row.iter().map(|(.., caption)| caption.len()).max().unwrap_or(0);
+        for (i, ([w, h], image, caption)) in row.iter().enumerate() {
             let x = EDGE + i as f64 * (cell + GAP);
-            let [w, h] = sizes[i];
             let left = (x + (cell - w) / 2.0).round();
-            page.image(Rect::new(left, y + (tallest - h).round(), w, h), image.clone());
-            for (line, caption) in captions[i].iter().enumerate() {
+            page.image(Rect::new(left, y + (tallest - h).round(), *w, *h), image.clone());
+            for (line, text) in caption.iter().enumerate() {
                 let at = [x + cell / 2.0, y + tallest + 7.0 + LINE * line as f64];
-                let text = Text::new(at, theme::TICK_SIZE, caption.clone()).held(Anchor::Middle, Level::Top);
-                page.text(text);
+                page.text(Text::new(at, theme::TICK_SIZE, text.clone()).held(Anchor::Middle, Level::Top));
             }
         }
         y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();

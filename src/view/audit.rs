@@ -71,8 +71,7 @@ fn legend(sheet: &mut Drawing, middle: f64) {
     for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (CORRECTED, "corrected", 40.0)] {
         let (x, y) = (middle + from, EDGE + 0.5 * theme::LABEL_SIZE);
         sheet.line([[x, y], [x + SAMPLE, y]], stroke);
-        let text = Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle);
-        sheet.text(text);
+        sheet.text(Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle));
     }
 }
 

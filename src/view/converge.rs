@@ -122,16 +122,10 @@ pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
-            let band = |level: &Level| {
-                let [low, high] = level.rmse_band();
-                [at(level), low, high]
-            };
-            panel = panel.band("", stroke.colour, curve.levels.iter().map(band).collect::<Vec<_>>());
-            let line: Vec<[f64; 2]> = curve.levels.iter().map(|l| [at(l), l.rmse()]).collect();
-            panel = panel.line(label(curve), stroke, line);
+            let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
+            panel = panel.banded_line(label(curve), stroke, &points);
         }
-        let guide = guide(result, at);
-        panel = panel.line("slope −1/2", theme::GUIDE, guide);
+        panel = panel.line("slope −1/2", theme::GUIDE, guide(result, at));
         match &result.reference {
             Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
             _ => panel,
@@ -140,6 +134,12 @@ pub fn curves(result: &Convergence) -> Drawing {
     let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
     let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
     Plot::new([time, samples, efficiency(result)]).frame_size(330.0, 300.0).draw()
+}
+
+/// A level at `x`, with the interval of its error.
+pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
+    let [low, high] = level.rmse_band();
+    [x, low, level.rmse(), high]
 }
 
 /// Two points on a line of slope −1/2 above all curves.

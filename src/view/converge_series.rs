@@ -1,6 +1,6 @@
 //! Error and time over a quantity: missing light over depth, efficiency over roughness, error over a number of lights.
 
-use super::converge::duration;
+use super::converge::{duration, with_band};
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, Level};
@@ -58,11 +58,8 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
-        over_depth = over_depth.band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>()).dotted_line(
-            label.clone(),
-            stroke,
-            by_depth,
-        );
+        let bands: Vec<_> = levels.iter().map(band).collect();
+        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label.clone(), stroke, by_depth);
         over_time = over_time.dotted_line(label, stroke, by_time);
         for level in levels {
             over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string());
@@ -135,13 +132,10 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let mut by_number = Panel::new(Axis::log("lights, or light samples per pixel"), error());
     let mut by_time = Panel::new(Axis::log("processor time (s)"), error());
     let mut add = |label: &str, stroke: Stroke, points: Vec<(f64, &Level)>| {
-        let line = |at: &dyn Fn(&(f64, &Level)) -> f64| points.iter().map(|p| [at(p), p.1.rmse()]).collect::<Vec<_>>();
-        let band = |at: &dyn Fn(&(f64, &Level)) -> f64| {
-            points.iter().map(|p| [at(p), p.1.rmse_band()[0], p.1.rmse_band()[1]]).collect::<Vec<_>>()
-        };
-        let (number, time) = (|p: &(f64, &Level)| p.0, |p: &(f64, &Level)| p.1.cpu_seconds);
-        by_number = by_number.clone().band("", stroke.colour, band(&number)).line(label, stroke, line(&number));
-        by_time = by_time.clone().band("", stroke.colour, band(&time)).line(label, stroke, line(&time));
+        let number: Vec<_> = points.iter().map(|(number, level)| with_band(*number, level)).collect();
+        let time: Vec<_> = points.iter().map(|(_, level)| with_band(level.cpu_seconds, level)).collect();
+        by_number = by_number.clone().banded_line(label, stroke, &number);
+        by_time = by_time.clone().banded_line(label, stroke, &time);
     };
     let names = [&CUTS[..], &SAMPLED].concat();
     let colours = theme::strategies(&names);

@@ -52,9 +52,8 @@ fn maps(result: &StrategyComparison) -> Drawing {
 fn profile(result: &StrategyComparison) -> Drawing {
     let strokes =
         [theme::IMPORTANCE_SAMPLING, theme::HEMISPHERE_SAMPLING].map(|colour| Stroke::solid(colour, theme::LINE));
-    let of = |f: fn(&ProfileBin) -> f64| -> Vec<Point> {
-        result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, f(b)]).collect()
-    };
+    let middle = |b: &ProfileBin| (b.from_px + b.to_px) / 2.0;
+    let of = |f: fn(&ProfileBin) -> f64| -> Vec<Point> { result.profile.iter().map(|b| [middle(b), f(b)]).collect() };
     let panel = |title: &str, y: Axis, importance: fn(&ProfileBin) -> f64, hemisphere: fn(&ProfileBin) -> f64| {
         Panel::new(Axis::linear("pixels inside the silhouette"), y)
             .title(title)
@@ -63,24 +62,15 @@ fn profile(result: &StrategyComparison) -> Drawing {
             .vertical(0.0, "")
     };
     let band = |mean: fn(&ProfileBin) -> f64, error: fn(&ProfileBin) -> f64| -> Vec<[f64; 3]> {
-        let around = |b: &ProfileBin| [mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
-        result.profile.iter().map(|b| [(b.from_px + b.to_px) / 2.0, around(b)[0], around(b)[1]]).collect()
+        let around = |b: &ProfileBin| [middle(b), mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
+        result.profile.iter().map(around).collect()
     };
+    let [light, median] = [Axis::linear("mean radiance"), Axis::linear("median radiance")];
     Plot::new([
-        panel(
-            "light, ± 2 standard errors",
-            Axis::linear("mean radiance"),
-            |b| b.importance_mean,
-            |b| b.hemisphere_mean,
-        )
-        .band("", strokes[0].colour, band(|b| b.importance_mean, |b| b.importance_mean_error))
-        .band("", strokes[1].colour, band(|b| b.hemisphere_mean, |b| b.hemisphere_mean_error)),
-        panel(
-            "median of the pixels",
-            Axis::linear("median radiance"),
-            |b| b.importance_median,
-            |b| b.hemisphere_median,
-        ),
+        panel("light, ± 2 standard errors", light, |b| b.importance_mean, |b| b.hemisphere_mean)
+            .band("", strokes[0].colour, band(|b| b.importance_mean, |b| b.importance_mean_error))
+            .band("", strokes[1].colour, band(|b| b.hemisphere_mean, |b| b.hemisphere_mean_error)),
+        panel("median of the pixels", median, |b| b.importance_median, |b| b.hemisphere_median),
         panel("noise of a pixel", Axis::log("standard error"), |b| b.importance_error, |b| b.hemisphere_error),
     ])
     .frame_size(210.0, 190.0)
