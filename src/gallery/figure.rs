@@ -42,6 +42,9 @@ impl Report {
     }
 }
 
+/// Makes a figure's content from the inputs and from studies that other figures may share.
+pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
+
 /// A figure: its texts, and how it is made.
 pub struct Figure {
     /// The name of its files, and of `--only`.
@@ -57,8 +60,7 @@ pub struct Figure {
     pub beside: Option<&'static str>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
     pub command: Option<String>,
-    /// Makes its content from the inputs and from studies that other figures may share.
-    pub make: Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>,
+    pub make: Make,
 }
 
 impl Figure {
