@@ -15,24 +15,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary file, and its place in the list.
-struct Part {
-    file: NamedTempFile,
-    _listed: Listed,
-}
-
-impl Part {
-    fn new(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> std::io::Result<Self> {
-        // Locked until the file is in the list: none is made while the process ends.
-        let mut parts = parts();
-        let file = builder.tempfile_in(folder)?;
-        parts.push(file.path().into());
-        let listed = Listed(file.path().into());
-        Ok(Self { file, _listed: listed })
-    }
-}
-
-/// Removes a file from the list when it is dropped.
+/// Keeps a file in the list; dropped, it removes the file from there.
 struct Listed(PathBuf);
 
 impl Drop for Listed {
@@ -56,24 +39,18 @@ pub fn exit_without_parts(code: i32) -> ! {
 ///
 /// Missing parent folders are made. The file gets the usual permissions (0666 & ~umask). A symbolic link stays a
 /// link: the file that it leads to is replaced, or made if it is missing.
-///
-/// # Errors
-/// [`Error::Io`], [`Error::Parameter`] for a path that is a device or a pipe, and those of `fill`.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &link_target(path)?;
-    let mut part = temporary(path)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, part.file.as_file_mut());
+    let (mut part, _listed) = temporary(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, part.as_file_mut());
     fill(&mut writer)?;
     writer.flush().map_err(|e| Error::io(path, e))?;
     drop(writer);
-    part.file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    part.persist(path).map_err(|e| Error::io(path, e.error))?;
     Ok(())
 }
 
 /// Checks before a long computation that `path` can be written.
-///
-/// # Errors
-/// As [`write_atomic`]; makes missing parent folders, too.
 pub fn check_writable(path: &Path) -> Result<()> {
     temporary(&link_target(path)?).map(drop)
 }
@@ -92,25 +69,19 @@ fn link_target(path: &Path) -> Result<PathBuf> {
 const MAX_LINKS: usize = 40;
 
 /// Whether both paths lead to the same existing file.
-#[must_use]
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b) || is_same_inode(a, b)
-}
-
-#[cfg(unix)]
-fn is_same_inode(a: &Path, b: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let inode = |path| std::fs::metadata(path).map(|there: std::fs::Metadata| (there.dev(), there.ino()));
-    matches!((inode(a), inode(b)), (Ok(a), Ok(b)) if a == b)
-}
-
-#[cfg(not(unix))]
-fn is_same_inode(_: &Path, _: &Path) -> bool {
-    false
+    #[cfg(unix)]
+    let identity = |path: &Path| {
+        use std::os::unix::fs::MetadataExt;
+        path.metadata().map(|there| (there.dev(), there.ino()))
+    };
+    #[cfg(not(unix))]
+    let identity = Path::canonicalize;
+    matches!((identity(a), identity(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
-fn temporary(path: &Path) -> Result<Part> {
+fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         Ok(there) if !there.is_file() => {
@@ -131,22 +102,21 @@ fn temporary(path: &Path) -> Result<Part> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    Part::new(&builder, folder).map_err(|e| Error::io(path, e))
+    // Locked until the file is in the list: none is made while the process ends.
+    let mut parts = parts();
+    let file = builder.tempfile_in(folder).map_err(|e| Error::io(path, e))?;
+    parts.push(file.path().into());
+    let listed = Listed(file.path().into());
+    Ok((file, listed))
 }
 
 /// [`write_atomic`] for bytes in memory.
-///
-/// # Errors
-/// Those of [`write_atomic`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomic(path, |w| w.write_all(bytes).map_err(|e| Error::io(path, e)))
 }
 
 /// Reads a whole file, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
 /// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
-///
-/// # Errors
-/// [`Error::Io`], [`Error::Limit`] for a larger file, [`Error::Input`] for a device or a named pipe.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
@@ -169,7 +139,6 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
 }
 
 /// A text without the byte order mark that some programs begin it with.
-#[must_use]
 pub fn without_bom(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }

@@ -1,25 +1,25 @@
 //! A test bench for the sampling code of physically based renderers: plots, environment maps, a small path tracer and
 //! statistical tests.
 //!
-//! Modules in layers, highest first; a module imports only from lines below its own. The repository's `ARCHITECTURE.md` says
-//! more.
+//! Modules in layers, highest first; a module imports only from lines below its own. Those without a link are
+//! private to the program. The repository's `ARCHITECTURE.md` says more.
 //!
 //! | modules | what they hold |
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call, print |
-//! | [`gallery`] | one file per figure, the registry of figures, their checks and the page |
-//! | [`view`] | results of studies as drawings and tables |
+//! | `gallery` | one file per figure, the registry of figures, their checks and the page |
+//! | `view` | results of studies as drawings and tables |
 //! | [`study`] | one file or folder per experiment: computes a plain result |
 //! | [`render`], [`import`] | the path tracer and its film; scene files, meshes, external samplers |
 //! | [`scene`] | camera, shapes, BVH, materials, lights, built-in scenes |
 //! | [`bsdf`], [`envmap`] | BSDFs; lat-long maps and their samplers |
-//! | [`output`] | drawings and tables as files |
-//! | [`raster`], [`figure`] | float images and their files; plots as SVG, PNG and PDF |
+//! | `output` | drawings and tables as files |
+//! | [`raster`], `figure` | float images and their files; plots as SVG, PNG and PDF |
 //! | [`errata`] | the formulas that are wrong in the two reports |
 //! | [`sampling`] | warps, tables, normals of microfacets, solid angles of shapes |
 //! | [`optics`] | Fresnel equations, metals, microfacet distributions |
 //! | [`math`] | colours, local frames, the float trait, elementary functions |
-//! | [`files`], [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
+//! | `files`, [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
 //!
 //! The statistical tests are the crate [`etalon_stats`].
 
@@ -28,20 +28,20 @@ pub mod cli;
 pub mod envmap;
 pub mod errata;
 pub mod error;
-pub mod figure;
-pub mod files;
-pub mod gallery;
+mod figure;
+mod files;
+mod gallery;
 pub mod import;
 pub mod interrupt;
 pub mod math;
 pub mod memory;
 pub mod optics;
-pub mod output;
+mod output;
 pub mod raster;
 pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod study;
-pub mod view;
+mod view;
 
 pub use error::{Error, Result};

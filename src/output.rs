@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Where results go, by `-o`.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[must_use]
 pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
@@ -25,21 +26,23 @@ pub struct Target {
 /// Extensions by which a path is known to name a file, not a folder.
 const FILE_EXTENSIONS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "json"];
 
+/// The extension of a path that names a file.
+fn file_extension(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?;
+    FILE_EXTENSIONS.into_iter().find(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// The folder of results without `-o`.
-pub const DEFAULT_FOLDER: &str = "out";
+const DEFAULT_FOLDER: &str = "out";
 
 impl Target {
     /// A path with one of the known extensions names the files (all get its stem); any other path is a folder, made
     /// if it is missing. Without a path, the folder `out`.
-    #[must_use]
     pub fn new(out: Option<&Path>) -> Self {
         let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
-        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let (folder, name) = match extension {
-            Some(e) if FILE_EXTENSIONS.contains(&e.as_str()) => {
-                (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from))
-            }
-            _ => (path, None),
+        let (folder, name) = match file_extension(path) {
+            Some(_) => (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from)),
+            None => (path, None),
         };
         // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
@@ -48,20 +51,17 @@ impl Target {
     }
 
     /// Makes default names end with `variant`; a name that `-o` gives is not changed.
-    #[must_use]
     pub fn with_variant(self, variant: &str) -> Self {
         Self { variant: variant.into(), ..self }
     }
 
     /// Adds files that must not be replaced.
-    #[must_use]
     pub fn with_inputs(mut self, inputs: &[PathBuf]) -> Self {
         self.inputs.extend_from_slice(inputs);
         self
     }
 
     /// Whether a file was named, not a folder.
-    #[must_use]
     pub fn is_named(&self) -> bool {
         self.name.is_some()
     }
@@ -83,7 +83,6 @@ impl Target {
     }
 
     /// The files that were written, and which of them replaced older ones under default names.
-    #[must_use]
     pub fn written(&self, files: Vec<PathBuf>) -> Written {
         let was_there = |path: &&PathBuf| {
             path.parent() == Some(&self.folder) && self.before.iter().any(|name| path.file_name() == Some(name))
@@ -96,7 +95,6 @@ impl Target {
 /// The files that a command has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
-    /// All of them.
     #[serde(serialize_with = "lossy")]
     pub files: Vec<PathBuf>,
     /// Those under default names that replaced older ones.
@@ -105,8 +103,6 @@ pub struct Written {
 }
 
 impl Written {
-    /// A line for each file.
-    #[must_use]
     pub fn text(&self) -> String {
         let line = |path: &PathBuf| {
             let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
@@ -122,9 +118,6 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
 }
 
 /// An error if `path` is one of the inputs.
-///
-/// # Errors
-/// [`Error::Parameter`] that names the file.
 pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
     if inputs.iter().any(|input| files::is_same_file(input, path)) {
         return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
@@ -148,7 +141,6 @@ fn shortened(name: String, limit: usize) -> String {
 }
 
 /// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
-#[must_use]
 pub fn checksum(text: &OsStr) -> String {
     let mut crc = flate2::Crc::new();
     crc.update(text.as_encoded_bytes());
@@ -156,21 +148,14 @@ pub fn checksum(text: &OsStr) -> String {
 }
 
 /// `name` with a hyphen for each character that file names should not have.
-#[must_use]
 pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect()
 }
 
 /// The image format that a path names, if it names a file.
-///
-/// # Errors
-/// A path that names a file of another kind.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
-    let extension = out.and_then(Path::extension).and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let Some(known) = FILE_EXTENSIONS.iter().find(|known| extension.as_deref() == Some(**known)) else {
-        return Ok(None);
-    };
-    if IMAGES.contains(known) {
+    let Some(known) = out.and_then(file_extension) else { return Ok(None) };
+    if IMAGES.contains(&known) {
         return Ok(Some(known));
     }
     Err(Error::parameter("out", format!("an image cannot be written as .{known}"))
@@ -181,22 +166,15 @@ pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
 const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
 
 /// Rows as CSV text, with the field names of `T` as header, also without rows.
-///
-/// # Errors
-/// Rows that CSV cannot hold, such as nested lists.
 pub fn table<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
     if rows.is_empty() {
-        let mut text = table(&[T::default()])?;
-        let header = text.iter().position(|b| *b == b'\n').map_or(text.len(), |end| end + 1);
-        text.truncate(header);
-        return Ok(text);
+        let text = table(&[T::default()])?;
+        return Ok(text.split_inclusive(|b| *b == b'\n').next().unwrap_or_default().to_vec());
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let bad = |e: String| Error::io(Path::new("table"), std::io::Error::other(e));
-    for row in rows {
-        writer.serialize(row).map_err(|e| bad(e.to_string()))?;
-    }
-    writer.into_inner().map_err(|e| bad(e.to_string()))
+    let written = rows.iter().try_for_each(|row| writer.serialize(row)).map_err(std::io::Error::from);
+    let text = written.and_then(|()| writer.into_inner().map_err(csv::IntoInnerError::into_error));
+    text.map_err(|e| Error::io(Path::new("table"), e))
 }
 
 /// Extensions of the files of [`write`](write()).
@@ -205,9 +183,6 @@ pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
 
 /// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
-///
-/// # Errors
-/// A file that cannot be written, a drawing too large for a PNG.
 pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
     let csv = with_extension(stem, "csv");
     files::write_bytes(&csv, table)?;

@@ -42,7 +42,7 @@ impl Compare {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
             return Err(Error::input(&self.a, message).with_hint("`etalon envmap info` counts values by kind"));
         }
-        let written = target.written(difference(&a, &b)?.write(&stem)?);
+        let written = target.written(difference(&a, &b).write(&stem)?);
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
@@ -67,7 +67,7 @@ impl Compare {
 const LONGEST_SIDE: usize = 2048;
 
 /// Difference of (R + G + B)/3 in diverging colours around 0.
-fn difference(a: &Image, b: &Image) -> Result<Drawing> {
+fn difference(a: &Image, b: &Image) -> Drawing {
     let (width, height) = (a.width(), a.height());
     // Large images are averaged over squares of pixels.
     let side = width.max(height).div_ceil(LONGEST_SIDE);
@@ -79,10 +79,10 @@ fn difference(a: &Image, b: &Image) -> Result<Drawing> {
     };
     let rows = (0..height).step_by(side);
     let values = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
-    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, "(R + G + B)/3 of A − B")?;
+    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, "(R + G + B)/3 of A − B");
     let (width, height) = (width as f64, height as f64);
     let panel =
         Panel::new(Axis::linear("column").range(0.0, width), Axis::linear("row").range(height, 0.0)).heatmap(map);
     let longer = 480.0 / width.max(height);
-    Ok(Plot::new([panel]).frame_size(width * longer, height * longer).draw())
+    Plot::new([panel]).frame_size(width * longer, height * longer).draw()
 }

@@ -86,7 +86,7 @@ impl Converge {
             console.warn(&format!("stopped by {end}: {what}"));
         }
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        files.extend(view::images(&result)?.write(&images)?);
+        files.extend(view::images(&result).write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));

@@ -75,7 +75,7 @@ impl Stability {
         }
         let mut files = output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?)?;
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            files.extend(maps::maps(&result.sweeps)?.write(&maps_stem)?);
+            files.extend(maps::maps(&result.sweeps).write(&maps_stem)?);
         }
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);

@@ -13,10 +13,9 @@ pub enum Scale {
 
 /// An axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Axis {
-    /// Text beside the axis, with markup.
     pub(super) label: String,
-    /// Linear or logarithmic.
     pub(super) scale: Scale,
     range: Option<(f64, f64)>,
     every: Option<f64>,
@@ -25,31 +24,26 @@ pub struct Axis {
 
 impl Axis {
     /// A linear axis that shows all the data. `label` may carry the markup of [`super::text`].
-    #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new() }
     }
 
     /// A logarithmic axis that shows all positive data.
-    #[must_use]
     pub fn log(label: impl Into<String>) -> Self {
         Self { scale: Scale::Log10, ..Self::linear(label) }
     }
 
     /// Shows exactly this range; from a higher to a lower value runs the axis backwards.
-    #[must_use]
     pub fn range(self, from: f64, to: f64) -> Self {
         Self { range: Some((from, to)), ..self }
     }
 
     /// Puts a labelled tick at every multiple of `step` (linear axes).
-    #[must_use]
     pub fn every(self, step: f64) -> Self {
         Self { every: Some(step), ..self }
     }
 
     /// Puts labelled ticks only at these integers.
-    #[must_use]
     pub fn at(self, places: impl Into<Vec<f64>>) -> Self {
         Self { at: places.into(), ..self }
     }
@@ -68,7 +62,6 @@ impl Axis {
         }
     }
 
-    /// At most about `most` ticks on `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
         if !self.at.is_empty() {
             return ticks::at(span.lo(), span.hi(), &self.at);
@@ -92,7 +85,6 @@ pub struct Span {
 impl Span {
     /// The nearest range that can be drawn: ends that are not finite are taken from the other end or
     /// from 0 to 1 (1 to 10 on a logarithmic scale), and an empty range is widened about its value.
-    #[must_use]
     pub fn new(from: f64, to: f64, scale: Scale) -> Self {
         let usable = |v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
         let (least, most) = if scale == Scale::Linear { (-1e300, 1e300) } else { (1e-300, 1e300) };
@@ -137,20 +129,15 @@ impl Span {
         }
     }
 
-    /// Lower end of the range.
-    #[must_use]
     pub fn lo(&self) -> f64 {
         self.from.min(self.to)
     }
 
-    /// Upper end of the range.
-    #[must_use]
     pub fn hi(&self) -> f64 {
         self.from.max(self.to)
     }
 
     /// Where `value` lies between the start (0) and the end (1) of the axis; NaN when it has no place on the scale.
-    #[must_use]
     pub fn position(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.from) / (self.to - self.from),
@@ -177,20 +164,8 @@ mod tests {
 
     #[test]
     fn no_range_is_too_odd_to_draw() {
-        let odd = [
-            0.0,
-            -0.0,
-            1.0,
-            -1.0,
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::MAX,
-            f64::MIN,
-            5e-324,
-            1e-300,
-            1e16,
-        ];
+        let [infinity, most] = [f64::INFINITY, f64::MAX];
+        let odd = [0.0, -0.0, 1.0, -1.0, f64::NAN, infinity, -infinity, most, -most, 5e-324, 1e-300, 1e16];
         for from in odd {
             for to in odd.into_iter().chain([1.0 + 1e-15]) {
                 for axis in [Axis::linear(""), Axis::log(""), Axis::linear("").every(0.1)] {
@@ -211,13 +186,14 @@ mod tests {
 
     #[test]
     fn ranges_follow_the_data() {
-        let span = Axis::linear("").span([2.0, f64::NAN, 4.0].into_iter(), 0.05);
-        assert_eq!((span.lo(), span.hi()), (1.9, 4.1));
-        let span = Axis::linear("").span([0.1, 1.0].into_iter(), 0.1);
-        assert_eq!(span.lo(), 0.0, "zero is near enough to be shown");
-        let span = Axis::log("").span([-1.0, 0.0, 0.01, 1.0].into_iter(), 0.0);
-        assert_eq!((span.lo(), span.hi()), (0.01, 1.0));
-        let span = Axis::linear("").span(std::iter::once(3.0), 0.05);
-        assert!(span.lo() < 3.0 && span.hi() > 3.0);
+        let ends = |axis: Axis, data: &[f64], margin: f64| {
+            let span = axis.span(data.iter().copied(), margin);
+            (span.lo(), span.hi())
+        };
+        assert_eq!(ends(Axis::linear(""), &[2.0, f64::NAN, 4.0], 0.05), (1.9, 4.1));
+        assert_eq!(ends(Axis::linear(""), &[0.1, 1.0], 0.1).0, 0.0, "zero is near enough to be shown");
+        assert_eq!(ends(Axis::log(""), &[-1.0, 0.0, 0.01, 1.0], 0.0), (0.01, 1.0));
+        let (lo, hi) = ends(Axis::linear(""), &[3.0], 0.05);
+        assert!(lo < 3.0 && hi > 3.0);
     }
 }

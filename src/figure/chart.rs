@@ -1,9 +1,8 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
-use super::axis::Span;
 use super::colour_bar;
 use super::drawing::Drawing;
-use super::frame::{self, Sides};
+use super::frame::{Axes, Sides};
 use super::legend::Legend;
 use super::occupancy::Occupancy;
 use super::panel::{Mark, Panel};
@@ -22,7 +21,6 @@ const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
-    /// The items.
     pub drawing: Drawing,
     /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
@@ -31,50 +29,41 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// Draws `panel` in a frame of the given size, with its legend if it is to have its own.
     pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
+        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
         let mut sketch = Sketch {
             drawing: Drawing::new(width, height, 1.0),
-            space: Occupancy::new(Rect::new(0.0, 0.0, width, height)),
+            space: Occupancy::new(axes.frame),
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
             outside: Sides::default(),
-            frame: Rect::new(0.0, 0.0, width, height),
-            spans: panel.spans(),
+            axes,
         };
         // Grid or heat map below, marks above it
-        let (x, y) = sketch.spans;
-        let (across, up) = frame::ticks(panel, &x, &y, &sketch.frame);
         let mut room = Sides::default();
         match &panel.heatmap {
             Some(map) => {
-                sketch.drawing.image(sketch.frame, map.image());
-                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.frame);
+                sketch.drawing.image(sketch.axes.frame, map.image());
+                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.axes.frame);
             }
-            None => frame::grid(&mut sketch.drawing, &sketch.frame, (&x, &y), (&across, &up)),
+            None => sketch.axes.grid(&mut sketch.drawing),
         }
         sketch.marks(&panel.marks);
         // Labels of reference lines and notes, clear of the marks and of the y axis' factor
-        let factor = frame::factor_height(&up);
+        let factor = sketch.axes.factor_height();
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
-        let around = frame::frame(&mut sketch.drawing, panel, &sketch.frame, (&x, &y), (&across, &up), sketch.outside);
-        room = room.union(around);
-
+        room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
         let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
 
-/// A chart while it is drawn.
-pub(super) struct Sketch {
-    /// The items so far.
+pub(super) struct Sketch<'a> {
     pub drawing: Drawing,
-    /// The frame, at the origin.
-    pub frame: Rect,
-    /// Ranges of the x and the y axis.
-    pub spans: (Span, Span),
+    /// With the frame at the origin.
+    pub axes: Axes<'a>,
     /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.
     pub space: Occupancy,
     above: Occupancy,
@@ -83,22 +72,22 @@ pub(super) struct Sketch {
     outside: Sides,
 }
 
-impl Sketch {
+impl Sketch<'_> {
     /// Positions along the axes of a point of the data.
     pub fn position(&self, p: Point) -> Point {
-        [self.spans.0.position(p[0]), self.spans.1.position(p[1])]
+        [self.axes.x.position(p[0]), self.axes.y.position(p[1])]
     }
 
     /// The place in the frame of positions along the axes.
     pub fn place(&self, p: Point) -> Point {
-        [self.frame.width * p[0], self.frame.height * (1.0 - p[1])]
+        [self.axes.frame.width * p[0], self.axes.frame.height * (1.0 - p[1])]
     }
 
     /// Writes the label of a reference line or a note where there is room.
     fn label(&mut self, mark: &Mark) {
         let (label, at) = match mark {
-            Mark::Vertical { at, label } => (label, [self.spans.0.position(*at), 0.5]),
-            Mark::Horizontal { at, label } => (label, [0.5, self.spans.1.position(*at)]),
+            Mark::Vertical { at, label } => (label, [self.axes.x.position(*at), 0.5]),
+            Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)]),
             Mark::Note { at, text } => (text, self.position(*at)),
             _ => return,
         };
@@ -111,7 +100,7 @@ impl Sketch {
         let long = (text::width(label, theme::NOTE_SIZE, false) + 4.0).max(high);
         // A gap that is more than what the line itself takes, in whole cells.
         let gap = CLEAR + 3.5;
-        let (right, bottom) = (self.frame.width, self.frame.height);
+        let (right, bottom) = (self.axes.frame.width, self.axes.frame.height);
         // Candidates: along a vertical line from the top, along a horizontal line from the right, around a point
         let found = match mark {
             Mark::Vertical { .. } => {
@@ -127,46 +116,41 @@ impl Sketch {
             })),
             _ => self.space.nearest_free([x, y], [long, high], gap, 150.0),
         };
-        let text = |centre: Point| {
-            let text = Text::new(centre, theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
-            text.held(Anchor::Middle, Level::Middle)
-        };
-        match found {
-            Some(place) => {
+        // No free place inside: the nearest one beside the frame or above it, else next to it
+        let place = match (found, mark) {
+            (Some(place), _) => {
                 self.space.add(&place.grown(CLEAR));
                 self.drawing.rect(place, Colour::WHITE.faded(0.85));
-                let text = text(place.centre());
-                self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+                place
             }
-            // No free place inside: the nearest one beside the frame or above it, else next to it
-            None if matches!(mark, Mark::Horizontal { .. }) => {
-                let up_and_down = slots(0.0, bottom).flat_map(|d| [y - d, y + d]);
-                let places = up_and_down.map(|y| Rect::new(right + CLEAR, y - high / 2.0, long, high));
-                let nearest = Rect::new(right + CLEAR, y - high / 2.0, long, high);
-                let place = self.beside.first_free(places).unwrap_or(nearest);
+            (None, Mark::Horizontal { .. }) => {
+                let at = |y: f64| Rect::new(right + CLEAR, y - high / 2.0, long, high);
+                let up_and_down = slots(0.0, bottom).flat_map(|d| [at(y - d), at(y + d)]);
+                let place = self.beside.first_free(up_and_down).unwrap_or(at(y));
                 self.beside.add(&place);
                 self.outside.right = self.outside.right.max(place.right() - right + CLEAR);
-                self.drawing.text(text(place.centre()));
+                place
             }
-            None => {
-                let rows = slots(CLEAR, OUTSIDE).map(|up| Rect::new(x - long / 2.0, -up - high, long, high));
-                let nearest = Rect::new(x - long / 2.0, -CLEAR - high, long, high);
-                let place = self.above.first_free(rows).unwrap_or(nearest);
+            (None, _) => {
+                let at = |up: f64| Rect::new(x - long / 2.0, -up - high, long, high);
+                let place = self.above.first_free(slots(CLEAR, OUTSIDE).map(at)).unwrap_or(at(CLEAR));
                 self.above.add(&place.grown(CLEAR));
                 let overhang = (place.right() - right).max(-place.x) + CLEAR;
                 let room = Sides { top: CLEAR - place.y, left: overhang, right: overhang, bottom: 0.0 };
                 self.outside = self.outside.union(room);
-                self.drawing.text(text(place.centre()));
+                place
             }
-        }
+        };
+        let text = Text::new(place.centre(), theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
+        self.drawing.text(if place.height > place.width { text.upwards() } else { text });
     }
 
     /// Draws the legend in a free place along the edges, or returns it when there is none.
     fn legend(&mut self, legend: Legend) -> Option<Legend> {
         for columns in 1..=legend.len().min(3) {
             let [width, height] = legend.size(columns);
-            let (left, right) = (INSET, self.frame.width - INSET - width);
-            let (top, bottom) = (INSET, self.frame.height - INSET - height);
+            let (left, right) = (INSET, self.axes.frame.width - INSET - width);
+            let (top, bottom) = (INSET, self.axes.frame.height - INSET - height);
             let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
             let corners = [[right, top], [left, top], [right, bottom], [left, bottom]];
             let sides = [[middle[0], top], [middle[0], bottom], [right, middle[1]], [left, middle[1]]];

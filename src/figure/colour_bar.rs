@@ -1,7 +1,7 @@
 //! The bar beside a heat map that shows which colour stands for which value.
 
 use super::drawing::Drawing;
-use super::frame::{self, Sides};
+use super::frame::{self, Side, Sides};
 use super::heatmap::Heatmap;
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Level, Paint, Rect, Stroke, Text};
@@ -10,7 +10,6 @@ use super::theme;
 /// Width of the bar, and its distance from the frame.
 const WIDTH: f64 = 13.0;
 const GAP: f64 = 12.0;
-/// Colours of the bar.
 const STEPS: usize = 256;
 
 /// Draws the bar of `map` to the right of `frame`; returns the room needed outside the frame.
@@ -21,11 +20,12 @@ pub(super) fn draw(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Sides 
     drawing.rect(bar, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
     let span = map.span();
     let ticks = map.axis().ticks(&span, frame::most_rows(bar.height));
-    let mut right = GAP + WIDTH + frame::right_ticks(drawing, &bar, &span, &ticks);
+    let mut right = GAP + WIDTH + frame::ticks_along(drawing, &bar, Side::Right, &span, &ticks);
+    frame::bar_factor(drawing, &bar, &ticks);
     if !map.label.is_empty() {
         let at = [frame.right() + right + 8.0 + theme::LABEL_SIZE * 0.8, frame.centre()[1]];
         let text = Text::new(at, theme::LABEL_SIZE, map.label.clone()).held(Anchor::Middle, Level::Baseline);
-        drawing.text(text.coloured(theme::INK).upwards());
+        drawing.text(text.upwards());
         right += 12.0 + theme::LABEL_SIZE;
     }
     Sides { left: 0.0, right, top: frame::factor_height(&ticks), bottom: 0.0 }

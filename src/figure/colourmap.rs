@@ -7,7 +7,6 @@ use super::shapes::Colour;
 
 /// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
 /// takes the dark one.
-#[must_use]
 pub fn sequential(t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
@@ -16,7 +15,6 @@ pub fn sequential(t: f64) -> Colour {
 
 /// Diverging scale: `t` from −1 (blue) over 0 (nearly white) to 1 (red), equally dark at both ends. Outside values take
 /// the nearest end, NaN takes the middle.
-#[must_use]
 pub fn diverging(t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(-1.0, 1.0) };
     oklch(0.96 - 0.5 * t.abs(), 0.15 * t.abs(), if t < 0.0 { 255.0 } else { 30.0 })
@@ -64,43 +62,34 @@ mod tests {
     }
 
     #[test]
-    fn the_sequential_scale_brightens_evenly() {
-        let steps: Vec<f64> = (0..=10).map(|i| lightness(sequential(f64::from(i) / 10.0))).collect();
+    fn lightness_follows_the_scale() {
+        let steps: Vec<f64> = (0..=10).map(|i| f64::from(i) / 10.0).collect();
         for pair in steps.windows(2) {
-            assert!((5.0..11.0).contains(&(pair[1] - pair[0])), "{steps:?}");
+            let [from, to] = [pair[0], pair[1]].map(|t| lightness(sequential(t)));
+            assert!((5.0..11.0).contains(&(to - from)), "{pair:?}: {from} to {to}");
         }
-    }
-
-    #[test]
-    fn both_scales_stay_inside_srgb() {
-        for i in 0..=200 {
-            let t = f64::from(i) / 200.0;
-            let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
-            let colours = [
-                linear_rgb(0.25 + 0.67 * t, chroma, 310.0 - 205.0 * t),
-                linear_rgb(0.96 - 0.5 * t, 0.15 * t, 255.0),
-                linear_rgb(0.96 - 0.5 * t, 0.15 * t, 30.0),
-            ];
-            for colour in colours {
-                assert!(colour.iter().all(|v| (-1e-3..=1.001).contains(v)), "{t}: {colour:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_diverging_scale_is_symmetrical_in_lightness() {
-        for i in 0..=10 {
-            let t = f64::from(i) / 10.0;
+        for t in steps {
             assert!((lightness(diverging(t)) - lightness(diverging(-t))).abs() < 5.0, "{t}");
         }
         assert!(lightness(diverging(0.0)) > 94.0);
     }
 
     #[test]
+    fn both_scales_stay_inside_srgb() {
+        for t in (0..=200).map(|i| f64::from(i) / 200.0) {
+            let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
+            let [dark, light] = [(0.25 + 0.67 * t, chroma, 310.0 - 205.0 * t), (0.96 - 0.5 * t, 0.15 * t, 255.0)];
+            for (lightness, chroma, hue) in [dark, light, (light.0, light.1, 30.0)] {
+                let colour = linear_rgb(lightness, chroma, hue);
+                assert!(colour.iter().all(|v| (-1e-3..=1.001).contains(v)), "{t}: {colour:?}");
+            }
+        }
+    }
+
+    #[test]
     fn values_that_are_off_the_scale_take_an_end() {
-        assert_eq!(sequential(-3.0), sequential(0.0));
+        assert_eq!([-3.0, f64::NAN].map(sequential), [sequential(0.0); 2]);
         assert_eq!(sequential(f64::INFINITY), sequential(1.0));
-        assert_eq!(sequential(f64::NAN), sequential(0.0));
         assert_eq!(diverging(f64::NEG_INFINITY), diverging(-1.0));
     }
 }

@@ -13,44 +13,29 @@ use std::path::{Path, PathBuf};
 pub enum Item {
     /// A line through the points, back to the first one when `closed`.
     Path {
-        /// The corners, in order.
         points: Vec<Point>,
-        /// Whether the last corner joins the first.
         closed: bool,
-        /// Inside and outline.
         paint: Paint,
     },
-    /// A rectangle.
     Rect {
-        /// Its place.
         rect: Rect,
-        /// Inside and outline.
         paint: Paint,
     },
-    /// A circle.
     Circle {
-        /// Its centre.
         centre: Point,
-        /// Its radius.
         radius: f64,
-        /// Inside and outline.
         paint: Paint,
     },
-    /// A line of text.
     Text(Text),
     /// An image stretched over `rect`; enlarged pixels stay sharp squares.
     Image {
-        /// Its place.
         rect: Rect,
-        /// Its pixels.
         image: Rgb8,
     },
 }
 
 impl Item {
-    /// The same item, moved by (dx, dy).
-    #[must_use]
-    pub fn moved(mut self, dx: f64, dy: f64) -> Self {
+    fn moved(mut self, dx: f64, dy: f64) -> Self {
         let shift = |p: &mut Point| *p = [p[0] + dx, p[1] + dy];
         match &mut self {
             Item::Path { points, .. } => points.iter_mut().for_each(shift),
@@ -64,60 +49,44 @@ impl Item {
 
 /// A page with its items, painted in order.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Drawing {
-    width: f64,
-    height: f64,
+    pub width: f64,
+    pub height: f64,
     /// PNG pixels per drawing unit.
-    scale: f64,
-    items: Vec<Item>,
+    pub scale: f64,
+    /// From the lowest to the topmost.
+    pub items: Vec<Item>,
 }
 
 impl Drawing {
-    /// An empty white page; `scale` is the number of PNG pixels per drawing unit.
-    #[must_use]
     pub fn new(width: f64, height: f64, scale: f64) -> Self {
         Self { width, height, scale, items: Vec::new() }
     }
 
-    /// A page of drawings below each other, their left edges in line.
-    #[must_use]
-    pub fn stacked(rows: Vec<Drawing>, scale: f64) -> Self {
-        let width = rows.iter().map(Drawing::width).fold(0.0, f64::max);
+    /// A page of the image's size in units, filled by it; pixel (x, y) covers `[x, x + 1] x [y, y + 1]`.
+    pub fn over(image: Rgb8) -> Self {
+        let (width, height) = (image.width() as f64, image.height() as f64);
+        let mut page = Self::new(width, height, 1.0);
+        page.image(Rect::new(0.0, 0.0, width, height), image);
+        page
+    }
+
+    /// A page of drawings below each other; `align` is 0 for their left edges in line, 0.5 for their middles.
+    pub fn stacked(rows: Vec<Drawing>, align: f64, scale: f64) -> Self {
+        let width = rows.iter().map(|row| row.width).fold(0.0, f64::max);
         let mut page = Self::new(width, 0.0, scale);
         for row in rows {
             let y = page.height;
             page.height += row.height;
-            page.append(row, 0.0, y);
+            let x = align * (width - row.width);
+            page.append(row, x, y);
         }
         page
     }
 
-    /// In drawing units.
-    #[must_use]
-    pub fn width(&self) -> f64 {
-        self.width
-    }
-
-    /// In drawing units.
-    #[must_use]
-    pub fn height(&self) -> f64 {
-        self.height
-    }
-
-    /// PNG pixels per drawing unit.
-    #[must_use]
-    pub fn scale(&self) -> f64 {
-        self.scale
-    }
-
-    /// All items, from the lowest to the topmost.
-    #[must_use]
-    pub fn items(&self) -> &[Item] {
-        &self.items
-    }
-
     /// Adds an item above the others. One with a coordinate that is not finite has no place on the page and is dropped.
-    pub fn add(&mut self, item: Item) {
+    fn add(&mut self, item: Item) {
         let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
         let placed = match &item {
             Item::Path { points, .. } => points.iter().all(|p| finite(p)),
@@ -130,44 +99,36 @@ impl Drawing {
         }
     }
 
-    /// Adds an open line through `points`.
     pub fn line(&mut self, points: impl Into<Vec<Point>>, stroke: Stroke) {
         self.add(Item::Path { points: points.into(), closed: false, paint: stroke.into() });
     }
 
-    /// Adds a closed polygon.
     pub fn polygon(&mut self, points: impl Into<Vec<Point>>, paint: impl Into<Paint>) {
         self.add(Item::Path { points: points.into(), closed: true, paint: paint.into() });
     }
 
-    /// Adds a rectangle.
     pub fn rect(&mut self, rect: Rect, paint: impl Into<Paint>) {
         self.add(Item::Rect { rect, paint: paint.into() });
     }
 
-    /// Adds a circle.
     pub fn circle(&mut self, centre: Point, radius: f64, paint: impl Into<Paint>) {
         self.add(Item::Circle { centre, radius, paint: paint.into() });
     }
 
-    /// Adds a line of text.
     pub fn text(&mut self, text: Text) {
         self.add(Item::Text(text));
     }
 
-    /// Adds an image that fills `rect`.
     pub fn image(&mut self, rect: Rect, image: Rgb8) {
         self.add(Item::Image { rect, image });
     }
 
-    /// Adds all items of another drawing, moved by (dx, dy).
     pub fn append(&mut self, other: Drawing, dx: f64, dy: f64) {
         self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
     }
 
     /// Writes `stem.svg`, `stem.png` and `stem.pdf` and returns their paths in this order.
-    ///
-    /// The extension is appended: a dot inside the stem (`roughness-0.005`) stays. The same drawing gives the same bytes.
+    /// The same drawing gives the same bytes.
     ///
     /// # Errors
     /// When a file cannot be written, or the page has no size that can be painted ([`Drawing::png`]).
@@ -178,19 +139,15 @@ impl Drawing {
         }
         let svg = self.svg();
         let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
-        let files = [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)];
-        let mut written = Vec::with_capacity(files.len());
-        for (extension, bytes) in files {
+        let write = |(extension, bytes): (&str, Vec<u8>)| {
             let path = with_extension(stem, extension);
-            crate::files::write_bytes(&path, &bytes)?;
-            written.push(path);
-        }
-        Ok(written)
+            crate::files::write_bytes(&path, &bytes).map(|()| path)
+        };
+        [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)].into_iter().map(write).collect()
     }
 }
 
 /// `stem` with an extension added (a dot inside the stem stays).
-#[must_use]
 pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
     let mut path = stem.as_os_str().to_owned();
     path.push(".");
@@ -221,20 +178,22 @@ mod tests {
         drawing.line([[0.0, 0.0], [f64::NAN, 1.0]], Stroke::solid(Colour::BLACK, 1.0));
         drawing.circle([0.0, f64::INFINITY], 1.0, Colour::BLACK);
         drawing.text(Text::new([f64::NAN, 0.0], 8.0, "a"));
-        assert!(drawing.items().is_empty());
+        assert!(drawing.items.is_empty());
     }
 
     #[test]
-    fn stacked_drawings_touch_and_start_at_the_left() {
+    fn stacked_drawings_touch_and_line_up() {
         let row = |width, height| {
             let mut drawing = Drawing::new(width, height, 1.0);
             drawing.rect(Rect::new(1.0, 2.0, 3.0, 4.0), Colour::BLACK);
             drawing
         };
-        let page = Drawing::stacked(vec![row(20.0, 10.0), row(30.0, 5.0), row(10.0, 6.0)], 1.5);
-        assert_eq!((page.width(), page.height(), page.scale()), (30.0, 21.0, 1.5));
-        let places = page.items().iter().map(|item| if let Item::Rect { rect, .. } = item { rect.y } else { f64::NAN });
-        assert_eq!(places.collect::<Vec<_>>(), [2.0, 12.0, 17.0]);
+        for (align, left) in [(0.0, [1.0, 1.0, 1.0]), (0.5, [6.0, 1.0, 11.0])] {
+            let page = Drawing::stacked(vec![row(20.0, 10.0), row(30.0, 5.0), row(10.0, 6.0)], align, 1.5);
+            assert_eq!((page.width, page.height, page.scale), (30.0, 21.0, 1.5));
+            let rect = |x, y| Item::Rect { rect: Rect::new(x, y, 3.0, 4.0), paint: Colour::BLACK.into() };
+            assert_eq!(page.items, [rect(left[0], 2.0), rect(left[1], 12.0), rect(left[2], 17.0)]);
+        }
     }
 
     #[test]

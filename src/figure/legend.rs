@@ -46,7 +46,6 @@ impl Legend {
         (!entries.is_empty()).then_some(Self { entries })
     }
 
-    /// Number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
@@ -83,7 +82,7 @@ impl Legend {
             for sample in samples {
                 draw_sample(drawing, sample, [x, y]);
             }
-            let text = Text::new([x + SAMPLE + SAMPLE_GAP, y], theme::NOTE_SIZE, label.clone()).coloured(theme::INK);
+            let text = Text::new([x + SAMPLE + SAMPLE_GAP, y], theme::NOTE_SIZE, label.clone());
             drawing.text(text.held(Anchor::Start, Level::Middle));
         }
     }
@@ -105,19 +104,20 @@ fn draw_sample(drawing: &mut Drawing, sample: &Sample, [x, y]: Point) {
 mod tests {
     use super::*;
 
+    fn line(label: impl Into<String>) -> Mark {
+        Mark::Line { label: label.into(), stroke: theme::series(0), points: Vec::new() }
+    }
+
     #[test]
     fn marks_of_one_label_share_an_entry() {
-        let line = |label: &str| Mark::Line { label: label.into(), stroke: theme::series(0), points: Vec::new() };
         let dots = Mark::Dots { label: "a".into(), colour: theme::BLUE, points: Vec::new() };
         let legend = Legend::new(&[line("a"), line("b"), line(""), dots]).unwrap();
-        assert_eq!(legend.len(), 2);
-        assert_eq!(legend.entries[0].1.len(), 2);
+        assert_eq!((legend.len(), legend.entries[0].1.len()), (2, 2));
         assert_eq!(Legend::new(&[line("")]), None);
     }
 
     #[test]
     fn columns_fit_the_width() {
-        let line = |label: String| Mark::Line { label, stroke: theme::series(0), points: Vec::new() };
         let marks: Vec<Mark> = (0..6).map(|i| line(format!("series number {i}"))).collect();
         let legend = Legend::new(&marks).unwrap();
         for width in [10.0, 200.0, 400.0, 2000.0] {

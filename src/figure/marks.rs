@@ -10,60 +10,50 @@ use plotters::coord::{Shift, types::RangedCoordf64};
 use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
 use plotters::style::{RGBAColor, ShapeStyle};
 
-/// Width of the outline of bars.
 const OUTLINE: f64 = 1.2;
 
 /// Why plotters' result can be unwrapped.
 const NEVER: &str = "drawing into memory cannot fail";
 
-impl Sketch {
-    /// Draws areas, then reference lines, then curves, then dots.
+/// What is drawn at once, from the lowest to the topmost.
+#[derive(Clone, Copy)]
+enum Layer {
+    Areas,
+    Rules,
+    Curves,
+    Dots,
+}
+
+impl Sketch<'_> {
+    /// Draws areas, then reference lines, then curves and the outlines of bars, then dots.
     pub fn marks(&mut self, marks: &[Mark]) {
-        // Areas
-        for mark in marks {
-            match mark {
-                Mark::Band { colour, points, .. } => self.band(*colour, points),
-                Mark::Bars { colour, edges, heights, .. } => {
-                    for outline in self.outlines(edges, heights) {
-                        self.fill(outline, colour.faded(0.3));
+        for layer in [Layer::Areas, Layer::Rules, Layer::Curves, Layer::Dots] {
+            for mark in marks {
+                match (layer, mark) {
+                    (Layer::Areas, Mark::Band { colour, points, .. }) => self.band(*colour, points),
+                    (Layer::Areas, Mark::Bars { colour, edges, heights, .. }) => {
+                        let outlines = self.outlines(edges, heights);
+                        outlines.into_iter().for_each(|outline| self.fill(outline, colour.faded(0.3)));
                     }
-                }
-                _ => {}
-            }
-        }
-        // Reference lines
-        for mark in marks {
-            match mark {
-                Mark::Vertical { at, .. } => {
-                    let x = self.spans.0.position(*at);
-                    self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
-                }
-                Mark::Horizontal { at, .. } => {
-                    let y = self.spans.1.position(*at);
-                    self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
-                }
-                _ => {}
-            }
-        }
-        // Curves, and the outlines of bars
-        for mark in marks {
-            match mark {
-                Mark::Line { stroke, points, .. } => {
-                    let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
-                    self.curve(&positions, *stroke);
-                }
-                Mark::Bars { colour, edges, heights, .. } => {
-                    for outline in self.outlines(edges, heights) {
-                        self.curve(&outline, Stroke::solid(*colour, OUTLINE));
+                    (Layer::Rules, Mark::Vertical { at, .. }) => {
+                        let x = self.axes.x.position(*at);
+                        self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
                     }
+                    (Layer::Rules, Mark::Horizontal { at, .. }) => {
+                        let y = self.axes.y.position(*at);
+                        self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
+                    }
+                    (Layer::Curves, Mark::Line { stroke, points, .. }) => {
+                        let positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
+                        self.curve(&positions, *stroke);
+                    }
+                    (Layer::Curves, Mark::Bars { colour, edges, heights, .. }) => {
+                        let outlines = self.outlines(edges, heights);
+                        outlines.iter().for_each(|outline| self.curve(outline, Stroke::solid(*colour, OUTLINE)));
+                    }
+                    (Layer::Dots, Mark::Dots { colour, points, .. }) => self.dots(*colour, points),
+                    _ => {}
                 }
-                _ => {}
-            }
-        }
-        // Dots
-        for mark in marks {
-            if let Mark::Dots { colour, points, .. } = mark {
-                self.dots(*colour, points);
             }
         }
     }
@@ -73,8 +63,8 @@ impl Sketch {
         &'a mut self,
         dash: &'static [f64],
     ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
-        let (width, height) = ((self.frame.width * GRID) as i32, (self.frame.height * GRID) as i32);
-        let area: DrawingArea<Canvas<'a>, Shift> = Canvas::new(&mut self.drawing, dash).into_drawing_area();
+        let (width, height) = ((self.axes.frame.width * GRID) as i32, (self.axes.frame.height * GRID) as i32);
+        let area: DrawingArea<Canvas<'a>, Shift> = Canvas { drawing: &mut self.drawing, dash }.into_drawing_area();
         area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
     }
 
@@ -129,7 +119,8 @@ impl Sketch {
             self.fill(outline, colour.faded(0.2));
             for pair in run.windows(2) {
                 let (a, b) = (pair[0], pair[1]);
-                let columns = ((b[0] - a[0]).abs() * self.frame.width).ceil().clamp(1.0, self.frame.width) as usize;
+                let columns =
+                    ((b[0] - a[0]).abs() * self.axes.frame.width).ceil().clamp(1.0, self.axes.frame.width) as usize;
                 for i in 0..=columns {
                     let t = i as f64 / columns as f64;
                     let [x, lower, upper] = [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t);
@@ -143,7 +134,7 @@ impl Sketch {
     fn outlines(&mut self, edges: &[f64], heights: &[f64]) -> Vec<Vec<Point>> {
         // On a logarithmic scale bars stand on the frame. Positions far outside are clamped.
         let low = |v: f64| if v.is_nan() { -1.0 } else { v.clamp(-1e6, 1e6) };
-        let floor = low(self.spans.1.position(0.0));
+        let floor = low(self.axes.y.position(0.0));
         let mut outlines: Vec<Vec<Point>> = Vec::new();
         let mut outline: Vec<Point> = Vec::new();
         for (edge, &height) in edges.windows(2).zip(heights) {

@@ -17,7 +17,6 @@ pub(super) struct Occupancy {
 }
 
 impl Occupancy {
-    /// An empty grid over `frame`.
     pub fn new(frame: Rect) -> Self {
         let (columns, rows) = ((frame.width / CELL).ceil() as usize, (frame.height / CELL).ceil() as usize);
         Self { frame, columns, rows, taken: vec![false; columns * rows], sums: None }
@@ -36,7 +35,6 @@ impl Occupancy {
         }
     }
 
-    /// Takes the cells that `rect` touches.
     pub fn add(&mut self, rect: &Rect) {
         self.sums = None;
         let [left, right, top, bottom] = self.cells(rect);
@@ -65,7 +63,6 @@ impl Occupancy {
         at(bottom, right) + at(top, left) == at(bottom, left) + at(top, right)
     }
 
-    /// The first of `candidates` that is free.
     pub fn first_free(&mut self, candidates: impl IntoIterator<Item = Rect>) -> Option<Rect> {
         candidates.into_iter().find(|rect| self.is_free(rect))
     }
@@ -103,7 +100,6 @@ impl Occupancy {
     }
 }
 
-/// The summed-area table of the occupied cells.
 fn sums(columns: usize, rows: usize, taken: &[bool]) -> Vec<u32> {
     let mut sums = vec![0; (columns + 1) * (rows + 1)];
     for row in 0..rows {

@@ -19,28 +19,21 @@ pub(super) enum Mark {
 /// A chart with its own axes. Marks are added by chaining; areas are painted below lines, lines below dots, and
 /// within each kind in the order in which they were added. All labels may carry the markup of [`super::text`].
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Panel {
-    /// Text above the frame; may be empty.
     pub(super) title: String,
-    /// Axis below the frame.
     pub(super) x: Axis,
-    /// Axis to the left of the frame.
     pub(super) y: Axis,
-    /// In the order in which they were added.
     pub(super) marks: Vec<Mark>,
     /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
 }
 
 impl Panel {
-    /// An empty panel between two axes.
-    #[must_use]
     pub fn new(x: Axis, y: Axis) -> Self {
         Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None }
     }
 
-    /// A title above the frame.
-    #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
@@ -51,62 +44,60 @@ impl Panel {
     }
 
     /// A curve through `points`; a point that is not finite (or has no place on a logarithmic axis) breaks it.
-    #[must_use]
     pub fn line(self, label: impl Into<String>, stroke: Stroke, points: impl Into<Vec<Point>>) -> Self {
         self.with(Mark::Line { label: label.into(), stroke, points: points.into() })
     }
 
     /// Scattered dots. Under the label of a line they share its legend entry.
-    #[must_use]
     pub fn dots(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<Point>>) -> Self {
         self.with(Mark::Dots { label: label.into(), colour, points: points.into() })
     }
 
+    /// A curve through `points`, each with a dot.
+    pub fn dotted_line(self, label: impl Into<String>, stroke: Stroke, points: impl Into<Vec<Point>>) -> Self {
+        let (label, points) = (label.into(), points.into());
+        self.line(label.clone(), stroke, points.clone()).dots(label, stroke.colour, points)
+    }
+
+    /// A curve through `[x, low, value, high]` at the values, with a pale band from low to high.
+    pub fn banded_line(self, label: impl Into<String>, stroke: Stroke, points: &[[f64; 4]]) -> Self {
+        let band: Vec<_> = points.iter().map(|&[x, low, _, high]| [x, low, high]).collect();
+        let line: Vec<_> = points.iter().map(|&[x, _, value, _]| [x, value]).collect();
+        self.band("", stroke.colour, band).line(label, stroke, line)
+    }
+
     /// A pale band between two curves, from `[x, lower, upper]`.
-    #[must_use]
     pub fn band(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<[f64; 3]>>) -> Self {
         self.with(Mark::Band { label: label.into(), colour, points: points.into() })
     }
 
     /// A histogram: bar `i` stands from `edges[i]` to `edges[i + 1]`, `heights[i]` high; bars beyond the shorter list
     /// are left out.
-    #[must_use]
-    pub fn bars(
-        self,
-        label: impl Into<String>,
-        colour: Colour,
-        edges: impl Into<Vec<f64>>,
-        heights: impl Into<Vec<f64>>,
-    ) -> Self {
-        self.with(Mark::Bars { label: label.into(), colour, edges: edges.into(), heights: heights.into() })
+    pub fn bars(self, label: impl Into<String>, colour: Colour, edges: Vec<f64>, heights: Vec<f64>) -> Self {
+        self.with(Mark::Bars { label: label.into(), colour, edges, heights })
     }
 
     /// A vertical reference line with its label beside it, where nothing else is drawn.
-    #[must_use]
     pub fn vertical(self, at: f64, label: impl Into<String>) -> Self {
         self.with(Mark::Vertical { at, label: label.into() })
     }
 
     /// A horizontal reference line with its label above or below it, where nothing else is drawn.
-    #[must_use]
     pub fn horizontal(self, at: f64, label: impl Into<String>) -> Self {
         self.with(Mark::Horizontal { at, label: label.into() })
     }
 
     /// A text in the free place nearest to a point.
-    #[must_use]
     pub fn note(self, at: Point, text: impl Into<String>) -> Self {
         self.with(Mark::Note { at, text: text.into() })
     }
 
     /// A heat map that fills the frame, with a colour bar beside it. Axes without a range count columns from the left and
     /// rows from the top; for row 0 at the top give the y axis the range from the last row's value to the first's.
-    #[must_use]
     pub fn heatmap(self, heatmap: Heatmap) -> Self {
         Self { heatmap: Some(heatmap), ..self }
     }
 
-    /// The ranges of both axes.
     pub(super) fn spans(&self) -> (Span, Span) {
         if let Some(map) = &self.heatmap {
             let (columns, rows) = (map.columns() as f64, map.rows() as f64);

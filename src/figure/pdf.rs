@@ -3,7 +3,7 @@
 use super::drawing::{Drawing, Item};
 use super::pdf_font::{self, Subset, deflate};
 use super::rgb8::Rgb8;
-use super::shapes::{Anchor, Colour, Paint, Point, Text};
+use super::shapes::{Colour, Paint, Point, Text};
 use super::text::{self, Face};
 use pdf_writer::types::{LineJoinStyle, Predictor};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
@@ -14,13 +14,12 @@ const POINTS: f64 = 0.75;
 
 impl Drawing {
     /// The drawing as a PDF document of one page, `0.75 * width` by `0.75 * height` points.
-    #[must_use]
     pub fn pdf(&self) -> Vec<u8> {
-        let mut page = Page::new(self.height());
-        for item in self.items() {
+        let mut page = Page::new(self.height);
+        for item in &self.items {
             page.item(item);
         }
-        page.finish(self.width(), self.height())
+        page.finish(self.width, self.height)
     }
 }
 
@@ -73,12 +72,12 @@ impl Page {
     }
 
     fn path(&mut self, points: &[Point]) {
-        for (i, p) in points.iter().enumerate() {
-            if i == 0 {
-                self.content.move_to(short(p[0]), short(p[1]));
-            } else {
-                self.content.line_to(short(p[0]), short(p[1]));
-            }
+        let mut points = points.iter().map(|p| p.map(short));
+        if let Some([x, y]) = points.next() {
+            self.content.move_to(x, y);
+        }
+        for [x, y] in points {
+            self.content.line_to(x, y);
         }
     }
 
@@ -97,7 +96,6 @@ impl Page {
         self.content.close_path();
     }
 
-    /// Fills and strokes the current path.
     fn paint(&mut self, paint: &Paint) {
         let fill = paint.fill.map_or(255, |c| c.alpha);
         let stroke = paint.stroke.map_or(255, |s| s.colour.alpha);
@@ -133,12 +131,7 @@ impl Page {
 
     fn text(&mut self, text: &Text) {
         let runs = text::runs(&text.markup, text.size, text.bold);
-        let total: f64 = runs.iter().map(text::Run::width).sum();
-        let mut along = match text.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => -total / 2.0,
-            Anchor::End => -total,
-        };
+        let mut along = text.start();
         let Colour { r, g, b, alpha } = text.colour;
         self.opacity([alpha, 255]);
         self.content.set_fill_rgb(unit(r), unit(g), unit(b));
@@ -192,8 +185,8 @@ impl Page {
         names.finish();
         let mut states = resources.ext_g_states();
         for (i, &[fill, stroke]) in self.opacities.iter().enumerate() {
-            let mut state =
-                states.insert(Name(format!("A{i}").as_bytes())).start::<pdf_writer::writers::ExtGraphicsState>();
+            let state = states.insert(Name(format!("A{i}").as_bytes()));
+            let mut state = state.start::<pdf_writer::writers::ExtGraphicsState>();
             state.non_stroking_alpha(unit(fill)).stroking_alpha(unit(stroke));
         }
         states.finish();
@@ -227,10 +220,7 @@ fn enlarged(image: &Rgb8, width: f64, height: f64) -> Rgb8 {
     if zoom < 3 {
         return image.clone();
     }
-    Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
-        let i = 3 * (y / zoom * image.width() + x / zoom);
-        [image.data()[i], image.data()[i + 1], image.data()[i + 2]]
-    })
+    Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| image.pixel(x / zoom, y / zoom))
 }
 
 /// The compressed rows of an image as PNG stores them, which is what PDF's PNG predictors read.

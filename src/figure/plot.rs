@@ -11,6 +11,7 @@ use super::panel::Panel;
 /// Every panel's legend goes into a corner that is free of data, or else below the panel. Panels with the same legend
 /// share one, below all of them.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Plot {
     panels: Vec<Panel>,
     stacked: bool,
@@ -27,7 +28,6 @@ const SCALE: f64 = 2.0;
 
 impl Plot {
     /// Panels side by side.
-    #[must_use]
     pub fn new(panels: impl Into<Vec<Panel>>) -> Self {
         let panels = panels.into();
         let frame = if panels.len() > 1 { [350.0, 265.0] } else { [460.0, 310.0] };
@@ -35,19 +35,15 @@ impl Plot {
     }
 
     /// Panels above each other.
-    #[must_use]
     pub fn stacked(panels: impl Into<Vec<Panel>>) -> Self {
         Self { panels: panels.into(), stacked: true, frame: [460.0, 220.0] }
     }
 
     /// Sets the size of each panel's frame in drawing units; at least 60 and at most 4000 a side.
-    #[must_use]
     pub fn frame_size(self, width: f64, height: f64) -> Self {
         Self { frame: [width, height].map(|v| if v.is_nan() { 60.0 } else { v.clamp(60.0, 4000.0) }), ..self }
     }
 
-    /// Lays out and draws all panels.
-    #[must_use]
     pub fn draw(&self) -> Drawing {
         let [width, height] = self.frame;
         let shared = self.shared_legend();
@@ -119,17 +115,13 @@ mod tests {
     use super::super::axis::Axis;
     use super::super::drawing::Item;
     use super::super::heatmap::{Heatmap, Shading};
-    use super::super::shapes::{Anchor, Point, Rect, Text};
+    use super::super::shapes::{Point, Rect, Text};
     use super::super::{text, theme};
     use super::*;
 
     /// The box around a text's capitals and descenders.
     fn bounds(t: &Text) -> Rect {
-        let along = match t.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => -t.width() / 2.0,
-            Anchor::End => -t.width(),
-        };
+        let along = t.start();
         let (top, height) = (t.drop() - t.size * text::CAP_HEIGHT, t.size * (text::CAP_HEIGHT + text::DESCENT));
         let [x, y] = t.at;
         if t.upwards {
@@ -140,12 +132,12 @@ mod tests {
     }
 
     fn texts(page: &Drawing) -> Vec<&Text> {
-        page.items().iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
+        page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
     }
 
     /// Nothing is cut off, and no text lies on another or on the data.
     fn assert_sound(page: &Drawing) {
-        let sheet = Rect::new(0.0, 0.0, page.width(), page.height());
+        let sheet = Rect::new(0.0, 0.0, page.width, page.height);
         let boxes: Vec<(Rect, &str)> = texts(page).into_iter().map(|t| (bounds(t), t.markup.as_str())).collect();
         let overlap = |a: &Rect, b: &Rect| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
         for (i, (a, what)) in boxes.iter().enumerate() {
@@ -155,7 +147,7 @@ mod tests {
                 assert!(!overlap(a, b), "{what:?} lies on {other:?}");
             }
         }
-        for item in page.items() {
+        for item in &page.items {
             let Item::Path { points, paint, .. } = item else { continue };
             if paint.stroke.is_some_and(|stroke| stroke.width == theme::LINE) {
                 for pair in points.windows(2) {
@@ -170,10 +162,8 @@ mod tests {
     }
 
     fn wave(k: usize) -> Vec<Point> {
-        (0..300)
-            .map(|i| f64::from(i) / 30.0)
-            .map(|x| [x, 0.5 + 0.48 * (x * (1.0 + 0.3 * k as f64) + k as f64).sin()])
-            .collect()
+        let height = |x: f64| 0.5 + 0.48 * (x * (1.0 + 0.3 * k as f64) + k as f64).sin();
+        (0..300).map(|i| f64::from(i) / 30.0).map(|x| [x, height(x)]).collect()
     }
 
     #[test]
@@ -186,14 +176,10 @@ mod tests {
             }
             panel = panel.vertical(3.3, "first rule").vertical(3.5, "second").vertical(9.9, "/{θ}_{B} = 55.41°");
             panel = panel.horizontal(0.5, "half").horizontal(0.52, "a little more").note([5.0, 0.5], "slope −1/2");
-            let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6)).dots(
-                "dots",
-                theme::GREEN,
-                [[1e-9, 1.0]],
-            );
-            for plot in
-                [Plot::new([panel.clone()]), Plot::new([panel.clone(), other.clone()]), Plot::stacked([other, panel])]
-            {
+            let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6));
+            let other = other.dots("dots", theme::GREEN, [[1e-9, 1.0]]);
+            let both = [panel.clone(), other];
+            for plot in [Plot::new([panel]), Plot::new(both.clone()), Plot::stacked(both)] {
                 assert_sound(&plot.draw());
                 assert_sound(&plot.frame_size(150.0, 120.0).draw());
             }
@@ -204,10 +190,8 @@ mod tests {
     fn long_labels_fit_on_the_page() {
         let x = Axis::linear("an axis label far wider than its frame").range(0.0, 1e7);
         let y = Axis::linear("another one, higher than its frame").range(0.0, 3e-9);
-        let panel = Panel::new(x, y)
-            .line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]])
-            .vertical(5e6, "1")
-            .horizontal(1e-9, "h");
+        let panel = Panel::new(x, y).line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]]);
+        let panel = panel.vertical(5e6, "1").horizontal(1e-9, "h");
         assert_sound(&Plot::new([panel.clone()]).frame_size(130.0, 100.0).draw());
         assert_sound(&Plot::new([panel]).frame_size(700.0, 500.0).draw());
         // A label too long for any place is not lost.
@@ -228,12 +212,12 @@ mod tests {
                         .line("a", theme::series(0), [[x, y], [y, x], [1.0, 2.0]])
                         .dots("b", theme::BLUE, [[x, y]])
                         .band("c", theme::BLUE, [[x, y, 1.0], [1.0, x, y], [2.0, 1.0, y]])
-                        .bars("d", theme::BLUE, [x, y, 1.0], [y, x, 3.0])
+                        .bars("d", theme::BLUE, vec![x, y, 1.0], vec![y, x, 3.0])
                         .vertical(x, "v")
                         .horizontal(y, "h")
                         .note([x, y], "n");
                     let page = Plot::new([panel]).frame_size(100.0, 80.0).draw();
-                    assert!(page.width() < 2000.0 && page.height() < 2000.0, "{x} {y}");
+                    assert!(page.width < 2000.0 && page.height < 2000.0, "{x} {y}");
                 }
             }
         }
@@ -250,11 +234,11 @@ mod tests {
 
     #[test]
     fn heat_maps_stand_with_their_colour_bars() {
-        let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)").unwrap();
+        let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)");
         let panel = Panel::new(Axis::linear("/{φ} (°)").range(0.0, 360.0), Axis::linear("/{θ} (°)").range(180.0, 0.0));
         let panel = panel.title("Observed").heatmap(map);
         let page = Plot::new([panel.clone(), panel]).frame_size(200.0, 100.0).draw();
         assert_sound(&page);
-        assert_eq!(page.items().iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
+        assert_eq!(page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
     }
 }

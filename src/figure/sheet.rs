@@ -17,47 +17,39 @@ const LINE: f64 = 16.0;
 
 /// Draws captioned images in rows of `columns` (at least one), with an optional title. Captions may carry the markup of
 /// [`super::text`] and are broken between words where they are wider than their image.
-#[must_use]
 pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
     let columns = columns.clamp(1, images.len().max(1));
     let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image)).collect();
-    let sizes: Vec<[f64; 2]> = shown.iter().map(size).collect();
-    let cell = sizes.iter().map(|s| s[0]).fold(60.0, f64::max).max(text_width(title) / columns as f64 - GAP);
-    let captions: Vec<Vec<String>> = images.iter().map(|(caption, _)| wrapped(caption, cell)).collect();
+    let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
+    let cell = widest.max(text::width(title, theme::TITLE_SIZE, true) / columns as f64 - GAP);
+    let captioned = |((caption, _), image): (&(String, Rgb8), Rgb8)| (size(&image), image, wrapped(caption, cell));
+    let cells: Vec<([f64; 2], Rgb8, Vec<String>)> = images.iter().zip(shown).map(captioned).collect();
 
     // Rows of images, aligned at the bottom, with their captions below
-    let head = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
     let mut page = Drawing::new(0.0, 0.0, SCALE);
-    let mut y = head;
-    for ((shown, sizes), captions) in shown.chunks(columns).zip(sizes.chunks(columns)).zip(captions.chunks(columns)) {
-        let tallest = sizes.iter().map(|s| s[1]).fold(0.0, f64::max);
-        let lines = captions.iter().map(Vec::len).max().unwrap_or(0);
-        for (i, image) in shown.iter().enumerate() {
+    let mut y = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
+    for row in cells.chunks(columns) {
+        let tallest = row.iter().map(|([_, h], ..)| *h).fold(0.0, f64::max);
+        let lines = row.iter().map(|(.., caption)| caption.len()).max().unwrap_or(0);
+        for (i, ([w, h], image, caption)) in row.iter().enumerate() {
             let x = EDGE + i as f64 * (cell + GAP);
-            let [w, h] = sizes[i];
             let left = (x + (cell - w) / 2.0).round();
-            page.image(Rect::new(left, y + (tallest - h).round(), w, h), image.clone());
-            for (line, caption) in captions[i].iter().enumerate() {
+            page.image(Rect::new(left, y + (tallest - h).round(), *w, *h), image.clone());
+            for (line, text) in caption.iter().enumerate() {
                 let at = [x + cell / 2.0, y + tallest + 7.0 + LINE * line as f64];
-                let text = Text::new(at, theme::TICK_SIZE, caption.clone()).held(Anchor::Middle, Level::Top);
-                page.text(text.coloured(theme::INK));
+                page.text(Text::new(at, theme::TICK_SIZE, text.clone()).held(Anchor::Middle, Level::Top));
             }
         }
         y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();
     }
-    // The page, with the title in its middle
-    let width = (2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil();
-    let mut sheet = Drawing::new(width, (y - GAP + EDGE - 2.0).ceil(), SCALE);
-    sheet.append(page, 0.0, 0.0);
+    // The title in the page's middle
+    page.width = (2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil();
+    page.height = (y - GAP + EDGE - 2.0).ceil();
     if !title.is_empty() {
-        let text = Text::new([width / 2.0, EDGE], theme::TITLE_SIZE, title).held(Anchor::Middle, Level::Top);
-        sheet.text(text.coloured(theme::INK).bold());
+        let text = Text::new([page.width / 2.0, EDGE], theme::TITLE_SIZE, title).held(Anchor::Middle, Level::Top);
+        page.text(text.bold());
     }
-    sheet
-}
-
-fn text_width(title: &str) -> f64 {
-    text::width(title, theme::TITLE_SIZE, true)
+    page
 }
 
 /// The image at no more than [`WIDEST`] pixels across.
@@ -65,11 +57,8 @@ fn reduced(image: &Rgb8) -> Rgb8 {
     if image.width() <= WIDEST {
         return image.clone();
     }
-    let (w, h) = (image.width() as u32, image.height() as u32);
-    let height = (u64::from(h) * WIDEST as u64 / u64::from(w)).max(1) as u32;
-    let buffer = image::RgbImage::from_raw(w, h, image.data().to_vec()).expect("the size fits the data");
-    let small = imageops::resize(&buffer, WIDEST as u32, height, FilterType::Triangle);
-    Rgb8::new(WIDEST, height as usize, small.into_raw())
+    let height = (image.height() * WIDEST / image.width()).max(1);
+    imageops::resize(image.pixels(), WIDEST as u32, height as u32, FilterType::Triangle).into()
 }
 
 /// Size on the sheet in units: a whole number of PNG pixels for each pixel.
@@ -103,12 +92,8 @@ mod tests {
     fn small_images_are_enlarged_by_whole_factors_and_large_ones_reduced() {
         let grey = |width| Rgb8::from_fn(width, 10, |_, _| [99; 3]);
         let sheet = contact_sheet("", 2, &[("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))]);
-        let widths: Vec<f64> = sheet
-            .items()
-            .iter()
-            .filter_map(|item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None })
-            .collect();
-        assert_eq!(widths, [600.0, 640.0, 640.0]);
+        let width = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None };
+        assert_eq!(sheet.items.iter().filter_map(width).collect::<Vec<_>>(), [600.0, 640.0, 640.0]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A drawing as SVG: searchable text, real dash patterns, coordinates to a hundredth of a unit.
 
 use super::drawing::{Drawing, Item};
-use super::shapes::{Anchor, Colour, Paint, Point, Text};
+use super::shapes::{Anchor, Colour, Paint, Point, Rect, Text};
 use super::text::{self, Face};
 use std::fmt::Write;
 
@@ -10,15 +10,14 @@ const FONTS: &str = "DejaVu Sans,Verdana,sans-serif";
 
 impl Drawing {
     /// The drawing as an SVG document. Text stays text; images are embedded as PNG.
-    #[must_use]
     pub fn svg(&self) -> String {
-        let (w, h) = (number(self.width()), number(self.height()));
+        let (w, h) = (number(self.width), number(self.height));
         let mut out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
              font-family=\"{FONTS}\" stroke-linejoin=\"round\" xml:space=\"preserve\">\n\
              <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
         );
-        for item in self.items() {
+        for item in &self.items {
             write_item(&mut out, item);
             out.push('\n');
         }
@@ -33,29 +32,25 @@ fn write_item(out: &mut String, item: &Item) {
         Item::Path { points, closed, paint } => {
             write!(out, "<path d=\"{}{}\"{}/>", path(points), if *closed { "Z" } else { "" }, attributes(paint))
         }
-        Item::Rect { rect, paint } => {
-            let (x, y) = (number(rect.x), number(rect.y));
-            let (w, h) = (number(rect.width), number(rect.height));
-            write!(out, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"{}/>", attributes(paint))
-        }
+        Item::Rect { rect, paint } => write!(out, "<rect{}{}/>", place(rect), attributes(paint)),
         Item::Circle { centre, radius, paint } => {
             let (x, y) = (number(centre[0]), number(centre[1]));
             write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"{}/>", number(*radius), attributes(paint))
         }
         Item::Text(text) => write_text(out, text),
         Item::Image { rect, image } => {
-            let (x, y) = (number(rect.x), number(rect.y));
-            let (w, h) = (number(rect.width), number(rect.height));
             let sharp = rect.width >= image.width() as f64 && rect.height >= image.height() as f64;
             let style = if sharp { " style=\"image-rendering:pixelated\"" } else { "" };
-            let data = base64(image.png());
-            write!(
-                out,
-                "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\"{style} \
-                 href=\"data:image/png;base64,{data}\"/>"
-            )
+            let (place, data) = (place(rect), base64(image.png()));
+            let href = format_args!("href=\"data:image/png;base64,{data}\"");
+            write!(out, "<image{place} preserveAspectRatio=\"none\"{style} {href}/>")
         }
     };
+}
+
+fn place(rect: &Rect) -> String {
+    let [x, y, w, h] = [rect.x, rect.y, rect.width, rect.height].map(number);
+    format!(" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"")
 }
 
 fn write_text(out: &mut String, text: &Text) -> std::fmt::Result {
@@ -94,20 +89,10 @@ fn write_text(out: &mut String, text: &Text) -> std::fmt::Result {
     write!(out, "</text>")
 }
 
-/// Text for XML, between tags or in an attribute; control characters, which XML cannot hold, become spaces.
-pub(crate) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
+/// Text for XML, between tags or in a quoted attribute; what XML cannot hold becomes a space.
+pub fn escape(text: &str) -> String {
+    let clean = text.replace(|c: char| c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}'), " ");
+    clean.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Path data; after the first point, steps from the rounded place of the one before, which are shorter to write.
@@ -166,7 +151,7 @@ fn number(value: f64) -> String {
 }
 
 /// Base64 with padding (RFC 4648).
-pub(crate) fn base64(bytes: &[u8]) -> String {
+pub fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
@@ -180,23 +165,15 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes::{Rect, Stroke};
+    use super::super::shapes::Stroke;
     use super::*;
 
     #[test]
-    fn numbers_are_short() {
-        for (value, text) in
-            [(1.0, "1"), (0.125, "0.13"), (-0.001, "0"), (10.5, "10.5"), (100.0, "100"), (-2.25, "-2.25")]
-        {
-            assert_eq!(number(value), text);
-        }
-    }
-
-    #[test]
-    fn base64_matches_the_rfc() {
-        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
+    fn numbers_are_short_and_base64_matches_the_rfc() {
+        let numbers = [1.0, 0.125, -0.001, 10.5, 100.0, -2.25].map(number);
+        assert_eq!(numbers, ["1", "0.13", "0", "10.5", "100", "-2.25"]);
+        let coded = ["", "f", "fo", "foo", "foobar"].map(|plain| base64(plain.as_bytes()));
+        assert_eq!(coded, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYmFy"]);
     }
 
     #[test]
@@ -215,12 +192,8 @@ mod tests {
         let mut drawing = Drawing::new(100.0, 20.0, 1.0);
         drawing.text(Text::new([0.0, 10.0], 10.0, "a < b & \u{1}θ_{B} done"));
         let svg = drawing.svg();
-        assert!(
-            svg.contains(
-                ">a &lt; b &amp;  θ<tspan dy=\"2\" font-size=\"7\">B</tspan><tspan dy=\"-2\"> done</tspan></text>"
-            ),
-            "{svg}"
-        );
+        let index = "<tspan dy=\"2\" font-size=\"7\">B</tspan><tspan dy=\"-2\"> done</tspan>";
+        assert!(svg.contains(&format!(">a &lt; b &amp;  θ{index}</text>")), "{svg}");
     }
 
     #[test]

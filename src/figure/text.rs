@@ -15,20 +15,12 @@ const SMALL: f64 = 0.7;
 /// The three cuts of DejaVu Sans that drawings use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Face {
-    /// Upright.
     Regular,
-    /// Slanted.
     Oblique,
-    /// Bold.
     Bold,
 }
 
 impl Face {
-    /// All faces, in the order of their discriminants.
-    pub const ALL: [Face; 3] = [Face::Regular, Face::Oblique, Face::Bold];
-
-    /// The font file.
-    #[must_use]
     pub fn bytes(self) -> &'static [u8] {
         match self {
             Face::Regular => dejavu::sans::regular(),
@@ -39,16 +31,14 @@ impl Face {
 
     /// The font file's tables, parsed once per process.
     pub fn tables(self) -> &'static ttf_parser::Face<'static> {
-        static TABLES: [LazyLock<ttf_parser::Face<'static>>; 3] = [
-            LazyLock::new(|| parse(Face::Regular)),
-            LazyLock::new(|| parse(Face::Oblique)),
-            LazyLock::new(|| parse(Face::Bold)),
-        ];
+        static TABLES: LazyLock<[ttf_parser::Face<'static>; 3]> = LazyLock::new(|| {
+            [Face::Regular, Face::Oblique, Face::Bold]
+                .map(|face| ttf_parser::Face::parse(face.bytes(), 0).expect("the embedded fonts are sound"))
+        });
         &TABLES[self as usize]
     }
 
     /// Advance width of `c` in font sizes; a character that the font lacks counts as its empty box.
-    #[must_use]
     pub fn advance(self, c: char) -> f64 {
         let tables = self.tables();
         let glyph = tables.glyph_index(c).unwrap_or_default();
@@ -56,18 +46,11 @@ impl Face {
     }
 }
 
-fn parse(face: Face) -> ttf_parser::Face<'static> {
-    ttf_parser::Face::parse(face.bytes(), 0).expect("the embedded fonts are sound")
-}
-
 /// A stretch of text in one face, size and height above the baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The letters.
     pub text: String,
-    /// Its face.
     pub face: Face,
-    /// Font size in drawing units.
     pub size: f64,
     /// Height of this run's baseline above the text's, in drawing units.
     pub rise: f64,
@@ -75,14 +58,12 @@ pub struct Run {
 
 impl Run {
     /// Advance width in drawing units (without kerning, so never too narrow by more than a hair).
-    #[must_use]
     pub fn width(&self) -> f64 {
         self.size * self.text.chars().map(|c| self.face.advance(c)).sum::<f64>()
     }
 }
 
 /// Splits `markup` into runs for text of the given size.
-#[must_use]
 pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
     let upright = if bold { Face::Bold } else { Face::Regular };
     let mut current = Run { text: String::new(), face: upright, size, rise: 0.0 };
@@ -125,7 +106,6 @@ pub fn runs(markup: &str, size: f64, bold: bool) -> Vec<Run> {
 }
 
 /// Advance width of a marked-up string in drawing units.
-#[must_use]
 pub fn width(markup: &str, size: f64, bold: bool) -> f64 {
     runs(markup, size, bold).iter().map(Run::width).sum()
 }
@@ -162,7 +142,7 @@ mod tests {
 
     #[test]
     fn the_fonts_have_every_glyph_that_the_plots_need() {
-        for face in Face::ALL {
+        for face in [Face::Regular, Face::Oblique, Face::Bold] {
             for c in "θηκλμρσφωαβΔΩ∥⊥°₀₁₂²³⁻−×±·≤≥≈∞∫√→–—…".chars()
             {
                 assert!(face.tables().glyph_index(c).is_some(), "{face:?} lacks {c}");

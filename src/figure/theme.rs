@@ -17,19 +17,14 @@ const SERIES: [Colour; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY_BLUE, B
 
 // Roles in plots of reflectance.
 
-/// Reflectance of p-polarized light.
 pub const R_PARALLEL: Colour = BLUE;
-/// Reflectance of s-polarized light.
 pub const R_PERPENDICULAR: Colour = VERMILION;
-/// Reflectance of unpolarized light.
 pub const UNPOLARIZED: Colour = BLACK;
-/// Transmittance.
 pub const TRANSMITTANCE: Colour = GREEN;
 /// Schlick's approximation, and its absolute error.
 pub const SCHLICK: Colour = ORANGE;
 /// An error relative to the exact value, beside the absolute one.
 pub const RELATIVE_ERROR: Colour = PURPLE;
-/// Red, green and blue channel.
 pub const CHANNELS: [Colour; 3] = [VERMILION, GREEN, BLUE];
 
 // Roles in plots of tests.
@@ -40,39 +35,30 @@ pub const ACCEPTED: Colour = BLUE;
 pub const REJECTED: Colour = VERMILION;
 /// A test with too few samples for either.
 pub const INCONCLUSIVE: Colour = ORANGE;
-/// What was counted.
 pub const OBSERVED: Colour = SKY_BLUE;
 /// What a true claim predicts.
 pub const EXPECTED: Colour = BLACK;
-/// Residuals of counts.
 pub const RESIDUAL: Colour = BLUE;
 /// An interval that holds most results of true claims.
 pub const INTERVAL: Colour = SKY_BLUE;
 /// The same over bars in the colour of [`OBSERVED`].
 pub const INTERVAL_OVER_BARS: Colour = ORANGE;
-/// A formula as a report printed it.
 pub const ERRATUM: Colour = VERMILION;
-/// The corrected formula.
 pub const CORRECTED: Colour = BLUE;
 
 // Roles in plots of renders.
 
 /// A measurement by another program.
 pub const REFERENCE: Colour = BLACK;
-/// Directions sampled in proportion to the BSDF.
 pub const IMPORTANCE_SAMPLING: Colour = BLUE;
-/// Directions sampled uniformly over the hemisphere.
 pub const HEMISPHERE_SAMPLING: Colour = VERMILION;
 /// A line of known slope.
 pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.0, dash: DOTTED };
 
 // Roles in plots of numerical errors.
 
-/// The formula that renders.
 pub const STABLE_VARIANT: Colour = BLUE;
-/// The formula as textbooks give it.
 pub const TEXTBOOK_VARIANT: Colour = VERMILION;
-/// The formula as a report gives it.
 pub const ERRATUM_VARIANT: Colour = PURPLE;
 
 // Roles over environment maps.
@@ -96,7 +82,6 @@ const STRATEGIES: [(&str, Colour); 8] = [
 
 /// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
 /// remain, in the order of the palette.
-#[must_use]
 pub fn strategies(names: &[&str]) -> Vec<Colour> {
     let own = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
     let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
@@ -106,44 +91,31 @@ pub fn strategies(names: &[&str]) -> Vec<Colour> {
 
 /// Dash patterns, in drawing units.
 pub const SOLID: &[f64] = &[];
-/// Dashes.
 pub const DASHED: &[f64] = &[6.0, 3.0];
-/// Dots.
 pub const DOTTED: &[f64] = &[1.5, 2.5];
-/// Alternating dashes and dots.
 pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
-/// Long dashes.
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];
 
 const DASHES: [&[f64]; 5] = [SOLID, DASHED, DASH_DOT, DOTTED, LONG_DASH];
 
-/// Width of a curve.
 pub const LINE: f64 = 1.6;
-/// Width of frames and ticks.
 pub const THIN: f64 = 0.9;
-/// Radius of a scatter dot.
 pub const DOT: f64 = 2.4;
 
 /// Frames, ticks and tick labels.
-pub const INK: Colour = Colour::rgb(38, 38, 38);
-/// Grid lines.
+pub const INK: Colour = Colour::INK;
 pub const GRID: Stroke = Stroke::solid(Colour::rgb(228, 228, 228), 0.7);
-/// Reference lines.
 pub const RULE: Stroke = Stroke { colour: Colour::rgb(90, 90, 90), width: 1.0, dash: &[3.5, 2.5] };
 /// What a heat map shows where there is no value: a grey that neither colour scale comes near.
 pub const NO_VALUE: Colour = Colour::rgb(150, 150, 150);
 
 /// Font sizes.
 pub const TITLE_SIZE: f64 = 13.5;
-/// Of the labels of axes.
 pub const LABEL_SIZE: f64 = 13.0;
-/// Of the labels of ticks.
 pub const TICK_SIZE: f64 = 11.5;
-/// Of notes.
 pub const NOTE_SIZE: f64 = 11.5;
 
 /// The stroke of the `index`-th series: every one of the first 35 differs, neighbours in both colour and dash.
-#[must_use]
 pub fn series(index: usize) -> Stroke {
     Stroke { colour: SERIES[index % SERIES.len()], width: LINE, dash: DASHES[index % DASHES.len()] }
 }

@@ -5,7 +5,6 @@
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Value on the axis.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,
@@ -26,7 +25,6 @@ pub struct Ticks {
 const MOST_STEPS: f64 = 200.0;
 
 /// Steps of 1, 2, 2.5 or 5 times a power of ten, the smallest that gives at most `most` ticks.
-#[must_use]
 pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
     // The smallest round step that is not below the wanted one
     let wanted = (hi - lo) / most.max(2) as f64;
@@ -39,7 +37,6 @@ pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
 }
 
 /// A tick at every multiple of `step`; round steps instead when `step` is not a positive number that fits the range.
-#[must_use]
 pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     let count = (hi - lo) / step;
     if !(step > 0.0 && (0.5..=MOST_STEPS).contains(&count)) {
@@ -60,7 +57,6 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
 }
 
 /// Ticks at those of `places` (integers) that lie in the range.
-#[must_use]
 pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
     let major = inside.map(|&at| Tick { at, label: number(at, 0) }).collect();
@@ -89,7 +85,6 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
 
 /// Decades, all or every so many, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
 /// holds no two decades. Needs `lo > 0`.
-#[must_use]
 pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);
     if last <= first {
@@ -133,13 +128,11 @@ fn within_two_decades(lo: f64, hi: f64) -> Option<Ticks> {
     (major.len() >= 3).then_some(Ticks { major, minor, exponent: 0 })
 }
 
-/// Ten to the power `n`.
 fn ten(n: i32) -> f64 {
     10f64.powi(n)
 }
 
 /// Fixed decimals with a true minus sign; never a negative zero.
-#[must_use]
 pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -153,69 +146,53 @@ pub fn number(value: f64, decimals: usize) -> String {
 mod tests {
     use super::*;
 
-    fn labels(ticks: &Ticks) -> Vec<&str> {
-        ticks.major.iter().map(|t| t.label.as_str()).collect()
+    fn labels(ticks: &Ticks) -> String {
+        let labels: Vec<&str> = ticks.major.iter().map(|t| t.label.as_str()).collect();
+        labels.join(" ")
     }
 
     #[test]
-    fn linear_ticks_are_round() {
-        assert_eq!(labels(&linear(0.0, 1.0, 6)), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(&linear(-1.0, 1.0, 5)), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);
-        assert_eq!(labels(&linear(0.0, 90.0, 10)), ["0", "10", "20", "30", "40", "50", "60", "70", "80", "90"]);
-        assert_eq!(labels(&linear(0.0, 1000.0, 4)), ["0", "500", "1000"]);
-        assert_eq!(labels(&linear(0.0, 0.1, 5)), ["0.000", "0.025", "0.050", "0.075", "0.100"]);
+    fn labels_are_round() {
+        let cases = [
+            (linear(0.0, 1.0, 6), "0.0 0.2 0.4 0.6 0.8 1.0", 0),
+            (linear(-1.0, 1.0, 5), "−1.0 −0.5 0.0 0.5 1.0", 0),
+            (linear(0.0, 90.0, 10), "0 10 20 30 40 50 60 70 80 90", 0),
+            (linear(0.0, 1000.0, 4), "0 500 1000", 0),
+            (linear(0.0, 0.1, 5), "0.000 0.025 0.050 0.075 0.100", 0),
+            // Tiny and huge values share a factor.
+            (linear(0.0, 4e-7, 5), "0 1 2 3 4", -7),
+            (linear(-2e6, 2e6, 5), "−2 −1 0 1 2", 6),
+            (every(0.0, 90.0, 15.0), "0 15 30 45 60 75 90", 0),
+            (every(0.0, 0.5, 0.25), "0.00 0.25 0.50", 0),
+            (at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0]), "8 16 32", 0),
+            (log(1e-3, 1.0, 8), "10^{−3} 10^{−2} 10^{−1} 10^{0}", 0),
+            (log(1e-30, 1.0, 4), "10^{−30} 10^{−20} 10^{−10} 10^{0}", 0),
+            // No two decades inside: plain round values; one decade inside: round steps of the logarithm.
+            (log(2.0, 8.0, 6), "2 4 6 8", 0),
+            (log(0.12, 2.8, 6), "0.2 0.5 1 2", 0),
+        ];
+        for (ticks, expected, exponent) in cases {
+            assert_eq!((labels(&ticks).as_str(), ticks.exponent), (expected, exponent));
+        }
     }
 
     #[test]
-    fn tiny_and_huge_values_share_a_factor() {
-        let ticks = linear(0.0, 4e-7, 5);
-        assert_eq!((labels(&ticks), ticks.exponent), (vec!["0", "1", "2", "3", "4"], -7));
-        let ticks = linear(-2e6, 2e6, 5);
-        assert_eq!((labels(&ticks), ticks.exponent), (vec!["−2", "−1", "0", "1", "2"], 6));
-    }
-
-    #[test]
-    fn fixed_steps() {
-        assert_eq!(labels(&every(0.0, 90.0, 15.0)), ["0", "15", "30", "45", "60", "75", "90"]);
+    fn minor_ticks_divide_steps() {
         assert_eq!(every(0.0, 90.0, 15.0).minor[..3], [3.0, 6.0, 9.0]);
-        assert_eq!(labels(&every(0.0, 0.5, 0.25)), ["0.00", "0.25", "0.50"]);
+        assert_eq!((log(1e-3, 1.0, 8).minor.len(), log(0.12, 2.8, 6).minor.len()), (24, 6));
         for useless in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1e9] {
             assert_eq!(every(0.0, 90.0, useless), linear(0.0, 90.0, 8), "{useless}");
         }
     }
 
     #[test]
-    fn given_places() {
-        assert_eq!(labels(&at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0])), ["8", "16", "32"]);
-    }
-
-    #[test]
-    fn decades() {
-        let ticks = log(1e-3, 1.0, 8);
-        assert_eq!(labels(&ticks), ["10^{−3}", "10^{−2}", "10^{−1}", "10^{0}"]);
-        assert_eq!(ticks.minor.len(), 24);
-        assert_eq!(labels(&log(1e-30, 1.0, 4)), ["10^{−30}", "10^{−20}", "10^{−10}", "10^{0}"].as_slice());
-        // No two decades inside: plain round values.
-        assert_eq!(labels(&log(2.0, 8.0, 6)), ["2", "4", "6", "8"]);
-        // One decade inside: round steps of the logarithm.
-        let ticks = log(0.12, 2.8, 6);
-        assert_eq!(labels(&ticks), ["0.2", "0.5", "1", "2"]);
-        assert_eq!(ticks.minor.len(), 6);
-    }
-
-    #[test]
     fn any_range_gives_few_ticks() {
         let ends = [-1e300, -1e5, -1.0, -1e-300, 0.0, 1e-300, 1e-12, 0.1, 0.3, 1.0, 1.0 + 1e-9, 7.0, 1e16, 1e300];
         for (i, &lo) in ends.iter().enumerate() {
-            for &hi in &ends[i + 1..] {
-                for most in [0, 1, 5, 40] {
-                    let ticks = linear(lo, hi, most);
-                    assert!(ticks.major.len() <= 42 && ticks.minor.len() <= 250, "{lo} {hi} {most}");
-                    if lo > 0.0 {
-                        let ticks = log(lo, hi, most);
-                        assert!(ticks.major.len() <= 42 && ticks.minor.len() <= 700, "{lo} {hi} {most}");
-                    }
-                }
+            for (&hi, most) in ends[i + 1..].iter().flat_map(|hi| [0, 1, 5, 40].map(|most| (hi, most))) {
+                let few = |ticks: Ticks, minor| ticks.major.len() <= 42 && ticks.minor.len() <= minor;
+                assert!(few(linear(lo, hi, most), 250), "{lo} {hi} {most}");
+                assert!(lo <= 0.0 || few(log(lo, hi, most), 700), "{lo} {hi} {most}");
             }
         }
     }

@@ -5,7 +5,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// How a number is compared with what is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Kind {
-    /// got = expected.
     #[default]
     #[serde(rename = "equal")]
     Equal,
@@ -24,21 +23,19 @@ pub enum Kind {
 }
 
 /// A comparison with its outcome. NaN passes no check. Field names are JSON keys and CSV columns.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[must_use]
 pub struct Check {
     /// What is compared, with its unit.
     pub name: String,
-    /// How it is compared.
     pub kind: Kind,
     /// The expected value, or the limit of [`Kind::AtMost`] and [`Kind::AtLeast`].
     #[serde(deserialize_with = "number_or_nan")]
     pub expected: f64,
-    /// What the figure has.
     #[serde(deserialize_with = "number_or_nan")]
     pub got: f64,
     /// Of [`Kind::Within`] alone.
     pub tolerance: Option<f64>,
-    /// Whether the comparison holds.
     pub pass: bool,
 }
 
@@ -48,45 +45,34 @@ pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64,
 }
 
 impl Check {
-    /// `got` must equal `expected`: counts, and numbers known to the last bit.
-    #[must_use]
     pub fn equal(name: impl Into<String>, expected: f64, got: f64) -> Self {
         Self { name: name.into(), kind: Kind::Equal, expected, got, tolerance: None, pass: got == expected }
     }
 
-    /// `got` must be within `tolerance` of `expected`.
-    #[must_use]
     pub fn within(name: impl Into<String>, expected: f64, got: f64, tolerance: f64) -> Self {
         let pass = (got - expected).abs() <= tolerance;
         Self { name: name.into(), kind: Kind::Within, expected, got, tolerance: Some(tolerance), pass }
     }
 
-    /// `got` must not exceed `limit`.
-    #[must_use]
     pub fn at_most(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtMost, expected: limit, got, tolerance: None, pass: got <= limit }
     }
 
-    /// `got` must reach `limit`.
-    #[must_use]
     pub fn at_least(name: impl Into<String>, got: f64, limit: f64) -> Self {
         Self { name: name.into(), kind: Kind::AtLeast, expected: limit, got, tolerance: None, pass: got >= limit }
     }
 
-    /// A statement must be true.
-    #[must_use]
     pub fn is_true(name: impl Into<String>, holds: bool) -> Self {
         let got = f64::from(u8::from(holds));
         Self { name: name.into(), kind: Kind::True, expected: 1.0, got, tolerance: None, pass: holds }
     }
 
     /// What the check demands: "0.500 ± 0.012", "≤ 0.05", "= 0".
-    #[must_use]
     pub fn demand(&self) -> String {
         let expected = significant(self.expected);
         match self.kind {
             Kind::Equal => format!("= {expected}"),
-            Kind::Within => format!("{} ± {}", self.rounded(self.expected), significant(self.tolerance())),
+            Kind::Within => format!("{} ± {}", self.rounded(self.expected), significant(self.tolerance.unwrap_or(0.0))),
             Kind::AtMost => format!("≤ {expected}"),
             Kind::AtLeast => format!("≥ {expected}"),
             Kind::True => "true".into(),
@@ -94,7 +80,6 @@ impl Check {
     }
 
     /// What the figure has, with as many digits as the demand gives a meaning.
-    #[must_use]
     pub fn measured(&self) -> String {
         match self.kind {
             Kind::Within => self.rounded(self.got),
@@ -103,13 +88,9 @@ impl Check {
         }
     }
 
-    fn tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(0.0)
-    }
-
     /// `value` up to the second significant digit of the tolerance.
     fn rounded(&self, value: f64) -> String {
-        let place = self.tolerance().log10().floor();
+        let place = self.tolerance.unwrap_or(0.0).log10().floor();
         if !(-16.0..=0.0).contains(&place) {
             return significant(value);
         }

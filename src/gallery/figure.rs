@@ -16,15 +16,11 @@ pub enum Report {
     First,
     /// Of 2022, about path tracing and microfacets.
     Second,
-    /// In both of them.
     Both,
-    /// In neither.
     Neither,
 }
 
 impl Report {
-    /// The name in lists and headings.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "first report",
@@ -34,8 +30,6 @@ impl Report {
         }
     }
 
-    /// How the report is cited.
-    #[must_use]
     pub fn citation(self) -> Option<&'static str> {
         match self {
             Self::First => Some(
@@ -55,7 +49,6 @@ pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sy
 pub struct Figure {
     /// The name of its files, and of `--only`.
     pub id: &'static str,
-    /// Its heading.
     pub title: &'static str,
     /// The report with its counterpart.
     pub report: Report,
@@ -67,13 +60,17 @@ pub struct Figure {
     pub beside: Option<&'static str>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
     pub command: Option<String>,
-    /// How its content is made.
     pub make: Make,
 }
 
 impl Figure {
+    /// A figure without texts yet, for the last line of a literal.
+    pub fn by(make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync + 'static) -> Self {
+        let report = Report::Neither;
+        Self { id: "", title: "", report, reproduces: "", shows: "", beside: None, command: None, make: Box::new(make) }
+    }
+
     /// "first report: Figure 1, reflectance from air into glass".
-    #[must_use]
     pub fn counterpart(&self) -> String {
         match self.report {
             Report::Neither => self.reproduces.to_owned(),
@@ -82,15 +79,12 @@ impl Figure {
     }
 }
 
-/// A figure's content.
 pub struct Content {
-    /// SVG, PNG and PDF.
     pub drawing: Drawing,
     /// The numbers of the drawing as CSV text.
     pub table: Vec<u8>,
-    /// A render, written as EXR, PFM and PPM beside the drawing.
-    pub image: Option<RenderedImage>,
-    /// Comparisons of its numbers with expected ones.
+    /// A render, written as EXR, PFM and PPM beside the drawing, and how the PPM shows it.
+    pub image: Option<(Image, ToneMap)>,
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
@@ -98,26 +92,14 @@ pub struct Content {
 
 impl Content {
     /// A drawing, the rows of its table, and its checks.
-    ///
-    /// # Errors
-    /// Those of [`output::table`].
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
         Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new() })
     }
 
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
-    #[must_use]
     pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
-        Self { image: Some(RenderedImage { image: image.clone(), tone }), ..self }
+        Self { image: Some((image.clone(), tone)), ..self }
     }
-}
-
-/// A render, and how its PPM file shows it.
-pub struct RenderedImage {
-    /// Linear radiance.
-    pub image: Image,
-    /// Radiance to 8 bits.
-    pub tone: ToneMap,
 }
 
 /// An error of a report with the evidence for it: a row of "where the reports are wrong".
@@ -125,7 +107,6 @@ pub struct RenderedImage {
 pub struct Erratum {
     /// What the report prints.
     pub printed: String,
-    /// The correction.
     pub right: String,
     /// The test that detects the error.
     pub test: String,

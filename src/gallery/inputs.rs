@@ -18,8 +18,6 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// `full` or `quick`.
-    #[must_use]
     pub fn of<T>(self, full: T, quick: T) -> T {
         match self {
             Self::Full => full,
@@ -30,31 +28,24 @@ impl Effort {
 
 /// The inputs of all figures.
 pub struct Inputs {
-    /// The environment map.
     pub map: NamedMap,
     /// The second report's own scenes; without them, the built-in ones.
     pub originals: Option<Originals>,
-    /// Of all random numbers.
     pub seed: u64,
-    /// The sizes of renders and tests.
     pub effort: Effort,
 }
 
 impl Inputs {
-    /// Default settings of a render under the run's seed.
-    #[must_use]
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
     }
 
     /// How claims are tested: with samples that detect errors of 2 %, or of 5 % in a quick run.
-    #[must_use]
     pub fn protocol(&self) -> Protocol {
         Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
     }
 
     /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.
-    #[must_use]
     pub fn spheres(&self) -> (Scene, Request) {
         let (scene, request) = self.originals.as_ref().map_or_else(builtin::cornell_spheres, |o| o.spheres.clone());
         (scene, self.request(request, 64, 4))
@@ -83,9 +74,6 @@ impl Inputs {
     }
 
     /// The copper statue (in the report's files, its bunny) of the sampling figures, and their request.
-    ///
-    /// # Errors
-    /// Those of [`builtin::cornell_statue`].
     pub fn copper(&self) -> Result<(Scene, Request)> {
         let (scene, request) = match &self.originals {
             Some(originals) => originals.bunny.clone(),

@@ -7,20 +7,16 @@ mod check;
 mod figure;
 mod figures;
 mod inputs;
-mod map;
 mod originals;
 pub mod page;
 mod prelude;
 mod reproduce;
 mod studies;
 
-pub use check::{Check, Kind};
-pub use figure::{Content, Erratum, Figure, Make, RenderedImage, Report};
 pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;
-pub use reproduce::{Reproduced, Reproduction, reproduce};
-pub use studies::{Studies, Study};
+pub use reproduce::{Reproduced, reproduce};
 
 #[cfg(test)]
 mod tests;

@@ -8,11 +8,8 @@ use std::path::Path;
 /// The scenes of one folder, at the report's size.
 #[derive(Debug, Clone)]
 pub struct Originals {
-    /// Mirror and glass sphere.
     pub spheres: (Scene, Request),
-    /// The golden dragon.
     pub dragon: (Scene, Request),
-    /// The copper bunny.
     pub bunny: (Scene, Request),
 }
 
@@ -22,9 +19,6 @@ pub const SIZE: [usize; 2] = [480, 360];
 impl Originals {
     /// Reads `CBspheres.dae`, `CBdragon_microfacet_au.dae` and `CBbunny_microfacet_cu.dae`; also returns the readers'
     /// warnings.
-    ///
-    /// # Errors
-    /// Those of [`collada::read`], a missing file among them.
     pub fn read(folder: &Path) -> Result<(Self, Vec<String>)> {
         let mut warnings = Vec::new();
         let mut scene = |name: &str| -> Result<(Scene, Request)> {

@@ -3,5 +3,6 @@
 pub use super::check::Check;
 pub use super::figure::{Content, Figure, Report};
 pub use super::inputs::Inputs;
-pub use super::studies::{Studies, Study};
+pub use super::studies::Studies;
 pub use crate::error::Result;
+pub use std::rc::Rc;

@@ -1,7 +1,7 @@
 //! A run of the gallery: makes figures and writes their files, the records and the page.
 
-use super::check::{Check, Kind};
-use super::figure::{Content, Erratum, Figure, RenderedImage};
+use super::check::Check;
+use super::figure::{Content, Erratum, Figure};
 use super::figures::registry;
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
@@ -18,21 +18,15 @@ use std::time::Instant;
 /// A figure that was made. Field names are JSON keys.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reproduced {
-    /// Of the figure.
     pub id: &'static str,
-    /// Files of the figure.
     pub files: Vec<PathBuf>,
     /// Wall-clock time; studies that figures share count for the first of them.
     pub seconds: f64,
-    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
-    /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
 }
 
-/// The result of a run.
 pub struct Reproduction {
-    /// In the order of the registry.
     pub figures: Vec<Reproduced>,
     /// Whether an interruption ended the run before all figures were made.
     pub interrupted: bool,
@@ -73,9 +67,8 @@ pub fn reproduce(
             }
             made => made?,
         };
-        let Reproduced { seconds, ref checks, ref errata, .. } = made;
-        let record = Record { seconds, checks: checks.clone(), errata: errata.clone(), setup: setup.clone() };
-        records.insert(figure.id.to_owned(), record);
+        let Reproduced { seconds, checks, errata, .. } = made.clone();
+        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, setup: setup.clone() });
         done.push(made);
     }
     // Checks and page of all recorded figures
@@ -95,44 +88,26 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     interrupt::check()?;
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
-    if let Some(image) = &image {
-        files.extend(write_image(&stem, image, &Metadata::default().with("figure", figure.id))?);
+    // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
+    if let Some((image, tone)) = &image {
+        let metadata = Metadata::default().with("figure", figure.id);
+        for extension in ["exr", "pfm", "ppm"] {
+            let path = output::with_extension(&stem, extension);
+            raster::write_with(&path, image, &metadata, WriteOptions { tone: *tone, ..WriteOptions::default() })?;
+            files.push(path);
+        }
     }
     Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata })
-}
-
-/// Writes a render as EXR and PFM (linear) and as PPM (tone-mapped as in its report).
-fn write_image(stem: &Path, rendered: &RenderedImage, metadata: &Metadata) -> Result<Vec<PathBuf>> {
-    let options = WriteOptions { tone: rendered.tone, ..WriteOptions::default() };
-    ["exr", "pfm", "ppm"]
-        .into_iter()
-        .map(|extension| {
-            let path = output::with_extension(stem, extension);
-            raster::write_with(&path, &rendered.image, metadata, options)?;
-            Ok(path)
-        })
-        .collect()
 }
 
 /// All checks of all recorded figures, in the order of the registry.
 fn checks_table(figures: &[Figure], records: &Records) -> Result<Vec<u8>> {
     #[derive(Default, Serialize)]
-    struct Row<'a> {
-        figure: &'a str,
-        name: &'a str,
-        kind: Kind,
-        expected: f64,
-        got: f64,
-        tolerance: Option<f64>,
-        pass: bool,
+    struct Of {
+        figure: &'static str,
     }
-    let mut rows = Vec::new();
-    for figure in figures {
-        let checks = records.get(figure.id).map_or(&[][..], |record| &record.checks);
-        rows.extend(checks.iter().map(|check| {
-            let Check { ref name, kind, expected, got, tolerance, pass } = *check;
-            Row { figure: figure.id, name, kind, expected, got, tolerance, pass }
-        }));
-    }
-    output::table(&rows)
+    let recorded = figures.iter().filter_map(|figure| Some((figure.id, records.get(figure.id)?)));
+    let rows =
+        recorded.flat_map(|(figure, record)| record.checks.iter().map(move |check| (Of { figure }, check.clone())));
+    output::table(&rows.collect::<Vec<_>>())
 }

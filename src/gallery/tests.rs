@@ -19,15 +19,6 @@ pub fn record() -> Record {
         seconds: 0.25,
         checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
         errata: Vec::new(),
-        setup: Setup {
-            version: "0".into(),
-            seed: 1,
-            map: "nave".into(),
-            options: "--quick".into(),
-            cpu: "abacus".into(),
-            cores: 1,
-            threads: 1,
-            system: "none".into(),
-        },
+        setup: Setup::of(&inputs(), "--quick"),
     }
 }

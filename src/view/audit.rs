@@ -18,19 +18,18 @@ const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, das
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
 /// A panel for each erratum, with the verdicts and the error of an image below it.
-#[must_use]
 pub fn drawing(errata: &[Erratum]) -> Drawing {
     // Lay out panels in a grid, with three lines of text below each
     let panels: Vec<Drawing> =
         errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
     let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
-    let (width, below) = (largest(Drawing::width) + GAP, largest(Drawing::height));
+    let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
     let height = below + 3.0 * LINE + 2.0 * GAP;
     let rows = errata.len().div_ceil(COLUMNS);
     let head = EDGE + theme::LABEL_SIZE + GAP;
     let columns = COLUMNS.min(errata.len());
     let mut sheet = Drawing::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
-    let right = sheet.width();
+    let right = sheet.width;
     legend(&mut sheet, right / 2.0);
     for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
         let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
@@ -41,7 +40,7 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
             (CORRECTED.colour, format!("corrected: {}", verdict(erratum.right_verdict, erratum.right_p))),
             (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
         ];
-        let middle = x + drawing.width() - MARGIN - 0.5 * FRAME[0];
+        let middle = x + drawing.width - MARGIN - 0.5 * FRAME[0];
         sheet.append(drawing, x, y);
         for (k, (colour, line)) in lines.into_iter().enumerate() {
             let at = [middle, y + below + LINE * k as f64];
@@ -67,14 +66,12 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
     Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
 }
 
-/// What the colours mean, above all panels.
 fn legend(sheet: &mut Drawing, middle: f64) {
     const SAMPLE: f64 = 26.0;
     for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (CORRECTED, "corrected", 40.0)] {
         let (x, y) = (middle + from, EDGE + 0.5 * theme::LABEL_SIZE);
         sheet.line([[x, y], [x + SAMPLE, y]], stroke);
-        let text = Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle);
-        sheet.text(text.coloured(theme::INK));
+        sheet.text(Text::new([x + SAMPLE + 8.0, y], theme::LABEL_SIZE, name).held(Anchor::Start, Level::Middle));
     }
 }
 
@@ -92,7 +89,6 @@ fn verdict(verdict: Verdict, p: Option<f64>) -> String {
 }
 
 /// "−12.3 %".
-#[must_use]
 pub fn percent(error: f64) -> String {
     let sign = if error < 0.0 { '−' } else { '+' };
     format!("{sign}{:.1} %", 100.0 * error.abs())

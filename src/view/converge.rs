@@ -1,6 +1,5 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
 
-use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
@@ -10,48 +9,32 @@ use serde::Serialize;
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Row {
-    /// The strategy's name.
-    pub strategy: String,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: usize,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Mean wall-clock time of a render.
-    pub wall_seconds: f64,
-    /// Mean time to build tables and trees.
-    pub preparation_seconds: f64,
-    /// Root mean square error.
-    pub rmse: f64,
-    /// Lower end of its interval.
-    pub rmse_low: f64,
-    /// Upper end of its interval.
-    pub rmse_high: f64,
-    /// Relative mean squared error.
-    pub rel_mse: f64,
-    /// Of its interval.
-    pub rel_mse_half_width: f64,
+    strategy: String,
+    spp: u32,
+    replicates: usize,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    preparation_seconds: f64,
+    rmse: f64,
+    rmse_low: f64,
+    rmse_high: f64,
+    rel_mse: f64,
+    rel_mse_half_width: f64,
     /// Mean HDR-FLIP of the first replicate.
-    pub flip: Option<f64>,
+    flip: Option<f64>,
     /// 1 / (MSE · processor seconds).
-    pub efficiency_per_second: f64,
+    efficiency_per_second: f64,
     /// p of RMSE ∝ sppᵖ.
-    pub slope: f64,
-    /// Of its interval.
-    pub slope_half_width: f64,
+    slope: f64,
+    slope_half_width: f64,
     /// Of the last level.
-    pub mean_squared_bias: f64,
-    /// Its standard error.
-    pub mean_squared_bias_error: f64,
-    /// The verdict on the curve.
-    pub verdict: &'static str,
+    mean_squared_bias: f64,
+    mean_squared_bias_error: f64,
+    verdict: &'static str,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
-    pub seconds_to_common_rmse: Option<f64>,
+    seconds_to_common_rmse: Option<f64>,
 }
 
-/// The table of all levels.
-#[must_use]
 pub fn rows(result: &Convergence) -> Vec<Row> {
     let target = result.common_rmse();
     let of_curve = |curve: &Curve| {
@@ -86,8 +69,6 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// A verdict as text.
-#[must_use]
 pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
         CurveVerdict::Biased => "biased",
@@ -137,21 +118,14 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
 }
 
 /// Error against processor time and against samples, and efficiency at equal time.
-#[must_use]
 pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
-            let band = |level: &Level| {
-                let [low, high] = level.rmse_band();
-                [at(level), low, high]
-            };
-            panel = panel.band("", stroke.colour, curve.levels.iter().map(band).collect::<Vec<_>>());
-            let line: Vec<[f64; 2]> = curve.levels.iter().map(|l| [at(l), l.rmse()]).collect();
-            panel = panel.line(label(curve), stroke, line);
+            let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
+            panel = panel.banded_line(label(curve), stroke, &points);
         }
-        let guide = guide(result, at);
-        panel = panel.line("slope −1/2", theme::GUIDE, guide);
+        panel = panel.line("slope −1/2", theme::GUIDE, guide(result, at));
         match &result.reference {
             Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
             _ => panel,
@@ -160,6 +134,12 @@ pub fn curves(result: &Convergence) -> Drawing {
     let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
     let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
     Plot::new([time, samples, efficiency(result)]).frame_size(330.0, 300.0).draw()
+}
+
+/// A level at `x`, with the interval of its error.
+pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
+    let [low, high] = level.rmse_band();
+    [x, low, level.rmse(), high]
 }
 
 /// Two points on a line of slope −1/2 above all curves.
@@ -180,7 +160,7 @@ fn efficiency(result: &Convergence) -> Panel {
     for (i, (curve, stroke)) in result.curves.iter().zip(strokes(result)).enumerate() {
         let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
         let left = i as f64;
-        panel = panel.bars("", stroke.colour, [left + 0.15, left + 0.85], [level.efficiency]);
+        panel = panel.bars("", stroke.colour, vec![left + 0.15, left + 0.85], vec![level.efficiency]);
         let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
         panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
         panel = panel.line(label(curve), stroke, Vec::new());
@@ -189,7 +169,6 @@ fn efficiency(result: &Convergence) -> Panel {
 }
 
 /// "0.52 s", "31 ms".
-#[must_use]
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s >= 10.0 => format!("{s:.0} s"),
@@ -200,12 +179,9 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// Every strategy's image after equal time, with its relative error beside it.
-///
-/// # Errors
-/// Those of [`Heatmap::new`].
-pub fn images(result: &Convergence) -> Result<Drawing> {
+pub fn images(result: &Convergence) -> Drawing {
     let seconds = result.common_seconds();
-    let Some(truth) = &result.truth else { return Ok(contact_sheet("Nothing was measured", 1, &[])) };
+    let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
     // Each strategy at the level nearest to the common time
@@ -226,7 +202,7 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
             // Relative to at least 3 % of the mean
             (got - expected) / expected.max(0.03 * mean)
         });
-        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "")?.range(-limit, limit).image();
+        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "").range(-limit, limit).image();
         let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
         let caption = format!(
             "{}: {} spp, {}, RMSE {}\u{a0}%",
@@ -238,15 +214,14 @@ pub fn images(result: &Convergence) -> Result<Drawing> {
         cells.push((caption, beside(&shown, &map)));
     }
     let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
-    Ok(contact_sheet(&title, 4, &cells))
+    contact_sheet(&title, 4, &cells)
 }
 
 fn beside(left: &Rgb8, right: &Rgb8) -> Rgb8 {
     let width = left.width();
     Rgb8::from_fn(2 * width, left.height(), |x, y| {
         let (image, x) = if x < width { (left, x) } else { (right, x - width) };
-        let at = 3 * (y * width + x);
-        [0, 1, 2].map(|c| image.data()[at + c])
+        image.pixel(x, y)
     })
 }
 
@@ -260,20 +235,6 @@ fn round(value: f64) -> f64 {
 }
 
 /// Curves above images at equal time.
-///
-/// # Errors
-/// Those of [`images`].
-pub fn sheet(result: &Convergence) -> Result<Drawing> {
-    Ok(above(curves(result), images(result)?))
-}
-
-/// One drawing above another, both in the middle of the page.
-fn above(upper: Drawing, lower: Drawing) -> Drawing {
-    let width = upper.width().max(lower.width());
-    let mut page = Drawing::new(width, upper.height() + lower.height(), upper.scale());
-    let (dx, dy) = ((width - lower.width()) / 2.0, upper.height());
-    let middle = (width - upper.width()) / 2.0;
-    page.append(upper, middle, 0.0);
-    page.append(lower, dx, dy);
-    page
+pub fn sheet(result: &Convergence) -> Drawing {
+    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
 }

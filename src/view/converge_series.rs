@@ -1,6 +1,6 @@
 //! Error and time over a quantity: missing light over depth, efficiency over roughness, error over a number of lights.
 
-use super::converge::duration;
+use super::converge::{duration, with_band};
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::study::converge::curve::{Curve, Level};
 use crate::study::converge::depth::{DepthCurve, DepthLevel};
@@ -12,28 +12,19 @@ use serde::Serialize;
 /// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DepthRow {
-    /// The scene's name.
-    pub scene: String,
-    /// Maximum path depth.
-    pub depth: u32,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: u32,
+    scene: String,
+    depth: u32,
+    spp: u32,
+    replicates: u32,
     /// Of the light of the deepest image.
-    pub missing_share: f64,
-    /// Of the interval of the share.
-    pub missing_share_half_width: f64,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Of the interval of the time.
-    pub cpu_seconds_half_width: f64,
+    missing_share: f64,
+    missing_share_half_width: f64,
+    cpu_seconds: f64,
+    cpu_seconds_half_width: f64,
     /// Of the time of the deepest image.
-    pub time_share: f64,
+    time_share: f64,
 }
 
-/// The table of all depths of all scenes.
-#[must_use]
 pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
     let of_scene = |depths: &DepthCurve| {
         let DepthCurve { scene, replicates, spp, levels } = depths.clone();
@@ -53,7 +44,6 @@ pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
 }
 
 /// Missing light over the depth, and over the time that the render takes.
-#[must_use]
 pub fn depths(scenes: &[DepthCurve]) -> Drawing {
     let share = || Axis::log("light missing (share of all)");
     let mut over_depth = Panel::new(Axis::linear("maximum depth").range(0.0, 10.0).every(1.0), share());
@@ -67,11 +57,9 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
-        over_depth = over_depth
-            .band("", stroke.colour, levels.iter().map(band).collect::<Vec<_>>())
-            .line(label.clone(), stroke, by_depth.clone())
-            .dots(label.clone(), stroke.colour, by_depth);
-        over_time = over_time.line(label.clone(), stroke, by_time.clone()).dots(label, stroke.colour, by_time);
+        let bands: Vec<_> = levels.iter().map(band).collect();
+        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label.clone(), stroke, by_depth);
+        over_time = over_time.dotted_line(label, stroke, by_time);
         for level in levels {
             over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string());
         }
@@ -86,30 +74,19 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
 /// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RoughnessRow {
-    /// Roughness α.
-    pub alpha: f32,
-    /// How normals are sampled.
-    pub normals: &'static str,
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Renders with seeds of their own.
-    pub replicates: u32,
-    /// Mean squared error.
-    pub mse: f64,
-    /// Of its interval.
-    pub mse_half_width: f64,
-    /// Mean processor time of a render.
-    pub cpu_seconds: f64,
-    /// Of the interval of the time.
-    pub cpu_seconds_half_width: f64,
+    alpha: f32,
+    normals: &'static str,
+    spp: u32,
+    replicates: u32,
+    mse: f64,
+    mse_half_width: f64,
+    cpu_seconds: f64,
+    cpu_seconds_half_width: f64,
     /// 1 / (MSE · processor seconds).
-    pub efficiency_per_second: f64,
-    /// Of its interval.
-    pub efficiency_half_width: f64,
+    efficiency_per_second: f64,
+    efficiency_half_width: f64,
 }
 
-/// The table of all roughnesses.
-#[must_use]
 pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow> {
     let row = |l: &roughness::RoughnessLevel| RoughnessRow {
         alpha: l.alpha,
@@ -127,7 +104,6 @@ pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow>
 }
 
 /// Noise and efficiency over the roughness, a curve for each way of sampling normals.
-#[must_use]
 pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
     let alpha = || Axis::log("/{α}");
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
@@ -139,7 +115,7 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
             let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
             let line: Vec<_> = mine().map(|(x, [_, value, _])| [x, value]).collect();
-            panel.band("", stroke.colour, band).line(*name, stroke, line.clone()).dots(*name, stroke.colour, line)
+            panel.band("", stroke.colour, band).dotted_line(*name, stroke, line)
         };
         let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
         noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));
@@ -150,19 +126,15 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
 }
 
 /// Error over the number of lights, and over time: fixed lights, and random light samples.
-#[must_use]
 pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let error = || Axis::log("RMSE of radiance");
     let mut by_number = Panel::new(Axis::log("lights, or light samples per pixel"), error());
     let mut by_time = Panel::new(Axis::log("processor time (s)"), error());
     let mut add = |label: &str, stroke: Stroke, points: Vec<(f64, &Level)>| {
-        let line = |at: &dyn Fn(&(f64, &Level)) -> f64| points.iter().map(|p| [at(p), p.1.rmse()]).collect::<Vec<_>>();
-        let band = |at: &dyn Fn(&(f64, &Level)) -> f64| {
-            points.iter().map(|p| [at(p), p.1.rmse_band()[0], p.1.rmse_band()[1]]).collect::<Vec<_>>()
-        };
-        let (number, time) = (|p: &(f64, &Level)| p.0, |p: &(f64, &Level)| p.1.cpu_seconds);
-        by_number = by_number.clone().band("", stroke.colour, band(&number)).line(label, stroke, line(&number));
-        by_time = by_time.clone().band("", stroke.colour, band(&time)).line(label, stroke, line(&time));
+        let number: Vec<_> = points.iter().map(|(number, level)| with_band(*number, level)).collect();
+        let time: Vec<_> = points.iter().map(|(_, level)| with_band(level.cpu_seconds, level)).collect();
+        by_number = by_number.clone().banded_line(label, stroke, &number);
+        by_time = by_time.clone().banded_line(label, stroke, &time);
     };
     let names = [&CUTS[..], &SAMPLED].concat();
     let colours = theme::strategies(&names);
@@ -184,7 +156,6 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
 const SAMPLED: [&str; 3] = ["light", "light-cosine", "strata-64"];
 
 /// K of "median-cut-K".
-#[must_use]
 pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
     curve.strategy.name.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
 }

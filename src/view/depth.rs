@@ -6,16 +6,13 @@ use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
-#[must_use]
-pub fn by_conventions(image: &Image) -> Rgb8 {
+fn by_conventions(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 /// How [`by_conventions`] shows radiance, for captions.
 pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
 
-/// One depth.
-#[must_use]
 pub fn image(result: &Depths, place: usize) -> Drawing {
     let depth = DEPTHS[place];
     let what = match depth {
@@ -24,7 +21,12 @@ pub fn image(result: &Depths, place: usize) -> Drawing {
         n => format!("at most {n} scatterings"),
     };
     let caption = format!("/{{m}} = {depth}: {what}; mean radiance {:.3}; {SHOWN}", result.mean(depth));
-    contact_sheet("", 1, &[(caption, by_conventions(&result.images[place]))])
+    captioned(caption, &result.images[place])
+}
+
+/// An image as the second report shows its own, with a text below it.
+pub fn captioned(caption: String, image: &Image) -> Drawing {
+    contact_sheet("", 1, &[(caption, by_conventions(image))])
 }
 
 /// By how much differences are brightened, all alike.
@@ -33,22 +35,14 @@ const FACTOR: f32 = 4.0;
 const WIDEST: usize = 320;
 
 /// The differences of consecutive depths on one scale, each with the path classes that make it.
-#[must_use]
 pub fn differences(result: &Depths) -> Drawing {
-    let images: Vec<(String, Rgb8)> = result
-        .differences
-        .iter()
-        .zip(DEPTHS.windows(2))
-        .map(|(image, pair)| {
-            let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
-            (caption(result, pair[0], pair[1]), by_conventions(&brighter))
-        })
-        .collect();
-    contact_sheet(
-        &format!("What each depth adds, {FACTOR} times brighter, and the path classes that make it"),
-        3,
-        &images,
-    )
+    let shown = |(image, pair): (&Image, &[u32])| {
+        let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
+        (caption(result, pair[0], pair[1]), by_conventions(&brighter))
+    };
+    let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
+    let title = format!("What each depth adds, {FACTOR} times brighter, and the path classes that make it");
+    contact_sheet(&title, 3, &images)
 }
 
 /// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
@@ -72,7 +66,6 @@ fn caption(result: &Depths, before: u32, depth: u32) -> String {
     }
 }
 
-/// Classes that a caption names.
 const NAMED: usize = 4;
 
 /// What a path class is in a Cornell box with a mirror and a glass sphere.

@@ -12,7 +12,6 @@ fn angle_axis() -> Axis {
 }
 
 /// Curves of one interface, and beside them Schlick's error.
-#[must_use]
 pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
@@ -41,14 +40,13 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
 }
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
-#[must_use]
 pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
     // Panels of one row share a legend; the second row need not repeat it.
     let mut panels: Vec<Panel> =
         curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
     panels.push(errors(curves));
     let rows = panels.chunks(2).map(|pair| Plot::new(pair.to_vec()).frame_size(350.0, 240.0).draw());
-    Drawing::stacked(rows.collect(), 2.0)
+    Drawing::stacked(rows.collect(), 0.0, 2.0)
 }
 
 fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {

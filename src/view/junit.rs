@@ -6,8 +6,6 @@ use crate::figure::escape;
 use crate::study::validation::{Tested, Validation};
 use etalon_stats::Verdict;
 
-/// The document.
-#[must_use]
 pub fn document(validation: &Validation) -> String {
     let Validation { tests, rejected, inconclusive, seconds, .. } = validation;
     let mut text = format!(

@@ -1,7 +1,7 @@
 //! Environment maps with markers of samples and of regions.
 
 use crate::envmap::EnvMap;
-use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, overlay, theme};
+use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, theme};
 use crate::math::Rgb;
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::{map_samples, median_cut};
@@ -38,8 +38,6 @@ pub struct Display {
 const PAGE: [usize; 2] = [512, 2048];
 
 impl Display {
-    /// Tone-maps `map` for the page.
-    #[must_use]
     pub fn new(map: &EnvMap, look: Look) -> Self {
         // Darker than usual, so that bright lights keep their colours and markers stand out.
         let tone = look.tone(|| auto_exposure(map.image()) - 1.5);
@@ -54,7 +52,7 @@ impl Display {
     }
 
     fn black(&self) -> Drawing {
-        overlay(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
+        Drawing::over(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
     }
 
     /// A square marker of `side` texels around texel (x, y): wrapped at the seam, clipped at the poles.
@@ -78,9 +76,8 @@ impl Display {
     }
 
     /// The map with a blue marker at each sample.
-    #[must_use]
     pub fn samples(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
-        let mut drawing = overlay(self.base.clone());
+        let mut drawing = Drawing::over(self.base.clone());
         for r in rows {
             self.marker(&mut drawing, (r.x, r.y), side, theme::MARKER);
         }
@@ -89,7 +86,6 @@ impl Display {
 
     /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
     /// than the average of the map.
-    #[must_use]
     pub fn samples_only(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = self.black();
         if rows.is_empty() {
@@ -106,10 +102,9 @@ impl Display {
     }
 
     /// The map with white lines between the regions and a blue dot at each centroid.
-    #[must_use]
     pub fn partition(&self, rows: &[median_cut::RegionRow]) -> Drawing {
         let s = self.scale;
-        let mut drawing = overlay(self.base.clone());
+        let mut drawing = Drawing::over(self.base.clone());
         let line = Stroke::solid(theme::BORDER, 1.0);
         for r in rows {
             // Each region draws its left and upper border; the map's own edge needs none.
@@ -131,7 +126,6 @@ impl Display {
 
     /// Black but for a marker at each centroid, in the colour of the region's total flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
-    #[must_use]
     pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
@@ -150,11 +144,8 @@ mod tests {
     use crate::figure::Item;
 
     fn rects(drawing: &Drawing) -> Vec<Rect> {
-        drawing
-            .items()
-            .iter()
-            .filter_map(|i| if let Item::Rect { rect, .. } = i { Some(*rect) } else { None })
-            .collect()
+        let rect = |item: &Item| if let Item::Rect { rect, .. } = item { Some(*rect) } else { None };
+        drawing.items.iter().filter_map(rect).collect()
     }
 
     #[test]
@@ -178,7 +169,7 @@ mod tests {
         for (w, h) in [(1, 1), (2, 1), (3, 2), (64, 32), (1024, 512), (5000, 100)] {
             let display = Display::new(&EnvMap::new(Image::from_fn(w, h, |_, _| Rgb::ONE)), Look::default());
             let drawing = display.samples(&[], 5);
-            assert!(drawing.width() >= 256.0 && drawing.width() <= 2048.0, "{w}x{h}: {}", drawing.width());
+            assert!(drawing.width >= 256.0 && drawing.width <= 2048.0, "{w}x{h}: {}", drawing.width);
         }
     }
 }

@@ -4,17 +4,14 @@ use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::metal::{ConductorCurves, ConductorRow};
 
 /// One column for each metal: reflectance above, error of the approximation below, each row on one scale.
-#[must_use]
 pub fn drawing(metals: &[ConductorCurves]) -> Drawing {
     let columns: Vec<Drawing> = metals.iter().enumerate().map(|(i, metal)| column(metal, i)).collect();
-    let width = columns.iter().map(Drawing::width).sum();
-    let height = columns.iter().map(Drawing::height).fold(0.0, f64::max);
-    let mut sheet = Drawing::new(width, height, 2.0);
-    let mut x = 0.0;
+    let height = columns.iter().map(|column| column.height).fold(0.0, f64::max);
+    let mut sheet = Drawing::new(0.0, height, 2.0);
     for column in columns {
-        let step = column.width();
+        let x = sheet.width;
+        sheet.width += column.width;
         sheet.append(column, x, 0.0);
-        x += step;
     }
     sheet
 }

@@ -21,8 +21,6 @@ pub struct Row<'a> {
     p_without: Option<f64>,
 }
 
-/// All faults of a run.
-#[must_use]
 pub fn rows<'a>(findings: &'a Findings) -> Vec<Row<'a>> {
     let row = |test: &'a Finding| {
         let Finding { name, mistake, outcome, by, error, sound, sound_p } = test;

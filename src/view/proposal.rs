@@ -5,26 +5,18 @@ use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::proposal::{Proposal, RowBin};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
-#[must_use]
 pub fn drawing(result: &Proposal) -> Drawing {
-    let edges: Vec<f64> = result
-        .bins
-        .first()
-        .map(|b| b.theta_from_deg)
-        .into_iter()
-        .chain(result.bins.iter().map(|b| b.theta_to_deg))
-        .collect();
+    let first = result.bins.iter().take(1).map(|b| b.theta_from_deg);
+    let edges: Vec<f64> = first.chain(result.bins.iter().map(|b| b.theta_to_deg)).collect();
     let highest = result.bins.iter().map(|b| b.target.max(b.uniform).max(b.gaussian)).fold(0.0, f64::max);
     let target: Vec<Point> =
         result.bins.iter().flat_map(|b| [[b.theta_from_deg, b.target], [b.theta_to_deg, b.target]]).collect();
     let panel = |title: String, shares: Vec<f64>| {
-        Panel::new(
-            Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0),
-            Axis::linear("share of the samples").range(0.0, highest * 1.08),
+        empty(title, highest * 1.08).bars("samples", theme::OBSERVED, edges.clone(), shares).line(
+            "target: energy of the rows",
+            Stroke::solid(theme::EXPECTED, theme::LINE),
+            target.clone(),
         )
-        .title(title)
-        .bars("samples", theme::OBSERVED, edges.clone(), shares)
-        .line("target: energy of the rows", Stroke::solid(theme::EXPECTED, theme::LINE), target.clone())
     };
     let share = |f: fn(&RowBin) -> f64| result.bins.iter().map(f).collect();
     let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
@@ -36,10 +28,11 @@ pub fn drawing(result: &Proposal) -> Drawing {
 }
 
 /// The drawing for a map with too little light for the experiment.
-#[must_use]
 pub fn nothing_to_test() -> Drawing {
-    let axis = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
-    Plot::new([Panel::new(axis, Axis::linear("share of the samples").range(0.0, 1.0))
-        .title("this map has light in too few rows for the experiment")])
-    .draw()
+    Plot::new([empty("this map has light in too few rows for the experiment".into(), 1.0)]).draw()
+}
+
+fn empty(title: String, highest: f64) -> Panel {
+    let angle = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
+    Panel::new(angle, Axis::linear("share of the samples").range(0.0, highest)).title(title)
 }

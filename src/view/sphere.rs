@@ -1,40 +1,33 @@
 //! The sphere under an environment map: the render beside its error, and error against samples and time.
 
-use crate::error::Result;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{ToneMap, to_rgb8};
 use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 
 /// The render and its relative error, side by side.
-///
-/// # Errors
-/// Those of [`Heatmap::new`].
-pub fn shot(shot: &SphereRender) -> Result<Drawing> {
+pub fn shot(shot: &SphereRender) -> Drawing {
     let image = &shot.rendered.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let limit = 0.05;
-    let errors = Heatmap::new(image.width(), shot.relative_error.clone(), Shading::Diverging, "relative error")?
+    let errors = Heatmap::new(image.width(), shot.relative_error.clone(), Shading::Diverging, "relative error")
         .range(-limit, limit)
         .image();
     let row = &shot.row;
-    Ok(contact_sheet(
+    contact_sheet(
         &format!("{} samples per pixel, {} light samples each", row.spp, row.light_samples),
         2,
         &[
             ("rendered, shown one stop brighter".into(), rendered),
             (format!("relative error, ±5 %; RMSE {:.2} %", 100.0 * row.rel_rmse), errors),
         ],
-    ))
+    )
 }
 
-/// The table of [`errors`]: one strategy after another.
-#[must_use]
 pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
     series.iter().flat_map(|s| s.rows.iter().map(|row| (s.label, *row))).collect()
 }
 
 /// Error against samples and against time, both logarithmic; on the Grace map, PBRT-v2's beside them.
-#[must_use]
 pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
     let axis = || Axis::log("relative RMSE");
     let mut by_samples =
@@ -46,13 +39,13 @@ pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
         let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
         let points = |x: fn(&SphereRow) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
         let (samples, time) = (points(|r| f64::from(r.spp)), points(|r| r.seconds));
-        by_samples = by_samples.line(label, stroke, samples.clone()).dots(label, stroke.colour, samples);
-        by_time = by_time.line(label, stroke, time.clone()).dots(label, stroke.colour, time);
+        by_samples = by_samples.dotted_line(label, stroke, samples);
+        by_time = by_time.dotted_line(label, stroke, time);
     }
     if with_pbrt {
         let stroke = Stroke { colour: theme::REFERENCE, width: theme::LINE, dash: theme::DOTTED };
         let points: Vec<Point> = PBRT_RMSE.iter().map(|&(spp, e)| [f64::from(spp), e]).collect();
-        by_samples = by_samples.line("PBRT-v2", stroke, points.clone()).dots("PBRT-v2", theme::REFERENCE, points);
+        by_samples = by_samples.dotted_line("PBRT-v2", stroke, points);
     }
     Plot::new([by_samples, by_time]).draw()
 }

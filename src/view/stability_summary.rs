@@ -11,14 +11,13 @@ const LINE: f64 = 21.0;
 const FRAME: [f64; 2] = [128.0, 62.0];
 
 /// A line for each family, a dot for each variant: filled for f32, open for f64.
-#[must_use]
 pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
     families.dedup();
     let [left, top] = FRAME;
     let (width, height) = (DECADE * f64::from(SCALE.1 - SCALE.0), LINE * families.len() as f64);
     let mut page = Drawing::new(left + width + 24.0, top + height + 50.0, 2.0);
-    let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup).coloured(theme::INK);
+    let text = |x: f64, y: f64, size: f64, markup: String| Text::new([x, y], size, markup);
     // Decades
     for power in SCALE.0..=SCALE.1 {
         let x = left + DECADE * f64::from(power - SCALE.0);
@@ -37,7 +36,8 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         for row in rows.iter().filter(|row| row.family == *family) {
             let place = (row.max_relative.log10() - f64::from(SCALE.0)) * DECADE;
             let x = left + if place.is_nan() { width } else { place.clamp(0.0, width) };
-            dot(&mut page, [x, y + aside(row.variant)], colour(row.variant), row.precision);
+            let (colour, aside) = look(row.variant);
+            dot(&mut page, [x, y + aside], colour, row.precision);
         }
     }
     page.rect(Rect::new(left, top, width, height), Paint::from(Stroke::solid(theme::INK, theme::THIN)));
@@ -49,20 +49,12 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     page
 }
 
-fn colour(variant: &str) -> Colour {
+/// The colour of a variant, and the vertical offset of its dots, so that none hides another.
+fn look(variant: &str) -> (Colour, f64) {
     match variant {
-        REPORT => theme::ERRATUM_VARIANT,
-        _ if variant.starts_with(STABLE) => theme::STABLE_VARIANT,
-        _ => theme::TEXTBOOK_VARIANT,
-    }
-}
-
-/// Vertical offset of a variant's dot, so that none hides another.
-fn aside(variant: &str) -> f64 {
-    match variant {
-        REPORT => 5.0,
-        _ if variant.starts_with(STABLE) => -5.0,
-        _ => 0.0,
+        REPORT => (theme::ERRATUM_VARIANT, 5.0),
+        _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -5.0),
+        _ => (theme::TEXTBOOK_VARIANT, 0.0),
     }
 }
 
@@ -73,7 +65,6 @@ fn dot(page: &mut Drawing, at: [f64; 2], colour: Colour, precision: Precision) {
     }
 }
 
-/// Two lines above the frame.
 fn legend(page: &mut Drawing, left: f64) {
     for (line, precision) in Precision::ALL.into_iter().enumerate() {
         let y = 20.0 + LINE * line as f64;
@@ -81,9 +72,9 @@ fn legend(page: &mut Drawing, left: f64) {
             [(STABLE, "as it renders"), ("textbook", "textbook"), (REPORT, "report")].into_iter().enumerate()
         {
             let x = left + 160.0 * column as f64;
-            dot(page, [x + 6.0, y], colour(form), precision);
+            dot(page, [x + 6.0, y], look(form).0, precision);
             let label = Text::new([x + 16.0, y], theme::TICK_SIZE, format!("{name}, {}", precision.name()));
-            page.text(label.coloured(theme::INK).held(Anchor::Start, Level::Middle));
+            page.text(label.held(Anchor::Start, Level::Middle));
         }
     }
 }

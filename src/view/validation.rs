@@ -9,43 +9,32 @@ use serde::Serialize;
 /// A line of the table. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row<'a> {
-    /// Name of the test.
-    pub name: &'a str,
-    /// Its verdict.
-    pub verdict: String,
-    /// The test's statistic.
-    pub statistic: f64,
-    /// Degrees of freedom.
-    pub dof: usize,
-    /// p-value of the test; none where nothing was counted.
-    pub p: Option<f64>,
-    /// Samples taken.
-    pub samples: u64,
+    name: &'a str,
+    verdict: String,
+    statistic: f64,
+    dof: usize,
+    p: Option<f64>,
+    samples: u64,
     /// Relative error of the pdf (root mean square) that is detected with 90 % probability.
-    pub detectable: Option<f64>,
-    /// Integral of the pdf.
-    pub mass: Option<f64>,
-    /// The bound of the mass's error.
-    pub mass_error: Option<f64>,
-    /// Which kind of bound.
-    pub mass_bound: Option<Bound>,
-    /// Cells that were counted.
-    pub cells: usize,
+    detectable: Option<f64>,
+    mass: Option<f64>,
+    mass_error: Option<f64>,
+    mass_bound: Option<Bound>,
+    cells: usize,
     /// Cells put together for lack of expected samples.
-    pub pooled: usize,
+    pooled: usize,
     /// Samples without a direction.
-    pub none: u64,
-    /// Whether a second round was taken.
-    pub repeated: bool,
-    /// Wall-clock time.
-    pub seconds: f64,
+    none: u64,
+    repeated: bool,
+    seconds: f64,
     /// A violation, or why the test is inconclusive.
-    pub remark: &'a str,
+    remark: &'a str,
 }
 
-impl<'a> From<&'a Tested> for Row<'a> {
-    fn from(Tested { name, outcome }: &'a Tested) -> Self {
-        Self {
+pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
+    let tests = validation.tests.iter();
+    tests
+        .map(|Tested { name, outcome }| Row {
             name,
             verdict: outcome.verdict.to_string(),
             statistic: outcome.statistic,
@@ -62,18 +51,11 @@ impl<'a> From<&'a Tested> for Row<'a> {
             repeated: outcome.repeated,
             seconds: outcome.seconds,
             remark: outcome.remark().unwrap_or_default(),
-        }
-    }
-}
-
-/// The table of a run.
-#[must_use]
-pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
-    validation.tests.iter().map(Row::from).collect()
+        })
+        .collect()
 }
 
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
-#[must_use]
 pub fn drawing(validation: &Validation) -> Drawing {
     let tests = validation.ranked();
     let n = tests.len();
@@ -120,35 +102,33 @@ pub fn drawing(validation: &Validation) -> Drawing {
 /// A line of a calibration's table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct CalibrationRow<'a> {
-    /// Name of the test.
-    pub name: &'a str,
-    /// p-values.
-    pub count: usize,
+    name: &'a str,
+    count: usize,
     /// Kolmogorov–Smirnov distance from the uniform distribution.
-    pub distance: f64,
-    /// p-value; none where nothing was counted.
-    pub p: f64,
-    /// Whether the p-values are not uniform.
-    pub uneven: bool,
-    /// A violation, if there is one.
-    pub fault: &'a str,
+    distance: f64,
+    p: f64,
+    uneven: bool,
+    fault: &'a str,
 }
 
-impl<'a> From<&'a Calibrated> for CalibrationRow<'a> {
-    fn from(Calibrated { name, uniformity, skewed, violation }: &'a Calibrated) -> Self {
-        let Uniformity { count, distance, p } = *uniformity;
-        Self { name, count, distance, p, uneven: *skewed, fault: violation.as_deref().unwrap_or_default() }
-    }
-}
-
-/// The table of a calibration.
-#[must_use]
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
-    calibration.tests.iter().map(CalibrationRow::from).collect()
+    let tests = calibration.tests.iter();
+    tests
+        .map(|Calibrated { name, uniformity, skewed, violation }| {
+            let Uniformity { count, distance, p } = *uniformity;
+            CalibrationRow {
+                name,
+                count,
+                distance,
+                p,
+                uneven: *skewed,
+                fault: violation.as_deref().unwrap_or_default(),
+            }
+        })
+        .collect()
 }
 
 /// All p-values of a calibration as a histogram, with what chance allows each bar.
-#[must_use]
 pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     const BARS: usize = 20;
     // Histogram of the p-values

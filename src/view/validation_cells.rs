@@ -1,6 +1,5 @@
 //! One test's counts: observed, expected, and their residuals.
 
-use crate::error::Result;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use crate::study::validation::Tested;
 use etalon_stats::{Cell, Counts};
@@ -10,25 +9,17 @@ use serde::Serialize;
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Row {
     /// "cell", "atom" or "none".
-    pub kind: &'static str,
-    /// Lower end of the first coordinate.
-    pub x_from: Option<f64>,
-    /// Upper end of the first coordinate.
-    pub x_to: Option<f64>,
-    /// Lower end of the second coordinate.
-    pub y_from: Option<f64>,
-    /// Upper end of the second coordinate.
-    pub y_to: Option<f64>,
-    /// Samples in the cell.
-    pub observed: u64,
-    /// Expected samples in the cell.
-    pub expected: f64,
+    kind: &'static str,
+    x_from: Option<f64>,
+    x_to: Option<f64>,
+    y_from: Option<f64>,
+    y_to: Option<f64>,
+    observed: u64,
+    expected: f64,
     /// (O − E)/√E.
-    pub residual: f64,
+    residual: f64,
 }
 
-/// The table of a test's cells.
-#[must_use]
 pub fn rows(counts: &Counts) -> Vec<Row> {
     let places = counts.grid.cells().map(Some).chain(std::iter::repeat(None));
     let of = |(i, (place, (&observed, &expected))): (usize, (Option<Cell>, (&u64, &f64)))| Row {
@@ -55,8 +46,8 @@ fn residual(observed: u64, expected: f64) -> f64 {
 }
 
 /// The drawing of a test's cells; `None` for a test that counts nothing.
-pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
-    let Some(counts) = &tested.outcome.counts else { return Ok(None) };
+pub fn drawing(tested: &Tested) -> Option<Drawing> {
+    let counts = tested.outcome.counts.as_ref()?;
     let p = tested.outcome.p.map_or("none".into(), |p| if p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") });
     let title = format!("{}: {}, /{{p}} = {p}", tested.name, tested.outcome.verdict);
     let rows = rows(counts);
@@ -67,9 +58,9 @@ pub fn drawing(tested: &Tested) -> Result<Option<Drawing>> {
     } else if columns.iter().all(|n| *n == 1) {
         listed(cells, &format!("cell, by {}", counts.axes[0]))
     } else {
-        maps(counts.axes, cells, &columns)?
+        maps(counts.axes, cells, &columns)
     };
-    Ok(Some(headed(plot.draw(), title, remainder(counts.atoms, beyond))))
+    Some(headed(plot.draw(), title, remainder(counts.atoms, beyond)))
 }
 
 /// Puts two lines above a drawing.
@@ -77,20 +68,19 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
     const EDGE: f64 = 12.0;
     let (first, second) = (EDGE + theme::TITLE_SIZE, EDGE + theme::TITLE_SIZE + 1.5 * theme::NOTE_SIZE);
     let widest = text::width(&title, theme::TITLE_SIZE, true).max(text::width(&remark, theme::NOTE_SIZE, false));
-    let width = drawing.width().max(widest + 2.0 * EDGE).ceil();
-    let left = 0.5 * (width - drawing.width());
-    let mut page = Drawing::new(width, (second + drawing.height()).ceil(), drawing.scale());
+    let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
+    let left = 0.5 * (width - drawing.width);
+    let mut page = Drawing::new(width, (second + drawing.height).ceil(), drawing.scale);
     page.append(drawing, left, second);
-    let centred = |y: f64, size: f64, line: String| {
-        Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline).coloured(theme::INK)
-    };
+    let centred =
+        |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
     page.text(centred(first, theme::TITLE_SIZE, title).bold());
     page.text(centred(second, theme::NOTE_SIZE, remark));
     page
 }
 
 /// Three heat maps: at their places where all cells are equal, else by number of row and column.
-fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
+fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Plot {
     let width = |row: &Row| row.y_to.zip(row.y_from).map_or(0.0, |(to, from)| to - from);
     let height = |row: &Row| row.x_to.zip(row.x_from).map_or(0.0, |(to, from)| to - from);
     let is_constant =
@@ -113,17 +103,17 @@ fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Result<Plot> {
         columns.iter().flat_map(row).collect()
     };
     let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
-    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Result<Panel> {
-        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples")?.range(0.0, highest);
-        Ok(Panel::new(across.clone(), down.clone()).title(title).heatmap(map))
+    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Panel {
+        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples").range(0.0, highest);
+        Panel::new(across.clone(), down.clone()).title(title).heatmap(map)
     };
-    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations")?;
-    Ok(Plot::new([
-        counts("observed /{O}", &|row| row.observed as f64)?,
-        counts("expected /{E}", &|row| row.expected)?,
+    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
+    Plot::new([
+        counts("observed /{O}", &|row| row.observed as f64),
+        counts("expected /{E}", &|row| row.expected),
         Panel::new(across.clone(), down.clone()).title("residual (/{O} − /{E})/√/{E}").heatmap(residual),
     ])
-    .frame_size(250.0, 210.0))
+    .frame_size(250.0, 210.0)
 }
 
 /// Counts one after the other, with their residuals.
@@ -165,17 +155,6 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
 
 /// The number of cells in each row of the grid.
 fn columns(counts: &Counts) -> Vec<usize> {
-    let mut columns: Vec<usize> = Vec::new();
-    let mut row = None;
-    for cell in counts.grid.cells() {
-        if row == Some(cell.x) {
-            if let Some(last) = columns.last_mut() {
-                *last += 1;
-            }
-        } else {
-            columns.push(1);
-            row = Some(cell.x);
-        }
-    }
-    columns
+    let cells: Vec<Cell> = counts.grid.cells().collect();
+    cells.chunk_by(|a, b| a.x == b.x).map(<[Cell]>::len).collect()
 }

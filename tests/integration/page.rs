@@ -26,7 +26,7 @@ fn a_smaller_run_keeps_what_a_larger_one_left() {
     }
     assert!(!text.contains("id=\"figure-iron\""), "was never made");
     assert!(text.contains("<code>etalon reproduce --only fresnel-enter</code>"));
-    assert!(text.contains("etalon reproduce --only median-cut-4 --seed 7 --envmap &#39;map &amp; co.pfm&#39;"));
+    assert!(text.contains("etalon reproduce --only median-cut-4 --seed 7 --envmap 'map &amp; co.pfm'"));
     assert!(!text.contains(dir.path().to_str().unwrap()), "a folder of this machine is on the page");
     let checks = std::fs::read_to_string(dir.path().join("figures/checks.csv")).unwrap();
     assert!(checks.starts_with("figure,name,kind,expected,got,tolerance,pass\n"), "{checks}");

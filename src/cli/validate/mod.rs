@@ -134,7 +134,7 @@ impl Validate {
 
 /// Writes the counts of one test, if it has any.
 fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
-    let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)?) else {
+    let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)) else {
         return Ok(Vec::new());
     };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;

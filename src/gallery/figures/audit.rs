@@ -15,9 +15,7 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "their own formulas",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
                 image.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 
@@ -34,7 +32,6 @@ fn content(inputs: &Inputs) -> Result<Content> {
     Ok(Content { errata: errata.iter().map(row).collect(), ..content })
 }
 
-/// A row of the page's list.
 fn row(erratum: &Erratum) -> figure::Erratum {
     figure::Erratum {
         printed: format!("{}: {}", erratum.report, erratum.printed),

@@ -1,4 +1,4 @@
-//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`.
+//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`, and `depth-differences`.
 
 use crate::errata::Conventions;
 use crate::gallery::prelude::*;
@@ -9,70 +9,63 @@ use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::view::depth as view;
 
 /// One render, taken apart by path class.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct DepthSeries;
-
-impl Study for DepthSeries {
-    type Output = Depths;
-
-    fn run(self, inputs: &Inputs) -> Result<Depths> {
-        let (scene, request) = inputs.spheres();
-        depth::depths(&scene, &request, &inputs.settings())
-    }
+fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
+    let (scene, request) = inputs.spheres();
+    studies.get("depths", || depth::depths(&scene, &request, &inputs.settings()))
 }
 
-/// One figure for each of [`DEPTHS`], in that order.
+/// One figure for each of [`DEPTHS`], in that order, and one of what each adds.
 pub fn figures() -> Vec<Figure> {
     let texts = [
-        ("depth-0", "depth-1", "Figure 1a, depth 0", "Only the area light itself is visible."),
+        ("depth-0", "Figure 1a, depth 0", "Only the area light itself is visible."),
         (
             "depth-1",
-            "depth-0",
             "Figure 1b, depth 1",
             "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
         ),
         (
             "depth-2",
-            "depth-1",
             "Figure 1c, depth 2",
             "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
              light must enter and leave it.",
         ),
         (
             "depth-3",
-            "depth-2",
             "Figure 1d, depth 3",
             "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
         ),
-        (
-            "depth-4",
-            "depth-3",
-            "Figure 1e, depth 4",
-            "The glass sphere, as clear as before, appears in the mirror sphere.",
-        ),
-        ("depth-5", "depth-4", "Figure 1f, depth 5", "The light that this depth adds is faint."),
+        ("depth-4", "Figure 1e, depth 4", "The glass sphere, as clear as before, appears in the mirror sphere."),
+        ("depth-5", "Figure 1f, depth 5", "The light that this depth adds is faint."),
         (
             "depth-100",
-            "depth-5",
             "Figure 1g, depth 100",
             "Practically all light. Compare it with depth 5 to see how little was missing.",
         ),
     ];
-    let figure = |(place, (id, beside, reproduces, shows))| Figure {
+    let figure = |(place, (id, reproduces, shows)): (usize, (&'static str, _, _))| Figure {
         id,
         title: "Mirror and glass sphere, paths up to a depth",
         report: Report::Second,
         reproduces,
         shows,
-        beside: Some(beside),
+        // Beside the depth before, the first beside the second.
+        beside: Some(if place == 0 { texts[1].0 } else { texts[place - 1].0 }),
         command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report", DEPTHS[place])),
-        make: Box::new(move |inputs, studies| content(inputs, studies, place)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, place))
     };
-    texts.into_iter().enumerate().map(figure).collect()
+    let differences = Figure {
+        id: "depth-differences",
+        title: "What each further scattering adds, by path class",
+        report: Report::Second,
+        reproduces: "Figure 1, what appears at each depth",
+        shows: "Each depth minus the one before, on one scale, with the path classes that make up the difference.",
+        ..Figure::by(differences)
+    };
+    texts.into_iter().enumerate().map(figure).chain([differences]).collect()
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Content> {
-    let result = studies.get(DepthSeries, inputs)?;
+    let result = series(inputs, studies)?;
     let m = DEPTHS[place];
     let (scene, request) = inputs.spheres();
     let mut checks = vec![Check::equal("dropped samples", 0.0, result.dropped.total() as f64)];
@@ -103,6 +96,17 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
     Ok(Content::new(view::image(&result, place), &rows, checks)?
         .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
+}
+
+fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = series(inputs, studies)?;
+    let mut checks = vec![Check::within("total share of all path classes", 1.0, result.share(|_| true), 1e-6)];
+    for pair in DEPTHS.windows(2) {
+        let added = (result.mean(pair[1]) - result.mean(pair[0])) / result.mean(100);
+        let name = format!("share of the classes of depth {} (the difference from depth {})", pair[1], pair[0]);
+        checks.push(Check::within(name, added, result.share(|r| r.depth == pair[1]), 1e-6));
+    }
+    Content::new(view::differences(&result), &result.classes, checks)
 }
 
 /// What the report sees appear at each depth, by path class and by the share of an object's pixels that it lights. The

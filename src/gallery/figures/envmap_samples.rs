@@ -2,7 +2,6 @@
 
 use crate::envmap::samplers::CdfSampler;
 use crate::figure::Drawing;
-use crate::gallery::map::{MapDisplay, MapInfo};
 use crate::gallery::prelude::*;
 use crate::study::map_samples::{self, SampleRow};
 use crate::view::map::Display;
@@ -21,7 +20,7 @@ pub fn figures() -> Vec<Figure> {
         shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
         beside: Some(beside),
         command: Some(format!("etalon envmap sample {{map}} -n {n}")),
-        make: Box::new(move |inputs, studies| content(inputs, studies, n, Display::samples)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, n, Display::samples))
     };
     vec![
         on_the_map("envmap-samples-64", 64, "Figure 3, 64 samples", "envmap-samples-256"),
@@ -35,7 +34,7 @@ pub fn figures() -> Vec<Figure> {
             shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
             beside: Some("envmap-samples-256"),
             command: Some("etalon envmap sample {map} -n 256".into()),
-            make: Box::new(|inputs, studies| content(inputs, studies, 256, Display::samples_only)),
+            ..Figure::by(|inputs, studies| content(inputs, studies, 256, Display::samples_only))
         },
     ]
 }
@@ -48,11 +47,11 @@ fn content(
 ) -> Result<Content> {
     let map = &inputs.map.map;
     let result = map_samples::draw(map, &CdfSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
-    let flux = studies.get(MapInfo, inputs)?.flux_rgb.iter().sum::<f64>() / 3.0;
+    let flux = studies.map_info(inputs)?.flux_rgb.iter().sum::<f64>() / 3.0;
     let checks = vec![
         Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),
         // The pdf is proportional to radiance, so that the estimator has no variance.
         Check::within("flux estimated from the samples", flux, result.flux_estimate, 1e-6 * flux),
     ];
-    Content::new(draw(&*studies.get(MapDisplay, inputs)?, &result.rows, MARKER), &result.rows, checks)
+    Content::new(draw(&*studies.map_display(inputs)?, &result.rows, MARKER), &result.rows, checks)
 }

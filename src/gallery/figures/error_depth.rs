@@ -7,7 +7,6 @@ use crate::study::converge::depth::{self, DepthCurve};
 use crate::study::converge::doubling::Deadline;
 use crate::view::converge_series as view;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "error-depth",
@@ -15,9 +14,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 1, max_ray_depth",
         shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

@@ -32,18 +32,10 @@ pub fn small(inputs: &Inputs, (scene, request): (Scene, Request)) -> (Scene, Req
     (scene, Request { light_samples: 1, ..request })
 }
 
-/// The curves of the sphere.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct SphereCurves;
-
-impl Study for SphereCurves {
-    type Output = Convergence;
-
-    fn run(self, inputs: &Inputs) -> Result<Convergence> {
-        let (scene, request) = sphere(inputs);
-        let plan = plan(inputs, inputs.effort.of(128, 32), inputs.effort.of(5, 4));
-        measure(&scene, &request, &Strategy::usual(&scene), &plan, None)
-    }
+pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
+    let (scene, request) = sphere(inputs);
+    let plan = plan(inputs, inputs.effort.of(128, 32), inputs.effort.of(5, 4));
+    studies.get("sphere", || measure(&scene, &request, &Strategy::usual(&scene), &plan, None))
 }
 
 /// The curves of the sphere and of the Cornell box.
@@ -56,9 +48,7 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figures 12 to 15, at equal time",
             shows: "Error over processor time and over samples per pixel, efficiency, and images at equal time with their \
                     errors.",
-            beside: None,
-            command: None,
-            make: Box::new(sphere_content),
+            ..Figure::by(sphere_content)
         },
         Figure {
             id: "error-time-cornell",
@@ -66,15 +56,13 @@ pub fn figures() -> Vec<Figure> {
             report: Report::Second,
             reproduces: "Figure 1, at equal time",
             shows: "The same for a mirror and a glass sphere in a Cornell box, lit by an area light.",
-            beside: None,
-            command: None,
-            make: Box::new(|inputs, _| cornell_content(inputs)),
+            ..Figure::by(|inputs, _| cornell_content(inputs))
         },
     ]
 }
 
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let result = studies.get(SphereCurves, inputs)?;
+    let result = sphere_curves(inputs, studies)?;
     let mut checks = vec![stopped(&result)];
     for curve in &result.curves {
         let name = curve.strategy.name.as_str();
@@ -94,7 +82,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+    Content::new(view::sheet(&result), &view::rows(&result), checks)
 }
 
 fn cornell_content(inputs: &Inputs) -> Result<Content> {
@@ -112,7 +100,7 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(view::sheet(&result)?, &view::rows(&result), checks)
+    Content::new(view::sheet(&result), &view::rows(&result), checks)
 }
 
 /// Nothing was left out for lack of time.

@@ -13,7 +13,6 @@ const QUICK_ALPHAS: [f32; 3] = [0.05, 0.25, 1.0];
 /// From this α on, visible normals must have less noise than all normals; below, both pdfs are nearly the same.
 const ROUGH: f32 = 0.25;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "error-time-roughness",
@@ -21,9 +20,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 3, over all roughnesses",
         shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
-        beside: None,
-        command: None,
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

@@ -7,7 +7,6 @@ use crate::view::fresnel as view;
 
 /// Index of refraction of the report's glass.
 const GLASS: f64 = 1.45;
-/// Angles of a curve.
 const POINTS: usize = 901;
 /// tan θ = 1.45, as the report prints it.
 const BREWSTER_DEG: f64 = 55.407_711_312_490_06;
@@ -28,7 +27,7 @@ pub fn figures() -> Vec<Figure> {
                     approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
             beside: Some("fresnel-exit"),
             command: Some("etalon fresnel --eta-i 1 --eta-t 1.45".into()),
-            make: Box::new(|_, _| content(1.0, GLASS)),
+            ..Figure::by(|_, _| content(1.0, GLASS))
         },
         Figure {
             id: "fresnel-exit",
@@ -38,7 +37,7 @@ pub fn figures() -> Vec<Figure> {
             shows: "The same from inside: total internal reflection beyond the critical angle.",
             beside: Some("fresnel-enter"),
             command: Some("etalon fresnel --eta-i 1.45 --eta-t 1".into()),
-            make: Box::new(|_, _| content(GLASS, 1.0)),
+            ..Figure::by(|_, _| content(GLASS, 1.0))
         },
     ]
 }

@@ -2,7 +2,6 @@
 
 use crate::envmap::cut::{SideRule, Split};
 use crate::figure::Drawing;
-use crate::gallery::map::{MapDisplay, MapInfo};
 use crate::gallery::prelude::*;
 use crate::study::median_cut::{self, Centroid, RegionRow};
 use crate::view::map::Display;
@@ -20,7 +19,7 @@ pub fn figures() -> Vec<Figure> {
         shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
         beside: Some(beside),
         command: Some(format!("etalon envmap cut {{map}} -n {n}")),
-        make: Box::new(move |inputs, studies| content(inputs, studies, n, Display::partition)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, n, Display::partition))
     };
     vec![
         partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4"),
@@ -35,9 +34,7 @@ pub fn figures() -> Vec<Figure> {
             shows: "One light at each centroid, in the colour of its region's flux.",
             beside: Some("median-cut-64"),
             command: Some("etalon envmap cut {map} -n 64".into()),
-            make: Box::new(|inputs, studies| {
-                content(inputs, studies, 64, |display, rows| display.lights(rows, MARKER))
-            }),
+            ..Figure::by(|inputs, studies| content(inputs, studies, 64, |display, rows| display.lights(rows, MARKER)))
         },
     ]
 }
@@ -50,7 +47,7 @@ fn content(
 ) -> Result<Content> {
     let map = &inputs.map.map;
     let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
-    let error = median_cut::flux_error(&rows, studies.get(MapInfo, inputs)?.flux_rgb);
+    let error = median_cut::flux_error(&rows, studies.map_info(inputs)?.flux_rgb);
     let checks = vec![Check::at_most("relative error of the regions' total flux", error, 1e-9)];
-    Content::new(draw(&*studies.get(MapDisplay, inputs)?, &rows), &rows, checks)
+    Content::new(draw(&*studies.map_display(inputs)?, &rows), &rows, checks)
 }

@@ -1,6 +1,6 @@
 //! Error of fixed lights in place of a map: `median-cut-error`.
 
-use super::error_time::{SphereCurves, biased, plan, sphere, stopped};
+use super::error_time::{biased, plan, sphere, sphere_curves, stopped};
 use crate::gallery::prelude::*;
 use crate::study::converge::{CUTS, cuts};
 use crate::view::{converge, converge_series as view};
@@ -8,7 +8,6 @@ use crate::view::{converge, converge_series as view};
 /// Numbers of lights that the map is cut into.
 const LIGHTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "median-cut-error",
@@ -17,14 +16,12 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "Figures 7 to 11, their error",
         shows: "Error of the sphere lit by fixed lights of a median cut, over their number and over time, beside light samples \
                 of the map itself.",
-        beside: None,
-        command: None,
-        make: Box::new(content),
+        ..Figure::by(content)
     }]
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let sampled = studies.get(SphereCurves, inputs)?;
+    let sampled = sphere_curves(inputs, studies)?;
     let (scene, request) = sphere(inputs);
     let fixed = cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
     let mut checks = vec![stopped(&fixed)];

@@ -4,10 +4,8 @@ use crate::gallery::prelude::*;
 use crate::study::metal;
 use crate::view::metals as view;
 
-/// Angles of a curve.
 const POINTS: usize = 181;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "metals-table",
@@ -16,9 +14,7 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "Table 1, η and k of metals",
         shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. The \
                 sources of η and k stand in the table.",
-        beside: None,
-        command: None,
-        make: Box::new(|_, _| content()),
+        ..Figure::by(|_, _| content())
     }]
 }
 

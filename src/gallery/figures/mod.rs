@@ -2,30 +2,26 @@
 //!
 //! A new figure is a file with a function `figures`, and its two lines here.
 
-pub mod audit;
-pub mod depth;
-pub mod depth_differences;
-pub mod envmap_samples;
-pub mod error_depth;
-pub mod error_time;
-pub mod error_time_roughness;
-pub mod fresnel;
-pub mod iron;
-pub mod median_cut;
-pub mod median_cut_error;
-pub mod metals_table;
-pub mod proposal;
-pub mod roughness;
-pub mod sampling;
-pub mod sphere;
-pub mod sphere_error;
-pub mod stability;
-pub mod validation;
+mod audit;
+mod depth;
+mod envmap_samples;
+mod error_depth;
+mod error_time;
+mod error_time_roughness;
+mod fresnel;
+mod median_cut;
+mod median_cut_error;
+mod metals_table;
+mod proposal;
+mod roughness;
+mod sampling;
+mod sphere;
+mod stability;
+mod validation;
 
 use super::figure::Figure;
 
 /// All figures, in the order in which they are made and shown.
-#[must_use]
 pub fn registry() -> Vec<Figure> {
     [
         fresnel::figures(),
@@ -33,12 +29,10 @@ pub fn registry() -> Vec<Figure> {
         proposal::figures(),
         median_cut::figures(),
         sphere::figures(),
-        sphere_error::figures(),
         depth::figures(),
-        depth_differences::figures(),
         roughness::figures(),
         sampling::figures(),
-        iron::figures(),
+        roughness::iron(),
         metals_table::figures(),
         validation::figures(),
         audit::figures(),

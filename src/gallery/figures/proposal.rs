@@ -9,7 +9,6 @@ const SAMPLES: usize = 100_000;
 /// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
 const LEVEL: f64 = 1e-3;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "proposal",
@@ -18,9 +17,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "text, proposal distributions",
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
-        beside: None,
         command: Some("etalon envmap proposal {map}".into()),
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

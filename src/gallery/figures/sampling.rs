@@ -10,16 +10,9 @@ use crate::view::statue as view;
 const SIGMAS: f64 = 4.0;
 
 /// Both renders and their profile.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct BothStrategies;
-
-impl Study for BothStrategies {
-    type Output = StrategyComparison;
-
-    fn run(self, inputs: &Inputs) -> Result<StrategyComparison> {
-        let (scene, request) = inputs.copper()?;
-        compare(&scene, &request, &inputs.settings())
-    }
+fn both(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<StrategyComparison>> {
+    let (scene, request) = inputs.copper()?;
+    studies.get("copper", || compare(&scene, &request, &inputs.settings()))
 }
 
 /// Two renders and their comparison.
@@ -33,7 +26,7 @@ pub fn figures() -> Vec<Figure> {
             shows: "Directions sampled in proportion to what the metal reflects: little noise with few samples.",
             beside: Some("sampling-hemisphere"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report".into()),
-            make: Box::new(|inputs, studies| render(inputs, studies, true)),
+            ..Figure::by(|inputs, studies| render(inputs, studies, true))
         },
         Figure {
             id: "sampling-hemisphere",
@@ -44,7 +37,7 @@ pub fn figures() -> Vec<Figure> {
                     image looks dark and noisy.",
             beside: Some("sampling-importance"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report".into()),
-            make: Box::new(|inputs, studies| render(inputs, studies, false)),
+            ..Figure::by(|inputs, studies| render(inputs, studies, false))
         },
         Figure {
             id: "sampling-error",
@@ -53,15 +46,13 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 3, the dark rim of hemisphere sampling",
             shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
                     like a dark rim.",
-            beside: None,
-            command: None,
-            make: Box::new(errors),
+            ..Figure::by(errors)
         },
     ]
 }
 
 fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Content> {
-    let result = studies.get(BothStrategies, inputs)?;
+    let result = both(inputs, studies)?;
     let (shot, how) = if importance {
         (&result.importance, "directions sampled in proportion to the BSDF")
     } else {
@@ -78,7 +69,7 @@ fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Co
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let result = studies.get(BothStrategies, inputs)?;
+    let result = both(inputs, studies)?;
     let rim = "rim by importance sampling minus by hemisphere sampling (standard errors)";
     let mut checks = vec![
         Check::within(rim, 0.0, result.z_rim, SIGMAS),
@@ -89,5 +80,5 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         let name = "noise on the statue, importance over hemisphere sampling";
         checks.push(Check::at_most(name, result.noise_ratio(), 0.25));
     }
-    Content::new(view::errors(&result)?, &result.profile, checks)
+    Content::new(view::errors(&result), &result.profile, checks)
 }

@@ -1,25 +1,21 @@
-//! The white sphere under the environment map: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`.
+//! The white sphere under the environment map: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`, and
+//! `sphere-error` by sampling strategy.
 
-use crate::gallery::map::MapInfo;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
-use crate::study::sphere::{Exact, PBRT_RMSE, render_sphere};
+use crate::study::sphere::{self as study, AtNormal, Exact, PBRT_RMSE, Series};
 use crate::view::sphere as view;
 
+/// Samples per pixel of the report's renders.
+const SPP: [u32; 4] = [8, 16, 32, 64];
+
 /// The exact image at a width in pixels.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct ExactImage(pub usize);
-
-impl Study for ExactImage {
-    type Output = Exact;
-
-    fn run(self, inputs: &Inputs) -> Result<Exact> {
-        Ok(Exact::new(&inputs.map.map, f64::from(SPHERE_ENV_SCALE), self.0))
-    }
+fn exact(inputs: &Inputs, studies: &mut Studies, width: usize) -> Result<Rc<Exact>> {
+    studies.get(width.to_string(), || Ok(Exact::new(&inputs.map.map, f64::from(SPHERE_ENV_SCALE), width)))
 }
 
-/// Four numbers of samples per pixel.
+/// Four numbers of samples per pixel, and the error by strategy.
 pub fn figures() -> Vec<Figure> {
     let sphere = |id, spp, reproduces, beside| Figure {
         id,
@@ -30,29 +26,63 @@ pub fn figures() -> Vec<Figure> {
                 decreases with the number of samples.",
         beside: Some(beside),
         command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4")),
-        make: Box::new(move |inputs, studies| content(inputs, studies, spp)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, spp))
     };
     vec![
         sphere("sphere-8", 8, "Figure 12, 8 samples", "sphere-64"),
         sphere("sphere-16", 16, "Figure 13, 16 samples", "sphere-8"),
         sphere("sphere-32", 32, "Figure 14, 32 samples", "sphere-16"),
         sphere("sphere-64", 64, "Figure 15, 64 samples", "sphere-32"),
+        Figure {
+            id: "sphere-error",
+            title: "Error of the sphere against samples and time",
+            report: Report::First,
+            reproduces: "Figures 12 to 15, measured",
+            shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
+            ..Figure::by(errors)
+        },
     ]
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> {
-    let exact = studies.get(ExactImage(inputs.effort.of(511, 127)), inputs)?;
-    let shot = render_sphere(&inputs.map, spp, &exact, &inputs.settings())?;
+    let exact = exact(inputs, studies, inputs.effort.of(511, 127))?;
+    let shot = study::render_sphere(&inputs.map, spp, &exact, &inputs.settings())?;
     let mut checks = vec![
         Check::within("relative bias", 0.0, shot.row.rel_bias, 2e-3),
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
     ];
     // PBRT's errors were measured on the Grace map: no other map's can be compared with them.
-    let grace = studies.get(MapInfo, inputs)?.is_grace();
+    let grace = studies.map_info(inputs)?.is_grace();
     let pbrt = PBRT_RMSE.iter().find(|(n, _)| *n == spp).filter(|_| grace);
     if let Some((_, rmse)) = pbrt {
         checks.push(Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0));
     }
-    let content = Content::new(view::shot(&shot)?, &[shot.row], checks)?;
+    let content = Content::new(view::shot(&shot), &[shot.row], checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
+}
+
+fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    // A quarter of the pixels is enough to measure errors.
+    let exact = exact(inputs, studies, inputs.effort.of(255, 127))?;
+    let series = study::compare(&inputs.map, &SPP, &exact, &inputs.settings())?;
+    let grace = studies.map_info(inputs)?.is_grace();
+    let mut checks: Vec<Check> = series.iter().map(slope).collect();
+    if grace {
+        checks.extend(study::against_pbrt(&inputs.map.map).iter().flat_map(radiance));
+    }
+    Content::new(view::errors(&series, grace), &view::rows(&series), checks)
+}
+
+/// Independent random numbers have a slope of −1/2; scrambled Sobol' points must not be worse.
+fn slope(series: &Series) -> Check {
+    let name = format!("slope of the error (−1/2 + 3 standard errors), {}", series.label.strategy);
+    Check::at_most(name, series.slope.value, -0.5 + 3.0 * series.slope.standard_error)
+}
+
+fn radiance(at: &AtNormal) -> [Check; 3] {
+    let [x, y, z] = at.normal;
+    [(0, "R"), (1, "G"), (2, "B")].map(|(c, channel)| {
+        let name = format!("radiance at n = ({x:.3} {y:.3} {z:.3}) as PBRT renders it, {channel}");
+        Check::within(name, at.pbrt[c], at.exact[c], 0.01 * at.pbrt[c])
+    })
 }

@@ -23,16 +23,9 @@ const MAPS: &str = "Relative errors in f32 over the inputs: of the code that ren
                     beside what rounding of the inputs alone causes.";
 
 /// The families and experiments of the figure of that id.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Families(&'static str);
-
-impl Study for Families {
-    type Output = Stability;
-
-    fn run(self, inputs: &Inputs) -> Result<Stability> {
-        let workload = inputs.effort.of(Workload::FIGURES, Workload::QUICK);
-        stability::run(&stability::of_figure(self.0), &workload, inputs.seed, &mut |_| {})
-    }
+fn families(inputs: &Inputs, studies: &mut Studies, id: &str) -> Result<Rc<Stability>> {
+    let workload = inputs.effort.of(Workload::FIGURES, Workload::QUICK);
+    studies.get(id, || stability::run(&stability::of_figure(id), &workload, inputs.seed, &mut |_| {}))
 }
 
 /// A figure for each of [`TITLES`].
@@ -43,23 +36,21 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Neither,
         reproduces: "stability study",
         shows: if id == SUMS { SUMMARY } else { MAPS },
-        beside: None,
-        command: None,
-        make: Box::new(move |inputs, studies| content(inputs, studies, id)),
+        ..Figure::by(move |inputs, studies| content(inputs, studies, id))
     };
     TITLES.into_iter().map(figure).collect()
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<Content> {
-    let own = studies.get(Families(id), inputs)?;
+    let own = families(inputs, studies, id)?;
     let drawing = if id == SUMS {
         let mut rows = Vec::new();
         for figure in stability::figures() {
-            rows.extend_from_slice(&studies.get(Families(figure), inputs)?.rows);
+            rows.extend_from_slice(&families(inputs, studies, figure)?.rows);
         }
         summary::worst_cases(&rows)
     } else {
-        maps::maps(&own.sweeps)?
+        maps::maps(&own.sweeps)
     };
     let checks = own.bounds.iter().map(|bound| Check::at_most(&bound.name, bound.got, bound.limit));
     Content::new(drawing, &own.rows, checks.collect())

@@ -10,7 +10,6 @@ const QUICK: [&str; 6] = ["warp", "table", "strata", "light", "bsdf/glass", "bsd
 /// p-values so near to either end are evidence: too uniform is as suspicious as not uniform.
 const LEVEL: f64 = 5e-4;
 
-/// One figure.
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "validation",
@@ -19,9 +18,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
-        beside: None,
         command: Some("etalon validate".into()),
-        make: Box::new(|inputs, _| content(inputs)),
+        ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 

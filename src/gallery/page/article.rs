@@ -1,89 +1,67 @@
 //! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
 
 use super::embedded::EmbeddedImage;
-use super::html::{Escaped, Seconds};
 use super::record::Record;
+use crate::figure::escape;
 use crate::gallery::check::Check;
 use crate::gallery::figure::Figure;
-use crate::view::text::counted;
-use std::fmt::Write;
+use crate::view::text::{counted, seconds};
 use std::path::Path;
 
 /// Formats of a figure's files, in the order of the links.
 const FILES: [&str; 7] = ["svg", "png", "pdf", "csv", "exr", "pfm", "ppm"];
 
-/// A figure of the registry that was made.
 pub struct Article<'a> {
-    /// Its texts.
     pub figure: &'a Figure,
     /// Its place in the registry, from 1.
     pub number: usize,
-    /// Its checks and how it was made.
     pub record: &'a Record,
-    /// The image inside the page.
     pub image: EmbeddedImage,
     /// Its counterpart for comparison, if that is on the page, too.
     pub beside: Option<&'static str>,
 }
 
 impl Article<'_> {
-    /// Number of failed checks.
+    /// The number of failed checks.
     pub fn failed(&self) -> usize {
         self.record.checks.iter().filter(|c| !c.pass).count()
     }
 
-    /// The figure as an `<article>`.
-    pub fn html(&self, out: &mut String, folder: &Path) -> std::fmt::Result {
-        let Self { figure, record, image, .. } = self;
-        let id = Escaped(figure.id);
-        writeln!(
-            out,
-            "<article id=\"figure-{id}\" data-id=\"{id}\" data-failed=\"{}\" data-beside=\"{}\">",
-            self.failed(),
-            Escaped(self.beside.unwrap_or_default())
-        )?;
-        writeln!(out, "<h3>{} <code>{id}</code></h3>", Escaped(&self.heading()))?;
-        writeln!(out, "<p>{}</p>", Escaped(figure.shows))?;
-        writeln!(out, "<p class=\"fine\">Counterpart: {}</p>", Escaped(&figure.counterpart()))?;
-        writeln!(
-            out,
-            "<figure><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{}\"><img src=\"{}\" width=\"{}\" height=\"{}\" \
-             data-vector=\"{}\" alt=\"{}\" /></a>",
-            Escaped(&self.heading()),
-            image.source,
-            image.width,
-            image.height,
-            image.vector,
-            Escaped(&self.alternative())
-        )?;
-        out.push_str("<figcaption class=\"fine\">Files beside this page:");
-        for extension in FILES.into_iter().filter(|e| folder.join(format!("{}.{e}", figure.id)).exists()) {
-            write!(out, " <a href=\"{id}.{extension}\">{}</a>", extension.to_uppercase())?;
-        }
-        out.push_str("</figcaption></figure>\n");
-        if let Some(beside) = self.beside {
-            let beside = Escaped(beside);
-            writeln!(out, "<p class=\"beside\">Compare with <a href=\"#figure-{beside}\">{beside}</a></p>")?;
-        }
-        checks(out, &record.checks)?;
-        out.push_str("<div class=\"again\"><p>Reproduce with</p>");
-        command(out, &join(&format!("etalon reproduce --only {}", figure.id), &record.setup.options))?;
-        if let Some(direct) = &figure.command {
-            out.push_str("<p>or, with all options,</p>");
-            command(out, &direct.replace("{map}", &record.setup.map))?;
-        }
-        writeln!(out, "<p class=\"fine\">{} here</p></div>\n</article>", Seconds(record.seconds))
-    }
-
-    /// Number and title.
-    pub fn heading(&self) -> String {
-        format!("{}. {}", self.number, self.figure.title)
-    }
-
-    /// The text in place of the image.
-    fn alternative(&self) -> String {
-        let Figure { id, title, shows, .. } = self.figure;
-        format!("{title} ({id}). {shows}")
+    /// The figure as HTML that is well-formed XML.
+    pub fn html(&self, folder: &Path) -> String {
+        let EmbeddedImage { source, width, height, vector } = &self.image;
+        let Figure { title, shows, command: direct, .. } = self.figure;
+        let Record { checks, setup, seconds: time, .. } = self.record;
+        let (id, failed, beside) = (escape(self.figure.id), self.failed(), self.beside.unwrap_or_default());
+        let [heading, shows, counterpart, alternative] = [
+            &format!("{}. {title}", self.number),
+            *shows,
+            &self.figure.counterpart(),
+            &format!("{title} ({id}). {shows}"),
+        ]
+        .map(escape);
+        let there = FILES.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
+        let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
+        let compare = self.beside.map_or_else(String::new, |beside| {
+            format!("<p class=\"beside\">Compare with <a href=\"#figure-{beside}\">{beside}</a></p>\n")
+        });
+        let again = command(&join(&format!("etalon reproduce --only {id}"), &setup.options));
+        let direct = direct.as_ref().map_or_else(String::new, |direct| {
+            format!("<p>or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
+        });
+        let (table, time) = (table(checks), seconds(*time));
+        format!(
+            r##"<article id="figure-{id}" data-id="{id}" data-failed="{failed}" data-beside="{beside}">
+<h3>{heading} <code>{id}</code></h3>
+<p>{shows}</p>
+<p class="fine">Counterpart: {counterpart}</p>
+<figure><a class="zoom" href="{id}.svg" data-title="{heading}"><img src="{source}" width="{width}"
+height="{height}" data-vector="{vector}" alt="{alternative}" /></a>
+<figcaption class="fine">Files beside this page:{files}</figcaption></figure>
+{compare}{table}<div class="again"><p>Reproduce with</p>{again}{direct}<p class="fine">{time} here</p></div>
+</article>
+"##
+        )
     }
 }
 
@@ -92,32 +70,28 @@ pub fn join(command: &str, options: &str) -> String {
     format!("{command} {options}").trim_end().to_owned()
 }
 
-fn command(out: &mut String, text: &str) -> std::fmt::Result {
-    writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", Escaped(text))
+fn command(text: &str) -> String {
+    format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape(text))
 }
 
-fn checks(out: &mut String, checks: &[Check]) -> std::fmt::Result {
+fn table(checks: &[Check]) -> String {
     if checks.is_empty() {
-        return Ok(());
+        return String::new();
     }
-    writeln!(
-        out,
-        "<table><caption>{}</caption>\n<thead><tr><th scope=\"col\">Verdict</th><th scope=\"col\">Check</th>\
-         <th scope=\"col\">Measured</th><th scope=\"col\">Must be</th></tr></thead>\n<tbody>",
-        counted(checks.len(), "check")
-    )?;
-    for check in checks {
+    let row = |check: &Check| {
         let (class, verdict) = if check.pass { ("pass", "✓ pass") } else { ("fail", "✗ FAIL") };
-        writeln!(
-            out,
-            "<tr><td class=\"{class}\">{verdict}</td><td>{}</td><td class=\"number\" title=\"{}\">{}</td>\
-             <td class=\"number\">{}</td></tr>",
-            Escaped(&check.name),
-            check.got,
-            Escaped(&check.measured()),
-            Escaped(&check.demand())
-        )?;
-    }
-    out.push_str("</tbody></table>\n");
-    Ok(())
+        let [name, measured, demand] = [&check.name, &check.measured(), &check.demand()].map(|text| escape(text));
+        let number =
+            format!(r#"<td class="number" title="{}">{measured}</td><td class="number">{demand}</td>"#, check.got);
+        format!("<tr><td class=\"{class}\">{verdict}</td><td>{name}</td>{number}</tr>\n")
+    };
+    let (count, rows) = (counted(checks.len(), "check"), checks.iter().map(row).collect::<String>());
+    format!(
+        r#"<table><caption>{count}</caption>
+<thead><tr><th scope="col">Verdict</th><th scope="col">Check</th><th scope="col">Measured</th>
+<th scope="col">Must be</th></tr></thead>
+<tbody>
+{rows}</tbody></table>
+"#
+    )
 }

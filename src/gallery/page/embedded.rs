@@ -15,16 +15,12 @@ const LARGEST_PNG: usize = 60_000;
 const WIDEST: u32 = 1200;
 /// Of JPEG: differs from the PNG by less than the noise of the images.
 const QUALITY: u8 = 82;
-/// The largest file that is read, in bytes.
 const LIMIT: u64 = 256 << 20;
 
-/// An image inside the page.
 pub struct EmbeddedImage {
     /// A `data:` address.
     pub source: String,
-    /// In CSS pixels.
     pub width: u32,
-    /// In CSS pixels.
     pub height: u32,
     /// Whether it stays sharp at any size.
     pub vector: bool,

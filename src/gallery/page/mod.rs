@@ -2,24 +2,21 @@
 
 mod article;
 mod embedded;
-mod html;
 mod record;
 
 pub use record::{Record, Records, Setup, read_records, without_folder};
 
-use super::figure::{Figure, Report};
-use crate::error::{Error, Result};
+use super::figure::{Erratum, Figure};
+use crate::error::Result;
+use crate::figure::escape;
 use crate::files;
-use crate::view::text::counted;
+use crate::view::text::{counted, seconds};
 use article::{Article, join};
 use embedded::EmbeddedImage;
-use html::{Escaped, Seconds};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::Path;
 
-/// The page's file name.
 pub const FILE: &str = "index.html";
 
 /// Writes the records and the page of those figures in `folder` that have one.
@@ -28,10 +25,8 @@ pub const FILE: &str = "index.html";
 /// When an image is missing or damaged, or a file cannot be written.
 pub fn write(folder: &Path, figures: &[Figure], records: &Records) -> Result<()> {
     let articles = articles(folder, figures, records)?;
-    let path = folder.join(FILE);
-    let text = document(&articles, folder).map_err(|e| Error::io(&path, std::io::Error::other(e)))?;
     record::write_records(folder, records)?;
-    files::write_bytes(&path, text.as_bytes())
+    files::write_bytes(&folder.join(FILE), document(&articles, folder).as_bytes())
 }
 
 fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> Result<Vec<Article<'a>>> {
@@ -46,161 +41,139 @@ fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> R
         .collect()
 }
 
-/// The articles of one report.
-type Group<'a, 'b> = (Report, Vec<&'b Article<'a>>);
-
-/// The articles by report, reports in the order of their first articles.
-fn by_report<'a, 'b>(articles: &'b [Article<'a>]) -> Vec<Group<'a, 'b>> {
-    let mut groups: Vec<Group<'a, 'b>> = Vec::new();
-    for article in articles {
-        let report = article.figure.report;
-        match groups.iter_mut().find(|(known, _)| *known == report) {
-            Some((_, group)) => group.push(article),
-            None => groups.push((report, vec![article])),
-        }
-    }
-    groups
+/// The page: summary, contents, errors of the reports, and the articles by report.
+fn document(articles: &[Article<'_>], folder: &Path) -> String {
+    // Reports in the order of their first articles
+    let mut sorted: Vec<&Article<'_>> = articles.iter().collect();
+    sorted.sort_by_key(|a| articles.iter().position(|first| first.figure.report == a.figure.report));
+    let reports: Vec<&[&Article<'_>]> = sorted.chunk_by(|a, b| a.figure.report == b.figure.report).collect();
+    let part = |(i, group): (usize, &&[&Article<'_>])| {
+        let (number, report) = (i + 1, group[0].figure.report);
+        let citation = report.citation().map_or_else(String::new, |text| format!("<p class=\"fine\">{text}</p>\n"));
+        let articles: String = group.iter().map(|article| article.html(folder)).collect();
+        let heading = format!("<h2 id=\"part-{number}\">{}</h2>", capitalized(report.name()));
+        format!("<section>\n{heading}\n{citation}{articles}</section>\n")
+    };
+    let parts: String = reports.iter().enumerate().map(part).collect();
+    let (style, script) = (include_str!("page.css"), include_str!("page.js"));
+    let (summary, contents, errata) = (summary(articles), contents(articles, &reports), errata(articles));
+    format!(
+        r##"<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8" />
+<meta name="viewport" content="width=device-width, initial-scale=1" />
+<meta name="color-scheme" content="light dark" />
+<title>etalon: figures and checks</title>
+<link rel="icon" href="data:," />
+<style>
+{style}</style>
+</head>
+<body>
+<a class="skip" href="#main">Skip to the figures</a>
+{summary}{contents}<main id="main" tabindex="-1">
+{errata}{parts}</main>
+<dialog aria-label="Enlarged figure"></dialog>
+<script>
+//<![CDATA[
+{script}//]]>
+</script>
+</body>
+</html>
+"##
+    )
 }
 
-fn document(articles: &[Article<'_>], folder: &Path) -> std::result::Result<String, std::fmt::Error> {
-    let mut out = String::from(concat!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n",
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n",
-        "<meta name=\"color-scheme\" content=\"light dark\" />\n",
-        "<title>etalon: figures and checks</title>\n<link rel=\"icon\" href=\"data:,\" />\n",
-        "<style>\n",
-        include_str!("page.css"),
-        "</style>\n</head>\n<body>\n<a class=\"skip\" href=\"#main\">Skip to the figures</a>\n",
-    ));
-    let groups = by_report(articles);
-    summary(&mut out, articles)?;
-    contents(&mut out, articles, &groups)?;
-    out.push_str("<main id=\"main\" tabindex=\"-1\">\n");
-    errata(&mut out, articles)?;
-    for (i, (report, group)) in groups.iter().enumerate() {
-        writeln!(out, "<section>\n<h2 id=\"part-{}\">{}</h2>", i + 1, Escaped(&capitalized(report.name())))?;
-        if let Some(citation) = report.citation() {
-            writeln!(out, "<p class=\"fine\">{}</p>", Escaped(citation))?;
-        }
-        for article in group {
-            article.html(&mut out, folder)?;
-        }
-        out.push_str("</section>\n");
-    }
-    out.push_str(concat!(
-        "</main>\n<dialog aria-label=\"Enlarged figure\"></dialog>\n<script>\n//<![CDATA[\n",
-        include_str!("page.js"),
-        "//]]>\n</script>\n</body>\n</html>\n",
-    ));
-    Ok(out)
-}
-
-fn summary(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
+fn summary(articles: &[Article<'_>]) -> String {
     let checks: usize = articles.iter().map(|a| a.record.checks.len()).sum();
     let failed: usize = articles.iter().map(Article::failed).sum();
-    let seconds: f64 = articles.iter().map(|a| a.record.seconds).sum();
+    let (figures, passed) = (articles.len(), checks - failed);
+    let time = seconds(articles.iter().map(|a| a.record.seconds).sum());
     let verdict = if failed == 0 { "none" } else { "some" };
-    writeln!(
-        out,
-        "<header>\n<h1>etalon: figures and checks</h1>\n<p>Figures about the sampling of light, each with its counterpart in \
-         a published report, the checks that its numbers must pass, and the command that reproduces it.</p>\n\
-         <dl class=\"totals\"><div><dt>Figures</dt><dd>{}</dd></div><div><dt>Checks passed</dt><dd class=\"pass\">{}</dd></div>\
-         <div><dt>Checks failed</dt><dd class=\"{verdict}\">{failed}</dd></div>\
-         <div><dt>Total time</dt><dd>{}</dd></div></dl>",
-        articles.len(),
-        checks - failed,
-        Seconds(seconds)
-    )?;
-    if failed > 0 {
-        out.push_str("<p class=\"fail\">Checks failed in:");
-        for article in articles.iter().filter(|a| a.failed() > 0) {
-            write!(out, " <a href=\"#figure-{0}\">{0}</a>", Escaped(article.figure.id))?;
-        }
-        out.push_str("</p>\n");
-    }
+    let with_failures = articles.iter().filter(|a| a.failed() > 0);
+    let links: String = with_failures.map(|a| format!(" <a href=\"#figure-{0}\">{0}</a>", a.figure.id)).collect();
+    let failures = if failed > 0 { format!("<p class=\"fail\">Checks failed in:{links}</p>\n") } else { String::new() };
     let mut setups: BTreeMap<&Setup, usize> = BTreeMap::new();
     for article in articles {
         *setups.entry(&article.record.setup).or_default() += 1;
     }
-    for (setup, count) in setups {
-        writeln!(
-            out,
-            "<p class=\"fine\">{}: <code>{}</code>, etalon {}, seed {}, map {}; {}, {}, {}, {}</p>",
-            counted(count, "figure"),
-            Escaped(&join("etalon reproduce", &setup.options)),
-            Escaped(&setup.version),
-            setup.seed,
-            Escaped(&setup.map),
-            Escaped(&setup.cpu),
-            counted(setup.cores, "core"),
-            counted(setup.threads, "thread"),
-            Escaped(&setup.system)
-        )?;
-    }
-    out.push_str(
-        "<p class=\"fine\">The time of a render that figures share is given for the first of them. Large images are compressed \
-         here; the files beside this page are exact. <a href=\"checks.csv\">checks.csv</a> and <a \
-         href=\"reproduce.json\">reproduce.json</a> have all numbers with all digits.</p>\n</header>\n",
-    );
-    Ok(())
+    let setup = |(setup, count): (&Setup, usize)| {
+        let Setup { version, seed, map, options, cpu, cores, threads, system } = setup;
+        let (figures, command) = (counted(count, "figure"), escape(&join("etalon reproduce", options)));
+        let run = escape(&format!("etalon {version}, seed {seed}, map {map}"));
+        let machine = format!("{cpu}, {}, {}, {system}", counted(*cores, "core"), counted(*threads, "thread"));
+        format!("<p class=\"fine\">{figures}: <code>{command}</code>, {run}; {}</p>\n", escape(&machine))
+    };
+    let setups: String = setups.into_iter().map(setup).collect();
+    format!(
+        r#"<header>
+<h1>etalon: figures and checks</h1>
+<p>Figures about the sampling of light, each with its counterpart in a published report, the checks that its numbers must
+pass, and the command that reproduces it.</p>
+<dl class="totals"><div><dt>Figures</dt><dd>{figures}</dd></div>
+<div><dt>Checks passed</dt><dd class="pass">{passed}</dd></div>
+<div><dt>Checks failed</dt><dd class="{verdict}">{failed}</dd></div><div><dt>Total time</dt><dd>{time}</dd></div></dl>
+{failures}{setups}<p class="fine">The time of a render that figures share is given for the first of them. Large images are
+compressed here; the files beside this page are exact. <a href="checks.csv">checks.csv</a> and
+<a href="reproduce.json">reproduce.json</a> have all numbers with all digits.</p>
+</header>
+"#
+    )
 }
 
-fn contents(out: &mut String, articles: &[Article<'_>], groups: &[Group<'_, '_>]) -> std::fmt::Result {
-    out.push_str(concat!(
-        "<nav aria-label=\"Figures\">\n<div class=\"tools\" hidden=\"hidden\">",
-        "<label>Find <input type=\"search\" id=\"find\" placeholder=\"mirror, fresnel, slope\" /></label>",
-        "<label><input type=\"checkbox\" id=\"failed\" /> only failed</label>",
-        "<button type=\"button\" id=\"theme\">Dark or light</button>",
-        "<p class=\"fine\" id=\"found\" role=\"status\"></p></div>\n",
-        "<details open=\"open\"><summary>Contents</summary>\n",
-    ));
-    if articles.iter().any(|a| !a.record.errata.is_empty()) {
-        out.push_str("<p><a href=\"#errata\">Where the reports are wrong</a></p>\n");
-    }
-    for (i, (report, group)) in groups.iter().enumerate() {
-        writeln!(out, "<p><a href=\"#part-{}\">{}</a></p>\n<ul>", i + 1, Escaped(&capitalized(report.name())))?;
-        for article in group {
-            let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
-            writeln!(
-                out,
-                "<li data-id=\"{0}\"><a href=\"#figure-{0}\">{1}. {0}</a>{mark}</li>",
-                Escaped(article.figure.id),
-                article.number
-            )?;
-        }
-        out.push_str("</ul>\n");
-    }
-    out.push_str("</details>\n</nav>\n");
-    Ok(())
+fn contents(articles: &[Article<'_>], reports: &[&[&Article<'_>]]) -> String {
+    let wrong = articles.iter().any(|a| !a.record.errata.is_empty());
+    let wrong = if wrong { "<p><a href=\"#errata\">Where the reports are wrong</a></p>\n" } else { "" };
+    let entry = |article: &&Article<'_>| {
+        let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
+        let (id, number) = (article.figure.id, article.number);
+        format!("<li data-id=\"{id}\"><a href=\"#figure-{id}\">{number}. {id}</a>{mark}</li>\n")
+    };
+    let part = |(i, group): (usize, &&[&Article<'_>])| {
+        let (number, name) = (i + 1, capitalized(group[0].figure.report.name()));
+        let entries: String = group.iter().map(entry).collect();
+        format!("<p><a href=\"#part-{number}\">{name}</a></p>\n<ul>\n{entries}</ul>\n")
+    };
+    let parts: String = reports.iter().enumerate().map(part).collect();
+    format!(
+        r#"<nav aria-label="Figures">
+<div class="tools" hidden="hidden">
+<label>Find <input type="search" id="find" placeholder="mirror, fresnel, slope" /></label>
+<label><input type="checkbox" id="failed" /> only failed</label><button type="button" id="theme">Dark or light</button>
+<p class="fine" id="found" role="status"></p></div>
+<details open="open"><summary>Contents</summary>
+{wrong}{parts}</details>
+</nav>
+"#
+    )
 }
 
-fn errata(out: &mut String, articles: &[Article<'_>]) -> std::fmt::Result {
-    if articles.iter().all(|a| a.record.errata.is_empty()) {
-        return Ok(());
+fn errata(articles: &[Article<'_>]) -> String {
+    let row = |(id, erratum): (&str, &Erratum)| {
+        let Erratum { printed, right, test, p_value: p, picture_error } = erratum;
+        let [printed, right, test, error] = [printed, right, test, picture_error].map(|text| escape(text));
+        let p = p_value(*p);
+        format!(
+            "<tr><td>{printed}</td><td>{right}</td><td>{test}</td><td class=\"number\">{p}</td><td>{error}</td>\
+             <td><a href=\"#figure-{id}\">{id}</a></td></tr>\n"
+        )
+    };
+    let all = articles.iter().flat_map(|a| a.record.errata.iter().map(|erratum| (a.figure.id, erratum)));
+    let rows: String = all.map(row).collect();
+    if rows.is_empty() {
+        return rows;
     }
-    out.push_str(concat!(
-        "<section>\n<h2 id=\"errata\">Where the reports are wrong</h2>\n<div class=\"wide\" tabindex=\"0\"><table>\n<thead><tr>",
-        "<th scope=\"col\">As printed</th><th scope=\"col\">Corrected</th><th scope=\"col\">Detected by</th>",
-        "<th scope=\"col\">p-value</th><th scope=\"col\">Error in an image</th><th scope=\"col\">Figure</th>",
-        "</tr></thead>\n<tbody>\n",
-    ));
-    for article in articles {
-        for erratum in &article.record.errata {
-            writeln!(
-                out,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td>{}</td>\
-                 <td><a href=\"#figure-{id}\">{id}</a></td></tr>",
-                Escaped(&erratum.printed),
-                Escaped(&erratum.right),
-                Escaped(&erratum.test),
-                p_value(erratum.p_value),
-                Escaped(&erratum.picture_error),
-                id = Escaped(article.figure.id)
-            )?;
-        }
-    }
-    out.push_str("</tbody></table></div>\n</section>\n");
-    Ok(())
+    format!(
+        r#"<section>
+<h2 id="errata">Where the reports are wrong</h2>
+<div class="wide" tabindex="0"><table>
+<thead><tr><th scope="col">As printed</th><th scope="col">Corrected</th><th scope="col">Detected by</th>
+<th scope="col">p-value</th><th scope="col">Error in an image</th><th scope="col">Figure</th></tr></thead>
+<tbody>
+{rows}</tbody></table></div>
+</section>
+"#
+    )
 }
 
 /// A p-value as text; below the smallest number that f64 holds in full it is only known to be small.

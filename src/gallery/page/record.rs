@@ -10,9 +10,7 @@ use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::path::Path;
 
-/// The file of records, beside the figures.
 const FILE: &str = "reproduce.json";
-/// The largest such file that is read.
 const LIMIT: u64 = 16 << 20;
 
 /// Records by the figure's id.
@@ -21,40 +19,27 @@ pub type Records = BTreeMap<String, Record>;
 /// The outcome of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Wall-clock time that it took.
     pub seconds: f64,
-    /// Comparisons of its numbers with expected ones.
     pub checks: Vec<Check>,
-    /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
-    /// How it was made.
     pub setup: Setup,
 }
 
 /// The program, its arguments and the machine, without names of host, user or folder.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Setup {
-    /// Of the program.
     pub version: String,
-    /// Of all random numbers.
     pub seed: u64,
     /// The environment map, as the command line names it.
     pub map: String,
-    /// The flags that reproduce it.
     pub options: String,
-    /// The processor's model.
     pub cpu: String,
-    /// That the system has.
     pub cores: usize,
-    /// That the run used.
     pub threads: usize,
-    /// Operating system and architecture.
     pub system: String,
 }
 
 impl Setup {
-    /// The setup of this process.
-    #[must_use]
     pub fn of(inputs: &Inputs, options: &str) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -70,7 +55,6 @@ impl Setup {
 }
 
 /// A path without the place on this machine: absolute paths lose their folders.
-#[must_use]
 pub fn without_folder(name: &str) -> String {
     let path = Path::new(name);
     match path.file_name() {

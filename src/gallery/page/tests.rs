@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::figure::Drawing;
+use crate::gallery::figure::Erratum;
+use crate::gallery::registry;
 use crate::gallery::tests::record;
-use crate::gallery::{Erratum, registry};
 
 /// The page of all figures of the registry, each with an empty drawing.
 fn page(change: impl Fn(&str, &mut Record)) -> String {
