@@ -5,6 +5,7 @@ use crate::cubature::{Integration, InvalidPdf, Probe};
 use crate::density::Atom;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::fixed::Share;
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::tally::{Source, Tally};
@@ -91,7 +92,7 @@ impl<D: Domain> Counting<'_, D> {
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
             let invalid = integrals.invalid.or(check.invalid);
 
-            let missed = |cell: usize| tally.missed_in[cell].sum() / self.samples as f64;
+            let missed = |cell: usize| tally.missed[cell].sum() / self.samples as f64;
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
@@ -103,7 +104,9 @@ impl<D: Domain> Counting<'_, D> {
             };
             let uncertain = self.is_uncertain(&integrals.values, error);
             // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf; apply corrections.
-            let is_good = !uncertain && (corrections.is_some() || tally.missed.sum() <= MISSED * self.samples as f64);
+            let is_good = !uncertain
+                && (corrections.is_some()
+                    || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);

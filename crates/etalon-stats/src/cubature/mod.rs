@@ -272,7 +272,7 @@ mod tests {
         let mut refinement = Refinement::new(&Square, &strip, &grid, &[], || false).unwrap();
         assert!((total(&refinement.integrals()).0 - 1.0).abs() < 1e-12, "no rule sees it");
         let check = refinement.check(1 << 18, 1, 0).unwrap();
-        let mean = check.reach * (check.above.sum() - check.below.sum()) / check.count as f64;
+        let mean = check.reach * (check.total(0) - check.total(1)) / check.count as f64;
         let sees = refinement.share_within(&Probe { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
         assert!((sees - 1.25 / 1.9).abs() < 1e-12 && !check.found.is_empty());
         // Up to 1.25, in a share of 10⁻⁴ of the places: 26 of them.
