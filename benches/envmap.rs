@@ -6,7 +6,7 @@ use etalon::envmap::EnvMap;
 use etalon::envmap::cut::{MedianCut, SideRule, Split};
 use etalon::envmap::irradiance::IrradianceTree;
 use etalon::envmap::samplers::{
-    self, CdfSampler, DirectionSampler, EnvSample, EnvSamples, MapSampling, SurfaceSampler,
+    self, DirectionSampler, EnvSample, EnvSamples, MapSampling, SurfaceSampler, TexelSampler,
 };
 use etalon::math::Rgb;
 use etalon::math::circular::sin_cos_turns;
@@ -91,7 +91,7 @@ fn sampling(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("envmap-sample-{width}x{height}"));
         group.throughput(Throughput::Elements(u64::from(SAMPLES))).sample_size(20);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
-        let cdf = CdfSampler::new(map.clone());
+        let cdf = TexelSampler::by_inversion(map.clone());
         many(&mut group, "cdf", &cdf);
         single(&mut group, "cdf one by one", |i| cdf.sample(random(i)));
         let directions: Vec<DVec3> = (0..SAMPLES).filter_map(|i| cdf.sample(random(i))).map(|s| s.wi).collect();
@@ -120,7 +120,7 @@ fn building(c: &mut Criterion) {
         let name = format!("{} 1024x512", sampling.entry().name);
         group.bench_function(name, |b| b.iter(|| sampling.sampler(small.clone()).unwrap()));
     }
-    group.bench_function("cdf 8192x4096", |b| b.iter(|| CdfSampler::new(large.clone())));
+    group.bench_function("cdf 8192x4096", |b| b.iter(|| TexelSampler::by_inversion(large.clone())));
     group.finish();
 }
 

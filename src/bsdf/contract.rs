@@ -36,55 +36,6 @@ impl Lobe {
     }
 }
 
-/// The lobes that a BSDF has: its flags.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Lobes(u8);
-
-impl Lobes {
-    /// The set of some lobes.
-    #[must_use]
-    pub const fn of(lobes: &[Lobe]) -> Self {
-        let (mut bits, mut i) = (0, 0);
-        while i < lobes.len() {
-            bits |= 1 << lobes[i] as u8;
-            i += 1;
-        }
-        Self(bits)
-    }
-
-    /// Whether a lobe is among them.
-    #[inline]
-    #[must_use]
-    pub const fn contains(self, lobe: Lobe) -> bool {
-        self.0 & 1 << lobe as u8 != 0
-    }
-
-    /// Whether all are delta distributions, so that light sampling contributes nothing.
-    #[inline]
-    #[must_use]
-    pub const fn are_delta(self) -> bool {
-        const DELTA: Lobes = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
-        self.0 & !DELTA.0 == 0
-    }
-
-    /// Whether light may pass to the other side.
-    #[inline]
-    #[must_use]
-    pub const fn transmit(self) -> bool {
-        const TRANSMISSION: Lobes =
-            Lobes::of(&[Lobe::DiffuseTransmission, Lobe::GlossyTransmission, Lobe::SpecularTransmission]);
-        self.0 & TRANSMISSION.0 != 0
-    }
-
-    /// Whether all are diffuse.
-    #[inline]
-    #[must_use]
-    pub const fn are_diffuse(self) -> bool {
-        const DIFFUSE: Lobes = Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]);
-        self.0 & !DIFFUSE.0 == 0
-    }
-}
-
 /// The quantity that a path transports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Transport {
@@ -144,7 +95,12 @@ impl BsdfSample {
 /// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
-    fn lobes(&self) -> Lobes;
+    fn lobes(&self) -> &'static [Lobe];
+
+    /// Whether all lobes are delta distributions, so that light sampling contributes nothing.
+    fn is_delta(&self) -> bool {
+        self.lobes().iter().all(|lobe| lobe.is_delta())
+    }
 
     /// The BSDF f(wo, wi), without the cosine (1/sr); 0 for delta lobes and where nothing is scattered.
     #[inline]
@@ -159,12 +115,6 @@ pub trait Scatter {
         self.eval_pdf(wo, wi).1
     }
 
-    /// Pdf of the reverse direction: of sampling `wo` on a path that arrives from `wi`.
-    #[inline]
-    fn pdf_reverse(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.pdf(wi, wo)
-    }
-
     /// [`eval`](Self::eval) and [`pdf`](Self::pdf) together, which costs little more than one of them.
     #[inline]
     fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
@@ -177,21 +127,12 @@ pub trait Scatter {
 
     /// The probability with which [`sample`](Self::sample) chooses a lobe for `wo`.
     fn lobe_probability(&self, _wo: Vec3, lobe: Lobe) -> f32 {
-        f32::from(u8::from(self.lobes().contains(lobe)))
+        f32::from(u8::from(self.lobes().contains(&lobe)))
     }
 
     /// Whether f(wi, wo) = f(wo, wi), apart from refraction's η², so that paths may start at either end.
     fn is_reciprocal(&self) -> bool {
         true
-    }
-
-    /// [`eval`](Self::eval) for the quantity that the path transports: the adjoint for importance.
-    #[inline]
-    fn eval_for(&self, transport: Transport, wo: Vec3, wi: Vec3) -> Rgb {
-        match transport {
-            Transport::Radiance => self.eval(wo, wi),
-            Transport::Importance => self.eval(wi, wo),
-        }
     }
 
     /// [`sample`](Self::sample) for the quantity that the path transports, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
@@ -205,21 +146,5 @@ pub trait Scatter {
             Transport::Radiance => sample,
             Transport::Importance => BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample },
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flags_are_sets_of_lobes() {
-        let glass = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
-        assert!(glass.are_delta() && glass.transmit() && !glass.are_diffuse());
-        assert!(glass.contains(Lobe::SpecularReflection) && !glass.contains(Lobe::GlossyReflection));
-        let rough = Lobes::of(&[Lobe::GlossyReflection]);
-        assert!(!rough.are_delta() && !rough.transmit() && !rough.are_diffuse());
-        assert!(Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]).are_diffuse());
-        assert!(Lobes::default().are_delta(), "what scatters nothing needs no light samples");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Directions are in the local frame, the normal at +z. `f` is the BSDF value without the cosine.
 
-use super::{BsdfSample, Lobe, Lobes, Scatter};
+use super::{BsdfSample, Lobe, Scatter};
 use crate::math::Rgb;
 use crate::sampling::warp;
 use glam::Vec3;
@@ -30,8 +30,8 @@ fn reflects(wo: Vec3, wi: Vec3) -> bool {
 }
 
 impl Scatter for Diffuse {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::DiffuseReflection])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::DiffuseReflection]
     }
 
     #[inline]

@@ -130,13 +130,12 @@ fn every_sample_satisfies_the_contract() {
                 assert_eq!(s.pdf.to_bits(), pdf.to_bits(), "{case}");
                 assert_eq!(pdf.to_bits(), bsdf.pdf(wo, s.wi).to_bits(), "{case}");
                 assert_eq!(f, bsdf.eval(wo, s.wi), "{case}");
-                assert!(bsdf.lobes().contains(s.lobe), "{case}");
-                assert_eq!(s.is_delta(), bsdf.lobes().are_delta(), "{case}");
+                assert!(bsdf.lobes().contains(&s.lobe), "{case}");
+                assert_eq!(s.is_delta(), bsdf.is_delta(), "{case}");
                 assert_eq!(s.is_delta(), s.pdf == 0.0, "{case}");
                 // The side of a direction along the surface is that of its sign, which a product with 0 does not have.
                 assert!(wo.z == 0.0 || s.lobe.is_transmission() == (s.wi.z * wo.z < 0.0), "{case}");
                 assert_eq!(s.probability.to_bits(), bsdf.lobe_probability(wo, s.lobe).to_bits(), "{case}");
-                assert_eq!(bsdf.pdf_reverse(wo, s.wi).to_bits(), bsdf.pdf(s.wi, wo).to_bits(), "{case}");
                 // Both sides are rounded a few times, and a density below 10⁻³⁰ has lost its last bits.
                 let (left, right) = (s.weight * s.pdf, f * s.wi.z.abs());
                 let error = (left - right).abs().max_element();

@@ -67,7 +67,7 @@ impl DirectionSampler for ErrataSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::samplers::CdfSampler;
+    use crate::envmap::samplers::TexelSampler;
     use crate::math::Rgb;
     use crate::raster::Image;
 
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn correct_conventions_are_the_sampler_by_inversion() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32))));
-        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), CdfSampler::new(map));
+        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), TexelSampler::by_inversion(map));
         for i in 0..1000 {
             let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()];
             assert_eq!(by.sample(u), right.sample(u));

@@ -4,7 +4,7 @@
 //! a uniform sky.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect};
-use crate::envmap::samplers::{CdfSampler, DirectionSampler, ErrataSampler};
+use crate::envmap::samplers::{DirectionSampler, ErrataSampler, TexelSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
 use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
@@ -52,7 +52,7 @@ where
     Case::of(name, Directions::sphere(Pole::Y), move || {
         let map = uniform_sky();
         let draw = pick(map.geometry());
-        let right = CdfSampler::new(map);
+        let right = TexelSampler::by_inversion(map);
         (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
     })
 }
@@ -115,7 +115,7 @@ pub fn corners() -> Suspect {
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
-        let claim = CdfSampler::new(uniform_sky());
+        let claim = TexelSampler::by_inversion(uniform_sky());
         (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
     });
     // Four by four texels.
