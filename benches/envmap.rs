@@ -5,9 +5,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use etalon::envmap::EnvMap;
 use etalon::envmap::cut::{MedianCut, SideRule, Split};
 use etalon::envmap::irradiance::IrradianceTree;
-use etalon::envmap::samplers::{
-    self, DirectionSampler, EnvSample, EnvSamples, MapSampling, SurfaceSampler, TexelSampler,
-};
+use etalon::envmap::samplers::{self, EnvSample, EnvSamples, MapSampling, SurfaceSampler, TexelSampler};
 use etalon::math::Rgb;
 use etalon::math::circular::sin_cos_turns;
 use etalon::raster::Image;
@@ -93,10 +91,11 @@ fn sampling(c: &mut Criterion) {
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
         let cdf = TexelSampler::by_inversion(map.clone());
         many(&mut group, "cdf", &cdf);
-        single(&mut group, "cdf one by one", |i| cdf.sample(random(i)));
-        let directions: Vec<DVec3> = (0..SAMPLES).filter_map(|i| cdf.sample(random(i))).map(|s| s.wi).collect();
+        single(&mut group, "cdf one by one", |i| cdf.sample_for(random(i), DVec3::Y));
+        let directions: Vec<DVec3> =
+            (0..SAMPLES).filter_map(|i| cdf.sample_for(random(i), DVec3::Y)).map(|s| s.wi).collect();
         group.bench_function("pdf of its own samples", |b| {
-            b.iter(|| directions.iter().map(|&wi| cdf.pdf(wi)).sum::<f64>());
+            b.iter(|| directions.iter().map(|&wi| cdf.pdf_for(wi, DVec3::Y)).sum::<f64>());
         });
         drop(cdf);
         for sampling in sampled().skip(1) {

@@ -47,19 +47,3 @@ impl Scatter for Diffuse {
         (pdf > 0.0).then(|| BsdfSample::reflected(wi, self.albedo, pdf, Lobe::DiffuseReflection))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sampling_cancels_the_cosine_exactly() {
-        // f cos / pdf is the albedo for every sample: a white surface neither gains nor loses.
-        for i in 0..100 {
-            let u = [(f64::from(i) + 0.5) / 100.0, (f64::from(i) * 0.618_034).fract()];
-            let wi = warp::cosine_hemisphere(u);
-            let weight = f64::from(Diffuse::new(Rgb::ONE).f.x) * wi.z / warp::cosine_hemisphere_pdf(wi.z);
-            assert!((weight - 1.0).abs() < 1e-6);
-        }
-    }
-}

@@ -43,25 +43,3 @@ pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
 pub fn invert_cosine_hemisphere(w: DVec3) -> [f64; 2] {
     [w.x * w.x + w.y * w.y, turns(w.y, w.x)]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inverses_and_densities() {
-        for i in 0..400 {
-            let u = [(f64::from(i % 20) + 0.5) / 20.0, (f64::from(i / 20) + 0.5) / 20.0];
-            let a = uniform_hemisphere(u);
-            let b = cosine_hemisphere(u);
-            for (w, back) in [(a, invert_uniform_hemisphere(a)), (b, invert_cosine_hemisphere(b))] {
-                assert!((w.length() - 1.0).abs() < 1e-15 && w.z > 0.0);
-                assert!((back[0] - u[0]).abs() < 1e-13 && (back[1] - u[1]).abs() < 1e-13);
-            }
-            // Equal shares of u are equal shares of cos θ, and of sin² θ.
-            assert!((a.z - (1.0 - u[0])).abs() < 1e-15);
-            assert!((b.z * b.z - (1.0 - u[0])).abs() < 1e-15);
-        }
-        assert_eq!(cosine_hemisphere_pdf(-0.1), 0.0);
-    }
-}

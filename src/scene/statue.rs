@@ -156,38 +156,24 @@ fn shell(mesh: &mut Mesh) {
     closed(mesh, [OUTSIDE + INSIDE, AROUND], ends, at);
 }
 
-/// Radius and height of the foot, from the middle of its bottom to the middle of its top.
-const PROFILE: [[f32; 2]; 19] = [
-    [0.0, 0.0],
-    [0.18, 0.0],
-    [0.285, 0.0],
-    [0.3, 0.008],
-    [0.3, 0.03],
-    [0.288, 0.04],
-    [0.27, 0.042],
-    [0.27, 0.05],
-    [0.282, 0.063],
-    [0.27, 0.078],
-    [0.24, 0.083],
-    [0.185, 0.1],
-    [0.14, 0.135],
-    [0.122, 0.17],
-    [0.128, 0.187],
-    [0.155, 0.2],
-    [0.15, 0.22],
-    [0.105, 0.22],
-    [0.0, 0.2],
+/// Radii of the foot, and the heights that belong to them, from the middle of its bottom to the middle of its top.
+const RADII: [f32; 19] = [
+    0.0, 0.18, 0.285, 0.3, 0.3, 0.288, 0.27, 0.27, 0.282, 0.27, 0.24, 0.185, 0.14, 0.122, 0.128, 0.155, 0.15, 0.105,
+    0.0,
 ];
+const HEIGHTS: [f32; 19] =
+    [0.0, 0.0, 0.0, 0.008, 0.03, 0.04, 0.042, 0.05, 0.063, 0.078, 0.083, 0.1, 0.135, 0.17, 0.187, 0.2, 0.22, 0.22, 0.2];
 
 /// Height of the foot's cup.
 const TOP: f32 = 0.215;
 
 fn foot(mesh: &mut Mesh) {
-    let spans = PROFILE.len() - 1;
+    let spans = RADII.len() - 1;
     let at = |ring: usize, column: usize| {
         let x = (ring + 1) as f32 / (FOOT_ALONG + 1) as f32 * spans as f32;
         let (span, t) = ((x as usize).min(spans - 1), x - (x as usize).min(spans - 1) as f32);
-        let point = |i: usize| Vec2::from(PROFILE[i.clamp(1, spans + 1) - 1]);
+        let at = |i: usize| i.clamp(1, spans + 1) - 1;
+        let point = |i: usize| Vec2::new(RADII[at(i)], HEIGHTS[at(i)]);
         // Catmull-Rom: through the points, without corners.
         let [a, b, c, d] = [0, 1, 2, 3].map(|i| point(span + i));
         let p = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
@@ -196,7 +182,7 @@ fn foot(mesh: &mut Mesh) {
         let r = p.x.max(0.002) * (1.0 - 0.09 * flutes);
         Vec3::new(r * angle.cos(), p.y, r * angle.sin())
     };
-    let end = |i: usize| PROFILE[i][1] * Vec3::Y;
+    let end = |i: usize| HEIGHTS[i] * Vec3::Y;
     closed(mesh, [FOOT_ALONG, FOOT_AROUND], [end(0), end(spans)], at);
 }
 

@@ -13,7 +13,7 @@ pub mod strata;
 mod tests;
 pub mod texels;
 
-pub use contract::{DirectionSampler, Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
+pub use contract::{Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
 pub use cosine::CosineSampler;
 pub use errata::ErrataSampler;
 pub use strata::StrataSampler;

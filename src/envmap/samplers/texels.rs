@@ -1,7 +1,7 @@
 //! Sampling texels in proportion to radiance, by inversion or by an alias table, singly or many at once: in small batches
 //! whose memory accesses overlap and whose arithmetic vectorizes.
 
-use super::contract::{DirectionSampler, Entry, EnvSample, EnvSamples, Method};
+use super::contract::{Entry, EnvSample, EnvSamples, Method, SurfaceSampler};
 use crate::envmap::EnvMap;
 use crate::sampling::alias::AliasTable;
 use crate::sampling::batch::{BATCH, Batch};
@@ -70,9 +70,9 @@ impl TexelSampler {
     }
 }
 
-impl DirectionSampler for TexelSampler {
+impl SurfaceSampler for TexelSampler {
     #[inline]
-    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+    fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
         let g = self.map.geometry();
         let (x, y, fx, fy, probability) = match &self.table {
             Table::Rows(table) => {
@@ -90,7 +90,7 @@ impl DirectionSampler for TexelSampler {
 
     /// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
     /// so every machine gets the same bits.
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
+    fn sample_many_for(&self, u: &[[f64; 2]], _normal: DVec3, out: &mut EnvSamples) {
         let total = match &self.table {
             Table::Rows(table) => table.total(),
             Table::Alias(table) => table.total(),
@@ -99,14 +99,14 @@ impl DirectionSampler for TexelSampler {
         pulp::Arch::new().dispatch(Fill { sampler: self, u, out });
     }
 
-    fn invert(&self, wi: DVec3) -> Option<[f64; 2]> {
+    fn invert_for(&self, wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
         let Table::Rows(table) = &self.table else { return None };
         let (x, y, fx, fy) = self.map.geometry().texel_position(wi);
         Some(table.invert((x, y), (fx, fy)))
     }
 
     #[inline]
-    fn pdf(&self, wi: DVec3) -> f64 {
+    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
         let g = self.map.geometry();
         let (x, y) = g.texel(wi);
         let probability = match &self.table {

@@ -42,29 +42,6 @@ mod tests {
         (single, single.map(f64::from))
     }
 
-    fn normals_cover_the_surface<D: Microfacet<f64>>(d: D, alpha: f64) {
-        // ∫ D cos dω by the midpoint rule in ln tan θ, which resolves lobes of any width.
-        let n = 20_000;
-        let (low, high) = ((alpha * 1e-6).ln(), (alpha * 1e6).ln());
-        let step = (high - low) / f64::from(n);
-        let mut sum = 0.0;
-        for i in 0..n {
-            let theta = (low + (f64::from(i) + 0.5) * step).exp().atan();
-            let (sin, cos) = theta.sin_cos();
-            // dω = 2π sin dθ, dθ = sin cos d(ln tan).
-            sum += d.d(direction(theta)) * cos * sin * sin * cos * 2.0 * std::f64::consts::PI * step;
-        }
-        assert!((sum - 1.0).abs() < 1e-5, "alpha {alpha}: {sum}");
-    }
-
-    #[test]
-    fn projected_facets_cover_the_surface() {
-        for alpha in ALPHAS {
-            normals_cover_the_surface(Beckmann::new(alpha), alpha);
-            normals_cover_the_surface(Ggx::new(alpha), alpha);
-        }
-    }
-
     fn single_against_double<S: Microfacet<f32>, D: Microfacet<f64>>(single: S, double: D, alpha: f64) {
         for i in 0..=1000 {
             // Normals over the lobe, directions over all angles up to the horizon.
@@ -102,35 +79,6 @@ mod tests {
         for alpha in [1e-4, 0.01, 1.0] {
             check(Beckmann::new(alpha));
             check(Ggx::new(alpha));
-        }
-    }
-
-    #[test]
-    fn shadowing_is_what_the_distribution_demands() {
-        // ∫ G₁(w) max(0, w·m) D(m) dωₘ = z: what is seen of the facets covers what is seen of the surface.
-        fn check<D: Microfacet<f64>>(d: D, alpha: f64, theta: f64) {
-            let w = [theta.sin(), 0.0, theta.cos()];
-            let (n, turns) = (2000, 512);
-            let (low, high) = ((alpha * 1e-4).ln(), (alpha * 1e5).ln());
-            let step = (high - low) / f64::from(n);
-            let mut sum = 0.0;
-            for i in 0..n {
-                let (sin, cos) = (low + (f64::from(i) + 0.5) * step).exp().atan().sin_cos();
-                let mut ring = 0.0;
-                for j in 0..turns {
-                    let phi = std::f64::consts::TAU * (f64::from(j) + 0.5) / f64::from(turns);
-                    ring += (w[0] * sin * phi.cos() + w[2] * cos).max(0.0);
-                }
-                sum += ring / f64::from(turns) * d.d([sin, 0.0, cos]) * sin * sin * cos * std::f64::consts::TAU * step;
-            }
-            let seen = sum * d.g1(w);
-            assert!((seen / w[2] - 1.0).abs() < 2e-4, "alpha {alpha}, {theta}: {}", seen / w[2]);
-        }
-        for alpha in [0.05, 0.25, 1.0] {
-            for degrees in [0.0f64, 30.0, 60.0, 85.0] {
-                check(Beckmann::new(alpha), alpha, degrees.to_radians());
-                check(Ggx::new(alpha), alpha, degrees.to_radians());
-            }
         }
     }
 }

@@ -4,7 +4,7 @@
 //! a uniform sky.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect};
-use crate::envmap::samplers::{DirectionSampler, ErrataSampler, TexelSampler};
+use crate::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
 use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
@@ -53,7 +53,7 @@ where
         let map = uniform_sky();
         let draw = pick(map.geometry());
         let right = TexelSampler::by_inversion(map);
-        (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
+        (direction_sampler(draw), by_texel(move |w| right.pdf_for(w, DVec3::Y)))
     })
 }
 
@@ -116,7 +116,10 @@ pub fn corners() -> Suspect {
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
         let claim = TexelSampler::by_inversion(uniform_sky());
-        (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
+        (
+            direction_sampler(move |u| draw.sample_for(u, DVec3::Y).map(|sample| sample.wi)),
+            by_texel(move |w| claim.pdf_for(w, DVec3::Y)),
+        )
     });
     // Four by four texels.
     let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {
