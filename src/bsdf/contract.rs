@@ -36,16 +36,6 @@ impl Lobe {
     }
 }
 
-/// The quantity that a path transports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Transport {
-    /// Radiance: the path comes from the camera, `wo` points towards the viewer.
-    #[default]
-    Radiance,
-    /// Importance: the path comes from a light, `wo` points towards that light, and the BSDF is the adjoint f(wi, wo).
-    Importance,
-}
-
 /// A direction sampled from a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
@@ -135,16 +125,14 @@ pub trait Scatter {
         true
     }
 
-    /// [`sample`](Self::sample) for the quantity that the path transports, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
+    /// [`sample`](Self::sample) of the adjoint f(wi, wo), for a path that starts at a light, towards which `wo` points, and that
+    /// transports importance; of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
     ///
     /// The two differ in refraction alone: it changes radiance by 1/η² but not power. Source: Veach, "Robust Monte Carlo
     /// Methods for Light Transport Simulation", 1997, 5.2.
     #[inline]
-    fn sample_for(&self, transport: Transport, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let sample = self.sample(wo, uc, u)?;
-        Some(match transport {
-            Transport::Radiance => sample,
-            Transport::Importance => BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample },
-        })
+        Some(BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample })
     }
 }

@@ -15,7 +15,7 @@ mod mirror;
 mod rough_conductor;
 
 pub use conductor_fresnel::ConductorFresnel;
-pub use contract::{BsdfSample, Lobe, Scatter, Transport};
+pub use contract::{BsdfSample, Lobe, Scatter};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
 pub use errata_conductor::{ErrataConductor, pdf_without_cosine};

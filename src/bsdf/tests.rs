@@ -91,7 +91,7 @@ fn lobes_are_chosen_with_their_probabilities_and_importance_keeps_its_power() {
             assert!((total - 1.0).abs() < 1e-6, "{name} {wo}: {total}");
             for u in random_numbers().take(20) {
                 let Some(s) = bsdf.sample(wo, u[1], u) else { continue };
-                let adjoint = bsdf.sample_for(Transport::Importance, wo, u[1], u).unwrap();
+                let adjoint = bsdf.sample_adjoint(wo, u[1], u).unwrap();
                 assert_eq!(adjoint.weight, s.weight * (s.eta * s.eta), "{name}");
                 assert_eq!(s.eta == 1.0, !s.lobe.is_transmission() || s.weight == adjoint.weight, "{name}");
             }

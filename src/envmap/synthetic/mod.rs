@@ -41,12 +41,22 @@ impl Synthetic {
     /// The name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
+        self.texts().0
+    }
+
+    /// One line for lists.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        self.texts().1
+    }
+
+    fn texts(self) -> (&'static str, &'static str) {
         match self {
-            Self::Nave => "nave",
-            Self::Sun => "sun",
-            Self::Constant => "constant",
-            Self::Onehot => "onehot",
-            Self::Black => "black",
+            Self::Nave => ("nave", "the inside of a Gothic church: stained glass, candles and stone, 1024x512"),
+            Self::Sun => ("sun", "a clear sky with a small sun that holds two fifths of the energy, 1024x512"),
+            Self::Constant => ("constant", "radiance 1 from everywhere, 64x32"),
+            Self::Onehot => ("onehot", "black but for one texel, 64x32"),
+            Self::Black => ("black", "no light at all, 64x32"),
         }
     }
 
@@ -54,18 +64,6 @@ impl Synthetic {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|map| map.name() == name)
-    }
-
-    /// One line for lists.
-    #[must_use]
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Nave => "the inside of a Gothic church: stained glass, candles and stone, 1024x512",
-            Self::Sun => "a clear sky with a small sun that holds two fifths of the energy, 1024x512",
-            Self::Constant => "radiance 1 from everywhere, 64x32",
-            Self::Onehot => "black but for one texel, 64x32",
-            Self::Black => "no light at all, 64x32",
-        }
     }
 
     /// Makes the map. Radiance is linear RGB.
