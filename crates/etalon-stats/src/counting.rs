@@ -31,13 +31,10 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 
 /// What is to be counted.
 pub struct Counting<'a, D: Domain> {
-    /// Sampler, density and domain.
     pub source: &'a Source<'a, D>,
-    /// The cells that samples are counted in.
     pub grid: &'a Grid,
     /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
-    /// How many samples to count.
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
@@ -47,15 +44,11 @@ pub struct Counting<'a, D: Domain> {
 
 /// Counts and integrals.
 pub struct Counted<P> {
-    /// The integral over each cell.
     pub values: Vec<f64>,
-    /// The integral over all cells.
     pub integral: Integral,
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
-    /// The first value that no pdf can have.
     pub invalid: Option<InvalidPdf<P>>,
-    /// What was counted.
     pub tally: Tally,
 }
 

@@ -25,15 +25,10 @@ const INVERSE: f64 = 1e-6;
 
 /// Where samples come from.
 pub struct Source<'a, D: Domain> {
-    /// Where the samples lie.
     pub domain: &'a D,
-    /// What generates them.
     pub sampler: &'a dyn Sampler<D::Point>,
-    /// What they are said to follow.
     pub density: &'a dyn Density<D::Point>,
-    /// Seed of the random numbers.
     pub seed: u64,
-    /// Asked between batches whether to stop.
     pub cancelled: Cancelled,
 }
 

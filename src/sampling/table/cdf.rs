@@ -37,7 +37,6 @@ pub(super) fn bucket(u: f64, buckets: f64) -> usize {
 }
 
 impl Cdf<'_> {
-    /// Probability of a cell.
     #[inline]
     pub fn probability(self, cell: usize) -> f64 {
         self.cdf[cell + 1] - self.cdf[cell]

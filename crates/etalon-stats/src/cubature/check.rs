@@ -26,7 +26,6 @@ pub(crate) struct Check<P> {
     pub sums: Vec<[Share; 3]>,
     /// Some of the points where the difference is large.
     pub found: Vec<Probe>,
-    /// The first value that is negative or not finite.
     pub invalid: Option<InvalidPdf<P>>,
 }
 
@@ -79,7 +78,7 @@ impl<D: Domain> Refinement<'_, D> {
                 let piece = &self.pieces[ends.partition_point(|&end| end <= at).min(ends.len() - 1)];
                 let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
                 let [u, v] = rng.random::<[f64; 2]>();
-                let chart = [along(piece.at.x, u), if plane { along(piece.at.y, v) } else { 0.5 }];
+                let chart = [along(piece.part.at.x, u), if plane { along(piece.part.at.y, v) } else { 0.5 }];
                 chosen.push((piece, chart));
                 points.push(self.domain.point_at(chart));
             }
@@ -91,7 +90,7 @@ impl<D: Domain> Refinement<'_, D> {
             for ((piece, at), pdf) in chosen.into_iter().zip(values) {
                 let probe = Probe { at, pdf };
                 let difference = piece.difference(&probe);
-                let sums = &mut check.sums[piece.cell];
+                let sums = &mut check.sums[piece.part.cell];
                 sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs()));
                 sums[2].add(Share::new(difference * difference));
                 if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(pdf) < 1.0) {

@@ -44,9 +44,7 @@ pub struct InvalidPdf<P> {
 /// A point at which the density is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Probe {
-    /// Its chart coordinates.
     pub at: [f64; 2],
-    /// The density there.
     pub pdf: f64,
 }
 
