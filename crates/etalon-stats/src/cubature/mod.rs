@@ -145,23 +145,6 @@ mod tests {
     use crate::domain::{Directions, Discrete, Line, Pole, Square};
     use crate::testing::{combine, dot, normalize, tangents};
 
-    /// Probes at chart coordinates.
-    fn known<D: Domain>(domain: &D, density: &dyn Density<D::Point>, at: Vec<[f64; 2]>) -> Vec<Probe> {
-        let points: Vec<D::Point> = at.iter().map(|&at| domain.point_at(at)).collect();
-        let mut pdfs = Vec::new();
-        density.pdf(&points, &mut pdfs).unwrap();
-        at.into_iter().zip(pdfs).map(|(at, pdf)| Probe { at, pdf }).collect()
-    }
-
-    fn with_probes<D: Domain>(
-        domain: &D,
-        density: &dyn Density<D::Point>,
-        grid: &Grid,
-        probes: &[Probe],
-    ) -> Integrals<D::Point> {
-        Integration::new(domain, density, grid, probes, || false).unwrap().integrals()
-    }
-
     fn total<P>(integrals: &Integrals<P>) -> (f64, f64) {
         (integrals.values.iter().sum(), integrals.errors.iter().sum())
     }
@@ -198,11 +181,11 @@ mod tests {
         // A lobe of 10⁻⁵ radians around an arbitrary direction.
         let axis = normalize([0.3, 0.5, 0.4]);
         let kappa = 1e10;
-        let lobe = density(move |w: [f64; 3]| {
+        let pdf = move |w: [f64; 3]| {
             let apart = [0, 1, 2].map(|i| w[i] - axis[i]);
-            let apart2 = dot(apart, apart);
-            kappa / std::f64::consts::TAU * (-0.5 * kappa * apart2).exp()
-        });
+            kappa / std::f64::consts::TAU * (-0.5 * kappa * dot(apart, apart)).exp()
+        };
+        let lobe = density(pdf);
         let domain = Directions::sphere(Pole::Z);
         let [t, b] = tangents(axis);
         let pilot: Vec<[f64; 2]> = (1..1000)
@@ -212,11 +195,12 @@ mod tests {
                 domain.to_chart(normalize(w)).unwrap()
             })
             .collect();
-        let probes = known(&domain, &lobe, pilot.clone());
+        let probes: Vec<Probe> = pilot.iter().map(|&at| Probe { at, pdf: pdf(domain.point_at(at)) }).collect();
         let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None)).unwrap()).0;
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
-            let (value, error) = total(&with_probes(&domain, &lobe, &grid, &probes));
+            let (value, error) =
+                total(&Integration::new(&domain, &lobe, &grid, &probes, || false).unwrap().integrals());
             assert!((value - 1.0).abs() < 1e-6 + error && error < 1e-4, "{value} {error}");
         }
     }
