@@ -37,7 +37,7 @@ fn material(group: &mut BenchmarkGroup<WallTime>, name: &str, material: Material
             }
         });
     });
-    if !bsdf.lobes().are_delta() {
+    if !bsdf.is_delta() {
         group.bench_function(format!("{name}/eval_pdf"), |b| {
             b.iter(|| {
                 for pair in inputs.windows(2) {

@@ -5,9 +5,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use etalon::envmap::EnvMap;
 use etalon::envmap::cut::{MedianCut, SideRule, Split};
 use etalon::envmap::irradiance::IrradianceTree;
-use etalon::envmap::samplers::{
-    self, CdfSampler, DirectionSampler, EnvSample, EnvSamples, MapSampling, SurfaceSampler,
-};
+use etalon::envmap::samplers::{self, EnvSample, EnvSamples, MapSampling, SurfaceSampler, TexelSampler};
 use etalon::math::Rgb;
 use etalon::math::circular::sin_cos_turns;
 use etalon::raster::Image;
@@ -91,12 +89,13 @@ fn sampling(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("envmap-sample-{width}x{height}"));
         group.throughput(Throughput::Elements(u64::from(SAMPLES))).sample_size(20);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
-        let cdf = CdfSampler::new(map.clone());
+        let cdf = TexelSampler::by_inversion(map.clone());
         many(&mut group, "cdf", &cdf);
-        single(&mut group, "cdf one by one", |i| cdf.sample(random(i)));
-        let directions: Vec<DVec3> = (0..SAMPLES).filter_map(|i| cdf.sample(random(i))).map(|s| s.wi).collect();
+        single(&mut group, "cdf one by one", |i| cdf.sample_for(random(i), DVec3::Y));
+        let directions: Vec<DVec3> =
+            (0..SAMPLES).filter_map(|i| cdf.sample_for(random(i), DVec3::Y)).map(|s| s.wi).collect();
         group.bench_function("pdf of its own samples", |b| {
-            b.iter(|| directions.iter().map(|&wi| cdf.pdf(wi)).sum::<f64>());
+            b.iter(|| directions.iter().map(|&wi| cdf.pdf_for(wi, DVec3::Y)).sum::<f64>());
         });
         drop(cdf);
         for sampling in sampled().skip(1) {
@@ -120,7 +119,7 @@ fn building(c: &mut Criterion) {
         let name = format!("{} 1024x512", sampling.entry().name);
         group.bench_function(name, |b| b.iter(|| sampling.sampler(small.clone()).unwrap()));
     }
-    group.bench_function("cdf 8192x4096", |b| b.iter(|| CdfSampler::new(large.clone())));
+    group.bench_function("cdf 8192x4096", |b| b.iter(|| TexelSampler::by_inversion(large.clone())));
     group.finish();
 }
 

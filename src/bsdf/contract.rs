@@ -36,65 +36,6 @@ impl Lobe {
     }
 }
 
-/// The lobes that a BSDF has: its flags.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Lobes(u8);
-
-impl Lobes {
-    /// The set of some lobes.
-    #[must_use]
-    pub const fn of(lobes: &[Lobe]) -> Self {
-        let (mut bits, mut i) = (0, 0);
-        while i < lobes.len() {
-            bits |= 1 << lobes[i] as u8;
-            i += 1;
-        }
-        Self(bits)
-    }
-
-    /// Whether a lobe is among them.
-    #[inline]
-    #[must_use]
-    pub const fn contains(self, lobe: Lobe) -> bool {
-        self.0 & 1 << lobe as u8 != 0
-    }
-
-    /// Whether all are delta distributions, so that light sampling contributes nothing.
-    #[inline]
-    #[must_use]
-    pub const fn are_delta(self) -> bool {
-        const DELTA: Lobes = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
-        self.0 & !DELTA.0 == 0
-    }
-
-    /// Whether light may pass to the other side.
-    #[inline]
-    #[must_use]
-    pub const fn transmit(self) -> bool {
-        const TRANSMISSION: Lobes =
-            Lobes::of(&[Lobe::DiffuseTransmission, Lobe::GlossyTransmission, Lobe::SpecularTransmission]);
-        self.0 & TRANSMISSION.0 != 0
-    }
-
-    /// Whether all are diffuse.
-    #[inline]
-    #[must_use]
-    pub const fn are_diffuse(self) -> bool {
-        const DIFFUSE: Lobes = Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]);
-        self.0 & !DIFFUSE.0 == 0
-    }
-}
-
-/// The quantity that a path transports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Transport {
-    /// Radiance: the path comes from the camera, `wo` points towards the viewer.
-    #[default]
-    Radiance,
-    /// Importance: the path comes from a light, `wo` points towards that light, and the BSDF is the adjoint f(wi, wo).
-    Importance,
-}
-
 /// A direction sampled from a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
@@ -144,7 +85,12 @@ impl BsdfSample {
 /// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
-    fn lobes(&self) -> Lobes;
+    fn lobes(&self) -> &'static [Lobe];
+
+    /// Whether all lobes are delta distributions, so that light sampling contributes nothing.
+    fn is_delta(&self) -> bool {
+        self.lobes().iter().all(|lobe| lobe.is_delta())
+    }
 
     /// The BSDF f(wo, wi), without the cosine (1/sr); 0 for delta lobes and where nothing is scattered.
     #[inline]
@@ -152,17 +98,17 @@ pub trait Scatter {
         self.eval_pdf(wo, wi).0
     }
 
+    /// [`eval`](Self::eval) of the adjoint, f(wi, wo), for a path that starts at a light.
+    #[inline]
+    fn eval_adjoint(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval(wi, wo)
+    }
+
     /// Pdf per solid angle of [`sample`](Self::sample) at `wi`; 0 for delta lobes. Its integral is 1 minus the probability
-    /// of `None` and of delta lobes.
+    /// of `None` and of delta lobes. The pdf of the reverse direction, of a path that arrives from `wi`, is `pdf(wi, wo)`.
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.eval_pdf(wo, wi).1
-    }
-
-    /// Pdf of the reverse direction: of sampling `wo` on a path that arrives from `wi`.
-    #[inline]
-    fn pdf_reverse(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.pdf(wi, wo)
     }
 
     /// [`eval`](Self::eval) and [`pdf`](Self::pdf) together, which costs little more than one of them.
@@ -177,7 +123,7 @@ pub trait Scatter {
 
     /// The probability with which [`sample`](Self::sample) chooses a lobe for `wo`.
     fn lobe_probability(&self, _wo: Vec3, lobe: Lobe) -> f32 {
-        f32::from(u8::from(self.lobes().contains(lobe)))
+        f32::from(u8::from(self.lobes().contains(&lobe)))
     }
 
     /// Whether f(wi, wo) = f(wo, wi), apart from refraction's η², so that paths may start at either end.
@@ -185,41 +131,14 @@ pub trait Scatter {
         true
     }
 
-    /// [`eval`](Self::eval) for the quantity that the path transports: the adjoint for importance.
-    #[inline]
-    fn eval_for(&self, transport: Transport, wo: Vec3, wi: Vec3) -> Rgb {
-        match transport {
-            Transport::Radiance => self.eval(wo, wi),
-            Transport::Importance => self.eval(wi, wo),
-        }
-    }
-
-    /// [`sample`](Self::sample) for the quantity that the path transports, of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
+    /// [`sample`](Self::sample) of the adjoint f(wi, wo), for a path that starts at a light, towards which `wo` points, and that
+    /// transports importance; of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
     ///
     /// The two differ in refraction alone: it changes radiance by 1/η² but not power. Source: Veach, "Robust Monte Carlo
     /// Methods for Light Transport Simulation", 1997, 5.2.
     #[inline]
-    fn sample_for(&self, transport: Transport, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let sample = self.sample(wo, uc, u)?;
-        Some(match transport {
-            Transport::Radiance => sample,
-            Transport::Importance => BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample },
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flags_are_sets_of_lobes() {
-        let glass = Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission]);
-        assert!(glass.are_delta() && glass.transmit() && !glass.are_diffuse());
-        assert!(glass.contains(Lobe::SpecularReflection) && !glass.contains(Lobe::GlossyReflection));
-        let rough = Lobes::of(&[Lobe::GlossyReflection]);
-        assert!(!rough.are_delta() && !rough.transmit() && !rough.are_diffuse());
-        assert!(Lobes::of(&[Lobe::DiffuseReflection, Lobe::DiffuseTransmission]).are_diffuse());
-        assert!(Lobes::default().are_delta(), "what scatters nothing needs no light samples");
+        Some(BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample })
     }
 }

@@ -5,7 +5,7 @@
 //! does not change radiance by this factor. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, 5.2.
 
 use super::mirror::reflect;
-use super::{BsdfSample, Lobe, Lobes, Scatter};
+use super::{BsdfSample, Lobe, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
@@ -33,8 +33,8 @@ pub struct Refraction {
 }
 
 impl Scatter for Refraction {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::SpecularTransmission])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::SpecularTransmission]
     }
 
     #[inline]
@@ -89,8 +89,8 @@ impl Dielectric {
 }
 
 impl Scatter for Dielectric {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::SpecularReflection, Lobe::SpecularTransmission])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::SpecularReflection, Lobe::SpecularTransmission]
     }
 
     #[inline]

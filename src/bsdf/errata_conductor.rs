@@ -1,7 +1,7 @@
 //! A rough conductor with errors of the second report, as [`Conventions`] select them.
 
 use super::rough_conductor::{Facet, reflect_at};
-use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
 use crate::errata::Conventions;
 use crate::errata::microfacet::{direction_pdf_without_cosine, lambda_with_pi};
 use crate::math::Rgb;
@@ -55,8 +55,8 @@ impl ErrataConductor {
 }
 
 impl Scatter for ErrataConductor {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::GlossyReflection])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::GlossyReflection]
     }
 
     fn is_reciprocal(&self) -> bool {

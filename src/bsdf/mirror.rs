@@ -1,6 +1,6 @@
 //! Perfect mirrors: of a given reflectance, and of a polished metal.
 
-use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
 use crate::math::Rgb;
 use glam::Vec3;
 
@@ -18,8 +18,8 @@ pub struct Mirror {
 }
 
 impl Scatter for Mirror {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::SpecularReflection])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::SpecularReflection]
     }
 
     #[inline]
@@ -36,8 +36,8 @@ pub struct SmoothConductor {
 }
 
 impl Scatter for SmoothConductor {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::SpecularReflection])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::SpecularReflection]
     }
 
     #[inline]

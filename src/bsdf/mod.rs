@@ -15,7 +15,7 @@ mod mirror;
 mod rough_conductor;
 
 pub use conductor_fresnel::ConductorFresnel;
-pub use contract::{BsdfSample, Lobe, Lobes, Scatter, Transport};
+pub use contract::{BsdfSample, Lobe, Scatter};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
 pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
@@ -50,7 +50,7 @@ macro_rules! bsdfs {
         }
 
         impl Scatter for Bsdf {
-            fn lobes(&self) -> Lobes {
+            fn lobes(&self) -> &'static [Lobe] {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.lobes(),)*
                 }

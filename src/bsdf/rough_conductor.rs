@@ -6,7 +6,7 @@
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both return the same
 //! pdf to the last bit.
 
-use super::{BsdfSample, ConductorFresnel, Lobe, Lobes, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
 use crate::math::Rgb;
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
@@ -179,8 +179,8 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
 }
 
 impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
-    fn lobes(&self) -> Lobes {
-        Lobes::of(&[Lobe::GlossyReflection])
+    fn lobes(&self) -> &'static [Lobe] {
+        &[Lobe::GlossyReflection]
     }
 
     #[inline]

@@ -106,10 +106,12 @@ impl<'a> MedianCut<'a> {
             return Err(Error::parameter("n", format!("{n} regions out of {width}x{height} texels"))
                 .with_hint("ask for at least 1 and at most one region per texel"));
         }
-        // Cut level by level where the number allows that, then the region of highest priority until there are `n`.
+        // Cut level by level where the number allows that, single texels staying whole, then the region of highest priority until there are `n`.
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
         let level_by_level = self.moments.is_none() && n.is_power_of_two();
-        let blocks = self.levels(whole, if level_by_level { n.ilog2() } else { 0 });
+        let halves = |block| self.cut(block).map_or(vec![block], Vec::from);
+        let blocks = (0..if level_by_level { n.ilog2() } else { 0 })
+            .fold(vec![whole], |blocks, _| blocks.into_iter().flat_map(halves).collect());
         let mut done = Vec::new();
         let mut heap: BinaryHeap<Candidate> = blocks.into_iter().map(|block| self.candidate(block)).collect();
         while done.len() + heap.len() < n {
@@ -123,12 +125,6 @@ impl<'a> MedianCut<'a> {
         done.extend(heap.into_iter().map(|(.., block)| block));
         done.sort_by_key(|r| (r.y0, r.x0));
         Ok(done.into_iter().map(|block| self.region(block)).collect())
-    }
-
-    /// Cuts every region at each of so many levels; single texels stay whole.
-    fn levels(&self, whole: Block, levels: u32) -> Vec<Block> {
-        let halves = |block| self.cut(block).map_or(vec![block], Vec::from);
-        (0..levels).fold(vec![whole], |blocks, _| blocks.into_iter().flat_map(halves).collect())
     }
 
     fn candidate(&self, block: Block) -> Candidate {
@@ -145,13 +141,10 @@ impl<'a> MedianCut<'a> {
     }
 
     fn cut_by_energy(&self, block: Block, sides: SideRule) -> Option<[Block; 2]> {
-        let across = self.longer_side(block, sides);
-        let axis = if across.candidates(block).is_empty() { across.other() } else { across };
+        let axes = [self.longer_side(block, sides), Axis::X, Axis::Y];
+        let axis = axes.into_iter().find(|axis| !axis.candidates(block).is_empty())?;
         let places = axis.candidates(block);
-        let (first, last) = (places.start, places.end.checked_sub(1)?);
-        if places.is_empty() {
-            return None;
-        }
+        let (first, last) = (places.start, places.end - 1);
         // Without light cut in the middle.
         let total = self.energy.sum(block);
         if total <= 0.0 {
@@ -257,13 +250,6 @@ enum Axis {
 }
 
 impl Axis {
-    fn other(self) -> Self {
-        match self {
-            Axis::X => Axis::Y,
-            Axis::Y => Axis::X,
-        }
-    }
-
     /// The inner texel borders at which a region can be cut.
     fn candidates(self, r: Block) -> std::ops::Range<usize> {
         match self {

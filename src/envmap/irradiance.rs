@@ -195,13 +195,11 @@ mod tests {
         for n in normals() {
             let mut sum = DVec3::ZERO;
             const FINE: usize = 24;
-            for y in 0..16 {
-                for x in 0..32 {
-                    let cell = map.texel(x, y).as_dvec3() * g.solid_angle(y) / (FINE * FINE) as f64;
-                    for i in 0..FINE * FINE {
-                        let at = |k: usize| (k as f64 + 0.5) / FINE as f64;
-                        sum += cell * n.dot(g.direction_in_texel(x, y, at(i % FINE), at(i / FINE))).max(0.0);
-                    }
+            for (x, y) in (0..16).flat_map(|y| (0..32).map(move |x| (x, y))) {
+                let cell = map.texel(x, y).as_dvec3() * g.solid_angle(y) / (FINE * FINE) as f64;
+                for i in 0..FINE * FINE {
+                    let at = |k: usize| (k as f64 + 0.5) / FINE as f64;
+                    sum += cell * n.dot(g.direction_in_texel(x, y, at(i % FINE), at(i / FINE))).max(0.0);
                 }
             }
             let e = tree.irradiance(n);

@@ -243,21 +243,16 @@ mod tests {
     fn directions_round_trip_to_the_borders_and_the_poles() {
         for (w, h) in [(1, 1), (2, 1), (3, 2), (1024, 512), (8192, 4096)] {
             let g = LatLong::new(w, h);
-            for y in [0, 1.min(h - 1), h / 2, h - 1] {
-                for x in [0, w / 3, w - 1] {
-                    for f in [1e-9, 0.25, 0.5, 1.0 - 1e-9] {
-                        for fx in [1e-9, 0.5, 1.0 - 1e-9] {
-                            let d = g.direction_in_texel(x, y, fx, f);
-                            assert!((d.length() - 1.0).abs() < 1e-15);
-                            let (bx, by, bfx, bfy) = g.texel_position(d);
-                            assert_eq!((bx, by), (x, y), "{w}x{h} texel {x},{y} at {fx},{f}");
-                            assert!(
-                                (bfx - fx).abs() < 1e-8 && (bfy - f).abs() < 1e-8,
-                                "{fx} {f} came back {bfx} {bfy}"
-                            );
-                        }
-                    }
-                }
+            let texels = [0, 1.min(h - 1), h / 2, h - 1].into_iter().flat_map(|y| [0, w / 3, w - 1].map(|x| (x, y)));
+            let ends = [1e-9, 0.25, 0.5, 1.0 - 1e-9];
+            for ((x, y), (fx, fy)) in
+                texels.flat_map(|at| ends.iter().flat_map(move |&fx| ends.map(|fy| (at, (fx, fy)))))
+            {
+                let d = g.direction_in_texel(x, y, fx, fy);
+                assert!((d.length() - 1.0).abs() < 1e-15);
+                let (bx, by, bfx, bfy) = g.texel_position(d);
+                assert_eq!((bx, by), (x, y), "{w}x{h} texel {x},{y} at {fx},{fy}");
+                assert!((bfx - fx).abs() < 1e-8 && (bfy - fy).abs() < 1e-8, "{fx} {fy} came back {bfx} {bfy}");
             }
         }
     }

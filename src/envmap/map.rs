@@ -128,14 +128,11 @@ mod tests {
     fn one_hot_maps_have_radiance_in_one_texel_only() {
         for (w, h) in [(1, 1), (2, 1), (3, 2), (10, 10), (16, 8)] {
             for hot in 0..w * h {
-                let (hx, hy) = (hot % w, hot / w);
-                let map =
-                    EnvMap::new(Image::from_fn(w, h, |x, y| if (x, y) == (hx, hy) { Rgb::ONE } else { Rgb::ZERO }));
-                for y in 0..h {
-                    for x in 0..w {
-                        let d = map.geometry().direction_in_texel(x, y, 0.5, 0.5);
-                        assert_eq!(map.radiance(d) == Rgb::ONE, (x, y) == (hx, hy), "{w}x{h} hot {hot} texel {x},{y}");
-                    }
+                let at = (hot % w, hot / w);
+                let map = EnvMap::new(Image::from_fn(w, h, |x, y| if (x, y) == at { Rgb::ONE } else { Rgb::ZERO }));
+                for (x, y) in (0..w * h).map(|i| (i % w, i / w)) {
+                    let d = map.geometry().direction_in_texel(x, y, 0.5, 0.5);
+                    assert_eq!(map.radiance(d) == Rgb::ONE, (x, y) == at, "{w}x{h} hot {hot} texel {x},{y}");
                 }
             }
         }

@@ -9,7 +9,6 @@ pub struct SummedArea {
 }
 
 impl SummedArea {
-    /// Tabulates `value(x, y)`.
     #[must_use]
     pub fn new(width: usize, height: usize, value: impl Fn(usize, usize) -> f64) -> Self {
         let stride = width + 1;

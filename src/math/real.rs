@@ -30,60 +30,39 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     }
 }
 
-impl Real for f32 {
-    const LEAST_EXPONENT: Self = -87.3;
+/// Implements [`Real`] by functions of the type's own precision.
+macro_rules! real {
+    ($float:ty, $least_exponent:literal, $exp:path, $ln:path, $erfcx:path) => {
+        impl Real for $float {
+            const LEAST_EXPONENT: Self = $least_exponent;
 
-    #[inline(always)]
-    fn from_f64(value: f64) -> Self {
-        value as f32
-    }
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
 
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
 
-    #[inline(always)]
-    fn exponential(self) -> Self {
-        elementary::exp_f32(self)
-    }
+            #[inline(always)]
+            fn exponential(self) -> Self {
+                $exp(self)
+            }
 
-    #[inline(always)]
-    fn logarithm(self) -> Self {
-        elementary::ln_f32(self)
-    }
+            #[inline(always)]
+            fn logarithm(self) -> Self {
+                $ln(self)
+            }
 
-    #[inline(always)]
-    fn erfcx(self) -> Self {
-        error_function::erfcx(self, &error_function::SINGLE)
-    }
+            #[inline(always)]
+            fn erfcx(self) -> Self {
+                error_function::erfcx(self, &$erfcx)
+            }
+        }
+    };
 }
 
-impl Real for f64 {
-    const LEAST_EXPONENT: Self = -708.0;
-
-    #[inline(always)]
-    fn from_f64(value: f64) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        self
-    }
-
-    #[inline(always)]
-    fn exponential(self) -> Self {
-        elementary::exp_f64(self)
-    }
-
-    #[inline(always)]
-    fn logarithm(self) -> Self {
-        elementary::ln_f64(self)
-    }
-
-    #[inline(always)]
-    fn erfcx(self) -> Self {
-        error_function::erfcx(self, &error_function::DOUBLE)
-    }
-}
+real!(f32, -87.3, elementary::exp_f32, elementary::ln_f32, error_function::SINGLE);
+real!(f64, -708.0, elementary::exp_f64, elementary::ln_f64, error_function::DOUBLE);

@@ -1,24 +1,7 @@
 //! Fresnel reflectance of a conductor: exact, and an approximation that older renderers use.
 
-use super::dielectric;
+use super::dielectric::{Reflectance, g_squared};
 use crate::math::Real;
-
-/// R∥ and R⊥ of a conductor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConductorReflectance<T> {
-    /// Reflected share of the power polarized in the plane of incidence.
-    pub parallel: T,
-    /// Reflected share of the power polarized across it.
-    pub perpendicular: T,
-}
-
-impl<T: Real> ConductorReflectance<T> {
-    /// Reflected share of unpolarized light, (R∥ + R⊥) / 2.
-    #[must_use]
-    pub fn unpolarized(&self) -> T {
-        (self.parallel + self.perpendicular) * T::from_f64(0.5)
-    }
-}
 
 /// Exact reflectance for the complex index η + i k (relative to the near side, k ≥ 0), at `cos_i` in \[0, 1\].
 ///
@@ -27,7 +10,7 @@ impl<T: Real> ConductorReflectance<T> {
 /// Computed through the complex root a + ib itself, so that R⊥ = |c − (a+ib)|² / |c + (a+ib)|² is a quotient of
 /// sums of squares and cannot turn negative. Source: Born & Wolf, 7th ed., 14.2.
 #[must_use]
-pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
+pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
     let one = T::one();
     let c = cos_i;
     let sin2 = (one - c) * (one + c);
@@ -38,7 +21,7 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     let sum2 = (c + a) * (c + a) + b * b;
     if sum2 == T::zero() {
         // Only for c = 0 and n = 1 exactly: no interface.
-        return ConductorReflectance { parallel: T::zero(), perpendicular: T::zero() };
+        return Reflectance { parallel: T::zero(), perpendicular: T::zero(), cos_t: None };
     }
     // |c − z|²/|c + z|² is more precise where c − z does not cancel, and never exceeds 1.
     let difference2 = (c - a) * (c - a) + b * b;
@@ -48,13 +31,13 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
     let (x, y) = (c * a, c * b);
     let below = (x + sin2) * (x + sin2) + y * y;
     let ratio2 = if below == T::zero() { one } else { ((x - sin2) * (x - sin2) + y * y) / below };
-    ConductorReflectance { parallel: perpendicular * ratio2, perpendicular }
+    Reflectance { parallel: perpendicular * ratio2, perpendicular, cos_t: None }
 }
 
 /// The root z = a + ib (a, b ≥ 0) of (η + ik)² − s², without the cancellation of √((|z²| + Re z²)/2) for Re z² < 0.
 fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
     let half = T::from_f64(0.5);
-    let re = dielectric::g_squared(c, eta) - k * k;
+    let re = g_squared(c, eta) - k * k;
     let im = (eta + eta) * k;
     let larger = ((re.hypot(im) + re.abs()) * half).sqrt();
     if larger == T::zero() {
@@ -70,14 +53,12 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
 /// Its error is below 0.007 (unpolarized) for gold and copper. It is unusable for q < 5: its error for glass (k = 0,
 /// η = 1.5) is 0.099.
 #[must_use]
-pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> ConductorReflectance<T> {
+pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
     let c = cos_i;
     let q = eta * eta + k * k;
     let middle = T::from_f64(2.0) * eta * c;
-    ConductorReflectance {
-        parallel: (q * c * c - middle + T::one()) / (q * c * c + middle + T::one()),
-        perpendicular: (q - middle + c * c) / (q + middle + c * c),
-    }
+    let parallel = (q * c * c - middle + T::one()) / (q * c * c + middle + T::one());
+    Reflectance { parallel, perpendicular: (q - middle + c * c) / (q + middle + c * c), cos_t: None }
 }
 
 /// Reflectance at normal incidence, ((η−1)² + k²) / ((η+1)² + k²).
@@ -129,11 +110,8 @@ mod tests {
             for i in 0..=90 {
                 let c = f64::from(i).to_radians().cos().max(0.0);
                 let (metal, glass) = (fresnel(c, eta, 0.0), dielectric::fresnel(c, eta));
-                assert!((metal.parallel - glass.parallel).abs() < 1e-12, "eta {eta}, {i} deg: {metal:?} {glass:?}");
-                assert!(
-                    (metal.perpendicular - glass.perpendicular).abs() < 1e-12,
-                    "eta {eta}, {i} deg: {metal:?} {glass:?}"
-                );
+                let apart = [metal.parallel - glass.parallel, metal.perpendicular - glass.perpendicular];
+                assert!(apart.iter().all(|apart| apart.abs() < 1e-12), "eta {eta}, {i} deg: {metal:?} {glass:?}");
             }
         }
         assert_eq!(fresnel(0.0f32, 1.0, 0.0).unpolarized(), 0.0);
@@ -154,14 +132,10 @@ mod tests {
                 let f = fresnel(c, eta, k);
                 assert!((f.parallel - p).abs() < 1e-12 && (f.perpendicular - s).abs() < 1e-12, "{eta} {k} {i}");
             }
+            let f = fresnel(1.0, eta, k);
+            assert!((f.parallel - f.perpendicular).abs() < 1e-15, "no polarization along the normal");
+            assert!((f.parallel - normal_reflectance(eta, k)).abs() < 1e-15);
         }
-    }
-
-    #[test]
-    fn normal_incidence_needs_no_polarization() {
-        let f = fresnel(1.0f64, 0.2, 3.9);
-        assert!((f.parallel - f.perpendicular).abs() < 1e-15);
-        assert!((f.parallel - normal_reflectance(0.2, 3.9)).abs() < 1e-15);
     }
 
     #[test]

@@ -12,14 +12,14 @@
 
 use crate::math::Real;
 
-/// What a dielectric interface does to a ray of given incidence.
+/// What an interface does to a ray of given incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflectance<T> {
     /// Reflected share of the power polarized in the plane of incidence, R∥.
     pub parallel: T,
     /// Reflected share of the power polarized across the plane of incidence, R⊥.
     pub perpendicular: T,
-    /// Cosine of the refracted ray with the normal (≥ 0); `None` under total internal reflection.
+    /// Cosine of the refracted ray with the normal (≥ 0); `None` under total internal reflection, and of a conductor.
     pub cos_t: Option<T>,
 }
 
@@ -91,6 +91,18 @@ pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
     T::from_f64((a - b) * (a + b))
 }
 
+/// Brewster's angle atan(η) in radians: light polarized in the plane of incidence is not reflected there. Both sides have one.
+#[must_use]
+pub fn brewster(eta: f64) -> f64 {
+    eta.atan()
+}
+
+/// The critical angle asin(η) in radians, beyond which all light is reflected; `None` where there is none (η ≥ 1).
+#[must_use]
+pub fn critical(eta: f64) -> Option<f64> {
+    (eta < 1.0).then(|| eta.asin())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,8 +171,10 @@ mod tests {
         }
         assert!((fresnel(0.0f64, 1.5).unpolarized() - 1.0).abs() < 1e-15, "grazing light is reflected");
         assert_eq!(fresnel(0.0f64, 1.0 / 1.5), Reflectance { parallel: 1.0, perpendicular: 1.0, cos_t: None });
-        let brewster = 1.5f64.atan().cos();
-        assert!(fresnel(brewster, 1.5).parallel < 1e-30, "no parallel light at Brewster's angle");
+        assert!(fresnel(brewster(1.5).cos(), 1.5).parallel < 1e-30, "no parallel light at Brewster's angle");
+        assert!((brewster(1.45).to_degrees() - 55.407_711_312_490_06).abs() < 1e-11);
+        assert!((critical(1.0 / 1.45).unwrap().to_degrees() - 43.602_818_972_703_62).abs() < 1e-11);
+        assert_eq!(critical(1.0), None);
     }
 
     #[test]

@@ -5,7 +5,6 @@
 
 pub mod conductor;
 pub mod dielectric;
-pub mod interface;
 pub mod metals;
 pub mod microfacet;
 pub mod schlick;

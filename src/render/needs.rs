@@ -62,7 +62,7 @@ impl Needs {
             request.max_depth > 0
                 && scene.objects.iter().any(|object| match &object.material {
                     Material::Diffuse { .. } => false,
-                    other => other.bsdf(settings.model).lobes().are_delta() == delta,
+                    other => other.bsdf(settings.model).is_delta() == delta,
                 })
         };
         let cut_lights = settings.density.has_fixed_lights() && scene.environment.is_some();

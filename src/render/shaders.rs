@@ -41,7 +41,7 @@ impl SurfaceShader {
             Material::Diffuse { albedo } => Kind::Diffuse { albedo },
             ref other => {
                 let bsdf = other.bsdf(settings.model);
-                if bsdf.lobes().are_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
+                if bsdf.is_delta() { Kind::Delta(bsdf) } else { Kind::Rough(bsdf) }
             }
         };
         let shader = |(i, object): (usize, &crate::scene::Object)| Self {

@@ -37,13 +37,8 @@ impl AliasTable {
     /// Memory that a table takes for each weight.
     pub const BYTES: usize = size_of::<AliasEntry>();
 
-    /// From at least one and fewer than 2³² weights, all finite and ≥ 0.
-    #[must_use]
-    pub fn new(weights: &[f64]) -> Self {
-        Self::from_fn(weights.len(), |i| weights[i])
-    }
-
-    /// [`AliasTable::new`] of the weights `weight(0)` to `weight(n − 1)`, each of which is asked for several times.
+    /// From the weights `weight(0)` to `weight(n − 1)`, at least one and fewer than 2³², all finite and ≥ 0, each of which is
+    /// asked for several times.
     ///
     /// While the table is built it needs no memory beside its entries: those that are not finished hold their scaled
     /// weight as their probability, and are linked into two stacks, of small and of large ones, through `other`.
@@ -171,7 +166,7 @@ mod tests {
     #[test]
     fn probabilities_are_the_weights() {
         for w in weights() {
-            let (alias, total) = (AliasTable::new(&w), w.iter().sum::<f64>());
+            let (alias, total) = (AliasTable::from_fn(w.len(), |i| w[i]), w.iter().sum::<f64>());
             for (i, &wi) in w.iter().enumerate() {
                 assert!((alias.probability(i) - wi / total).abs() < 1e-7);
                 assert!(wi > 0.0 || alias.probability(i) == 0.0);
@@ -181,13 +176,12 @@ mod tests {
 
     #[test]
     fn weights_of_zero_give_no_sample() {
-        assert_eq!(AliasTable::new(&[0.0]).sample(0.5), None);
+        assert_eq!(AliasTable::from_fn(1, |_| 0.0).sample(0.5), None);
     }
-
     #[test]
     fn cells_are_sampled_with_their_probabilities() {
         let w = [1.0, 0.0, 3.0, 0.5, 0.5];
-        let table = AliasTable::new(&w);
+        let table = AliasTable::from_fn(5, |i| w[i]);
         let n = 100_000u32;
         let mut counts = [0u32; 5];
         for i in 0..n {

@@ -13,17 +13,16 @@ use crate::raster::Image;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
+/// A camera that looks along −z, +y upwards.
+fn along_minus_z(position: DVec3, projection: Projection) -> Camera {
+    Camera { position, right: DVec3::X, up: DVec3::Y, forward: DVec3::NEG_Z, projection }
+}
+
 /// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, in orthographic projection along −z
 /// from the plane z = 1 that touches it.
 #[must_use]
 pub fn sphere_env(environment: Environment) -> (Scene, Request) {
-    let camera = Camera {
-        position: DVec3::Z,
-        right: DVec3::X,
-        up: DVec3::Y,
-        forward: DVec3::NEG_Z,
-        projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
-    };
+    let camera = along_minus_z(DVec3::Z, Projection::Orthographic { half_width: 1.0, half_height: 1.0 });
     let sphere = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
     let objects = vec![Object::new(sphere, Material::Diffuse { albedo: Rgb::ONE })];
     let scene =
@@ -62,16 +61,9 @@ fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
     objects.extend(contents);
     // The reference renderer keeps the distance of the film, so that the image's size sets the field of view.
     let (width, height, film_distance) = (480, 360, 875.0);
-    let camera = Camera {
-        position: DVec3::new(0.0, 0.75, 4.802_343_57),
-        right: DVec3::X,
-        up: DVec3::Y,
-        forward: DVec3::NEG_Z,
-        projection: Projection::Perspective {
-            tan_half_width: 0.5 * width as f64 / film_distance,
-            tan_half_height: 0.5 * height as f64 / film_distance,
-        },
-    };
+    let [tan_half_width, tan_half_height] = [width, height].map(|side| 0.5 * side as f64 / film_distance);
+    let projection = Projection::Perspective { tan_half_width, tan_half_height };
+    let camera = along_minus_z(DVec3::new(0.0, 0.75, 4.802_343_57), projection);
     let scene = Scene { name: name.into(), camera, objects, lights: Vec::new(), environment: None };
     (scene, Request { width, height, spp: 64, light_samples: 4, max_depth: 5 })
 }
@@ -143,13 +135,8 @@ pub fn furnace() -> (Scene, Request) {
         let sphere = Sphere { centre: Vec3::new(2.25 * i as f32 - 3.375, 0.0, 0.0), radius: 1.0 };
         Object::new(Shape::Sphere(sphere), material)
     };
-    let camera = Camera {
-        position: DVec3::new(0.0, 0.0, 20.0),
-        right: DVec3::X,
-        up: DVec3::Y,
-        forward: DVec3::NEG_Z,
-        projection: Projection::Orthographic { half_width: 4.8, half_height: 1.2 },
-    };
+    let projection = Projection::Orthographic { half_width: 4.8, half_height: 1.2 };
+    let camera = along_minus_z(DVec3::new(0.0, 0.0, 20.0), projection);
     let objects = materials.into_iter().enumerate().map(sphere).collect();
     let scene = Scene { name: "furnace".into(), camera, objects, lights: Vec::new(), environment: Some(environment) };
     (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })

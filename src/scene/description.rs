@@ -1,6 +1,7 @@
-//! The scene as a whole: camera, objects, lights, environment.
+//! The scene as a whole: camera, objects, lights, environment, and what it asks of a render; flags override that.
 
-use super::{Camera, EmitterVisibility, Environment, Light, Object, Request};
+use super::{Camera, Emission, EmitterVisibility, Environment, Light, Material, Mesh, Rectangle, Sphere};
+use std::sync::Arc;
 
 /// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
 #[derive(Debug, Clone)]
@@ -32,4 +33,49 @@ impl Scene {
         let camera = self.camera.fitted([request.width, request.height], [width, height]);
         (Self { camera, ..self }, Request { width, height, ..request })
     }
+}
+
+/// A shape, its material, and whether it emits light.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// Its surface, in the world.
+    pub shape: Shape,
+    /// How the surface scatters light.
+    pub material: Material,
+    /// The light that the surface gives off; `None` for most.
+    pub emission: Option<Emission>,
+}
+
+impl Object {
+    /// An object that emits no light.
+    #[must_use]
+    pub fn new(shape: Shape, material: Material) -> Self {
+        Self { shape, material, emission: None }
+    }
+}
+
+/// A shape.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A whole sphere.
+    Sphere(Sphere),
+    /// A flat rectangle.
+    Rectangle(Rectangle),
+    /// Triangles; a mesh may be shared by objects.
+    Mesh(Arc<Mesh>),
+}
+
+/// Image size and sampling that a scene asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Request {
+    /// In pixels.
+    pub width: usize,
+    /// In pixels.
+    pub height: usize,
+    /// Camera samples per pixel.
+    pub spp: u32,
+    /// Light samples at each hit.
+    pub light_samples: u32,
+    /// 0: emission only; 1: direct light; n: light that arrives over at most n segments after the camera's.
+    pub max_depth: u32,
 }

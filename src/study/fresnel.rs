@@ -3,7 +3,7 @@
 use crate::errata::Conventions;
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::error::{Error, Result};
-use crate::optics::{dielectric, interface, schlick};
+use crate::optics::{dielectric, schlick};
 use serde::Serialize;
 
 /// One angle of incidence. Field names are the CSV columns.
@@ -96,7 +96,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
     let approximate = |cos: f64| {
         if single_cosine { schlick_incident_cosine(cos, eta) } else { schlick::schlick(cos, eta) }
     };
-    let critical_deg = interface::critical(eta).map(f64::to_degrees);
+    let critical_deg = dielectric::critical(eta).map(f64::to_degrees);
     let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };
     let row = |theta_deg: f64| {
         let exact = dielectric::fresnel(cos_deg(theta_deg), eta);
@@ -118,7 +118,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
         eta_i,
         eta_t,
         model: if single_cosine { "report" } else { "exact" },
-        brewster_deg: (eta != 1.0).then(|| interface::brewster(eta).to_degrees()),
+        brewster_deg: (eta != 1.0).then(|| dielectric::brewster(eta).to_degrees()),
         critical_deg,
         r_normal: normal.unpolarized(),
         r_normal_parallel: normal.parallel,

@@ -3,7 +3,6 @@
 use crate::density::{Density, Mass};
 use crate::domain::Domain;
 use crate::examine::{Protocol, validate};
-use crate::grid::Cell;
 use crate::outcome::{Counts, Outcome};
 use crate::power::POWER;
 use crate::sampler::Sampler;
@@ -97,28 +96,30 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
     text
 }
 
-/// A part of the domain: its name, and the numbers of its counts.
+/// A part of the domain: its name, the numbers of its counts, their sum and what was expected.
 struct Region {
     name: String,
     counts: Vec<usize>,
+    observed: u64,
+    expected: f64,
+    /// The error in standard deviations of a Poisson count; at least one, where next to nothing is expected.
+    sigma: f64,
 }
 
 /// All regions that are looked at: rows and columns of the grid, its cells, the atoms, and "no sample".
 fn all_regions<D: Domain>(domain: &D, counts: &Counts) -> Vec<Region> {
-    let cells: Vec<Cell> = counts.grid.cells().collect();
-    let mut regions: Vec<Region> = counts
-        .grid
-        .strips()
-        .into_iter()
-        .filter(|(_, inside)| inside.len() > 1)
-        .map(|(strip, inside)| Region { name: domain.region(&strip), counts: inside })
-        .collect();
-    let single = |(i, name)| Region { name, counts: vec![i] };
-    regions.extend(cells.iter().map(|cell| domain.region(cell)).enumerate().map(single));
+    let region = |(name, inside): (String, Vec<usize>)| {
+        let observed = inside.iter().map(|&i| counts.observed[i]).sum::<u64>();
+        let expected = inside.iter().map(|&i| counts.expected[i]).sum::<f64>();
+        let sigma = (observed as f64 - expected) / expected.max(1.0).sqrt();
+        Region { name, counts: inside, observed, expected, sigma }
+    };
+    let strips = counts.grid.strips().into_iter().filter(|(_, inside)| inside.len() > 1);
+    let strips = strips.map(|(strip, inside)| (domain.region(&strip), inside));
+    let cells = counts.grid.cells().map(|cell| domain.region(&cell));
     let atoms = (0..counts.atoms).map(|atom| format!("atom {atom}"));
-    let others = atoms.chain(["no sample".to_owned()]).enumerate();
-    regions.extend(others.map(|(i, name)| single((cells.len() + i, name))));
-    regions
+    let singles = cells.chain(atoms).chain(["no sample".to_owned()]).enumerate().map(|(i, name)| (name, vec![i]));
+    strips.chain(singles).map(region).collect()
 }
 
 /// A table of regions that do not overlap and whose counts are least likely, the worst first.
@@ -126,40 +127,26 @@ fn all_regions<D: Domain>(domain: &D, counts: &Counts) -> Vec<Region> {
 /// Where the pdf is wrong by θ alone, a row of the grid stands out more than any of its cells; where it is wrong in a spot,
 /// a cell does.
 fn worst_regions<D: Domain>(domain: &D, counts: &Counts) -> String {
-    struct Line {
-        region: Region,
-        observed: u64,
-        expected: f64,
-        sigma: f64,
-    }
-    let line = |region: Region| {
-        let observed = region.counts.iter().map(|&i| counts.observed[i]).sum::<u64>();
-        let expected = region.counts.iter().map(|&i| counts.expected[i]).sum::<f64>();
-        // In standard deviations of a Poisson count; at least one, where next to nothing is expected.
-        let sigma = (observed as f64 - expected) / expected.max(1.0).sqrt();
-        Line { region, observed, expected, sigma }
-    };
-    let mut lines: Vec<Line> = all_regions(domain, counts).into_iter().map(line).collect();
+    let mut lines = all_regions(domain, counts);
     lines.retain(|line| line.sigma.abs() > 2.0);
     lines.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
     let mut taken = vec![false; counts.observed.len()];
     lines.retain(|line| {
-        let is_new = line.region.counts.iter().all(|&i| !taken[i]);
-        line.region.counts.iter().filter(|_| is_new).for_each(|&i| taken[i] = true);
+        let is_new = line.counts.iter().all(|&i| !taken[i]);
+        line.counts.iter().filter(|_| is_new).for_each(|&i| taken[i] = true);
         is_new
     });
     if lines.is_empty() {
         return String::new();
     }
     lines.truncate(REGIONS);
-    let width = lines.iter().map(|line| line.region.name.chars().count()).max().unwrap_or(0).max(6);
+    let width = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0).max(6);
     let mut text = String::from("where counts differ most from what the pdf predicts:\n");
     let _ =
         writeln!(text, "  {:<width$} {:>10} {:>12} {:>9} {:>8}", "region", "observed", "expected", "error", "sigma");
-    for Line { region, observed, expected, sigma } in lines {
+    for Region { name, observed, expected, sigma, .. } in lines {
         let error = 100.0 * (observed as f64 / expected - 1.0);
         let error = if expected >= 0.05 { format!("{error:+.1} %") } else { "-".to_owned() };
-        let name = region.name;
         let _ = writeln!(text, "  {name:<width$} {observed:>10} {expected:>12.1} {error:>9} {sigma:>+8.1}");
     }
     text

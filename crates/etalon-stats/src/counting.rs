@@ -5,6 +5,7 @@ use crate::cubature::{Integration, InvalidPdf, Probe};
 use crate::density::Atom;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::fixed::Share;
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::tally::{Source, Tally};
@@ -30,13 +31,10 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 
 /// What is to be counted.
 pub struct Counting<'a, D: Domain> {
-    /// Sampler, density and domain.
     pub source: &'a Source<'a, D>,
-    /// The cells that samples are counted in.
     pub grid: &'a Grid,
     /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
-    /// How many samples to count.
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
@@ -46,15 +44,11 @@ pub struct Counting<'a, D: Domain> {
 
 /// Counts and integrals.
 pub struct Counted<P> {
-    /// The integral over each cell.
     pub values: Vec<f64>,
-    /// The integral over all cells.
     pub integral: Integral,
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
-    /// The first value that no pdf can have.
     pub invalid: Option<InvalidPdf<P>>,
-    /// What was counted.
     pub tally: Tally,
 }
 
@@ -91,7 +85,7 @@ impl<D: Domain> Counting<'_, D> {
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
             let invalid = integrals.invalid.or(check.invalid);
 
-            let missed = |cell: usize| tally.missed_in[cell].sum() / self.samples as f64;
+            let missed = |cell: usize| tally.missed[cell].sum() / self.samples as f64;
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
@@ -103,7 +97,9 @@ impl<D: Domain> Counting<'_, D> {
             };
             let uncertain = self.is_uncertain(&integrals.values, error);
             // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf; apply corrections.
-            let is_good = !uncertain && (corrections.is_some() || tally.missed.sum() <= MISSED * self.samples as f64);
+            let is_good = !uncertain
+                && (corrections.is_some()
+                    || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);

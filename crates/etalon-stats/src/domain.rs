@@ -344,17 +344,6 @@ mod tests {
     }
 
     #[test]
-    fn equal_areas_are_equal_measures() {
-        // The mean of z² is 1/3 over the sphere and over the hemisphere.
-        let n = 1000;
-        for domain in [Directions::sphere(Pole::Z), Directions::hemisphere(Pole::Z)] {
-            let mean =
-                (0..n).map(|i| domain.point_at([(f64::from(i) + 0.5) / f64::from(n), 0.3])[2].powi(2)).sum::<f64>();
-            assert!((mean / f64::from(n) - 1.0 / 3.0).abs() < 1e-6);
-        }
-    }
-
-    #[test]
     fn what_is_outside_has_no_chart_coordinates() {
         let half = Directions::hemisphere(Pole::Z);
         assert_eq!(half.to_chart([0.0, 0.6, -0.8]), None);

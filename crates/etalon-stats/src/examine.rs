@@ -212,16 +212,13 @@ pub fn examine<D: Domain>(
         _ if certain => Some(detectable_share(n)),
         _ => test.map(|test| detectable(test.dof, protocol.own_level(), samples)),
     };
-    let inconclusive_reason = if uncertain {
-        Some("the integrals of the pdf are too uncertain for that many samples".to_owned())
-    } else {
-        match detectable {
-            None => Some("too few samples: all cells had to be pooled".to_owned()),
-            Some(w) if w > protocol.coarsest() => {
-                Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))
-            }
-            Some(_) => None,
+    let inconclusive_reason = match detectable {
+        _ if uncertain => Some("the integrals of the pdf are too uncertain for that many samples".to_owned()),
+        None => Some("too few samples: all cells had to be pooled".to_owned()),
+        Some(w) if w > protocol.coarsest() => {
+            Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))
         }
+        Some(_) => None,
     };
     let violations = [pdf_violation, mass_violation, corner_violation, sample_violation];
     let violation = violations.into_iter().flatten().next().or_else(|| exact::discrete(domain, &pilot));

@@ -2,6 +2,7 @@
 
 use crate::bounded::mean_interval;
 use crate::cubature::{Check, Integrals};
+use crate::fixed::Share;
 use crate::tally::Tally;
 use std::fmt;
 
@@ -61,9 +62,9 @@ impl Integral {
             let [low, high] = mean_interval(mean, n, risk);
             [low, mean, high]
         };
-        let above = interval(check.above.sum(), check.count);
-        let below = interval(check.below.sum(), check.count);
-        let missed = interval(tally.missed.sum(), samples);
+        let above = interval(check.total(0), check.count);
+        let below = interval(check.total(1), check.count);
+        let missed = interval(Share::total(tally.missed.iter().copied()), samples);
         // The lower ends, the means and the upper ends of the three intervals, as they affect the integral.
         let [least, value, most] = [0, 1, 2].map(|i| {
             let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).max(0.0);

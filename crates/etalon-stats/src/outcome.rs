@@ -45,7 +45,7 @@ pub struct Counts {
 }
 
 /// The findings of one test.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Outcome {
     /// The decision; open (inconclusive) until [`decide`] has been called.
@@ -91,30 +91,13 @@ impl Outcome {
     /// The outcome of `samples` samples with nothing found yet and an open verdict.
     #[must_use]
     pub fn open(samples: u64) -> Self {
-        Self {
-            verdict: Verdict::Inconclusive,
-            statistic: 0.0,
-            dof: 0,
-            p: None,
-            samples,
-            detectable: None,
-            seconds: 0.0,
-            mass: None,
-            cells: 0,
-            pooled: 0,
-            none: 0,
-            repeated: false,
-            violation: None,
-            inconclusive_reason: None,
-            interrupted: false,
-            counts: None,
-        }
+        Self { samples, ..Self::default() }
     }
 
     /// The outcome of a test that was cancelled.
     #[must_use]
     pub fn interrupted() -> Self {
-        Self { interrupted: true, ..Self::open(0) }
+        Self { interrupted: true, ..Self::default() }
     }
 
     /// Whether the verdict is [`Verdict::Accept`].

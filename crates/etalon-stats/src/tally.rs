@@ -25,15 +25,10 @@ const INVERSE: f64 = 1e-6;
 
 /// Where samples come from.
 pub struct Source<'a, D: Domain> {
-    /// Where the samples lie.
     pub domain: &'a D,
-    /// What generates them.
     pub sampler: &'a dyn Sampler<D::Point>,
-    /// What they are said to follow.
     pub density: &'a dyn Density<D::Point>,
-    /// Seed of the random numbers.
     pub seed: u64,
-    /// Asked between batches whether to stop.
     pub cancelled: Cancelled,
 }
 
@@ -46,10 +41,8 @@ pub struct Tally {
     pub none: u64,
     /// Samples where the pdf is 0.
     pub outside_support: u64,
-    /// The share of the pdf at each sample that the cubature misses, summed over all samples.
-    pub missed: Share,
-    /// The same for each cell.
-    pub missed_in: Vec<Share>,
+    /// The share of the pdf at each sample that the cubature misses, summed over the samples of each cell.
+    pub missed: Vec<Share>,
     /// Some of the places where the nodes do not predict the pdf, at most [`FOUND`].
     pub found: Vec<Probe>,
     /// What is wrong with the first sample that fails an exact check.
@@ -61,8 +54,7 @@ impl Tally {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.none += other.none;
         self.outside_support += other.outside_support;
-        self.missed += other.missed;
-        add(&mut self.missed_in, &other.missed_in);
+        add(&mut self.missed, &other.missed);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
         self.violation = self.violation.or(other.violation);
@@ -118,7 +110,7 @@ impl<D: Domain> Source<'_, D> {
     ) -> Result<Tally> {
         let empty = || Tally {
             observed: vec![0; grid.len() + atoms.len()],
-            missed_in: vec![Share::default(); grid.len()],
+            missed: vec![Share::default(); grid.len()],
             ..Tally::default()
         };
         let of_batch = |batch| {
@@ -167,8 +159,7 @@ impl<D: Domain> Source<'_, D> {
                 Integration::Refined(refinement) => refinement.share_within(&probe),
             };
             if within < 1.0 {
-                tally.missed += Share::new(1.0 - within);
-                tally.missed_in[cell] += Share::new(1.0 - within);
+                tally.missed[cell].add(Share::new(1.0 - within));
                 if tally.found.len() < FOUND {
                     tally.found.push(probe);
                 }

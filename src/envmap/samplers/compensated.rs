@@ -1,7 +1,7 @@
 //! MIS compensation: radiance minus its mean, for use beside BSDF sampling.
 
-use super::cdf::CdfSampler;
 use super::contract::{Entry, Method};
+use super::texels::{CDF, TexelSampler};
 use crate::envmap::EnvMap;
 use crate::sampling::table::Table2;
 use std::sync::Arc;
@@ -11,11 +11,9 @@ pub const ENTRY: &Entry = &Entry {
     name: "compensated",
     density: "compensated",
     doc: "radiance minus its mean (0 where the map is dimmer: for MIS only)",
-    has_regions: false,
     complete: false,
-    invertible: true,
-    bytes_per_texel: Table2::BYTES,
     method: Method::Directions(|map, _| Ok(Box::new(compensated(map)))),
+    ..*CDF
 };
 
 /// The sampler of MIS compensation: by inversion of radiance minus its solid-angle mean, because BSDF sampling covers the
@@ -24,7 +22,7 @@ pub const ENTRY: &Entry = &Entry {
 ///
 /// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
 #[must_use]
-pub fn compensated(map: Arc<EnvMap>) -> CdfSampler {
+pub fn compensated(map: Arc<EnvMap>) -> TexelSampler {
     let g = map.geometry();
     let (width, height) = (g.width(), g.height());
     let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
@@ -35,5 +33,5 @@ pub fn compensated(map: Arc<EnvMap>) -> CdfSampler {
         let above = map.mean_rgb(x, y) - mean;
         if map.mean_rgb(x, y) > floor { above * g.solid_angle(y) } else { 0.0 }
     });
-    if table.total() > 0.0 { CdfSampler { map, table } } else { CdfSampler::new(map) }
+    if table.total() > 0.0 { TexelSampler::by_rows(map, table) } else { TexelSampler::by_inversion(map) }
 }

@@ -122,27 +122,8 @@ pub struct FixedLight {
     pub irradiance: DVec3,
 }
 
-/// Samples directions towards a map's light.
-pub trait DirectionSampler: Send + Sync {
-    /// The direction for `u` in \[0, 1)²; `None` when the map is black.
-    fn sample(&self, u: [f64; 2]) -> Option<EnvSample>;
-
-    /// Replaces `out` by the samples for all of `u`, which are none when the map is black.
-    fn sample_many(&self, u: &[[f64; 2]], out: &mut EnvSamples) {
-        out.clear();
-        u.iter().filter_map(|&u| self.sample(u)).for_each(|s| out.push(s));
-    }
-
-    /// Pdf of [`DirectionSampler::sample`] per solid angle.
-    fn pdf(&self, wi: DVec3) -> f64;
-
-    /// The `u` that [`DirectionSampler::sample`] maps to `wi`, if the sampler has an inverse.
-    fn invert(&self, _wi: DVec3) -> Option<[f64; 2]> {
-        None
-    }
-}
-
-/// Samples directions towards the light that falls on a surface, whose normal it may take into account.
+/// Samples directions towards the light that falls on a surface, whose normal it may take into account; samplers of the map
+/// alone ignore it.
 pub trait SurfaceSampler: Send + Sync {
     /// The direction for `u` in \[0, 1)² and a unit normal in the map's frame; `None` when there is no sample.
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample>;
@@ -159,25 +140,5 @@ pub trait SurfaceSampler: Send + Sync {
     /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.
     fn invert_for(&self, _wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
         None
-    }
-}
-
-impl<T: DirectionSampler> SurfaceSampler for T {
-    #[inline]
-    fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
-        self.sample(u)
-    }
-
-    fn sample_many_for(&self, u: &[[f64; 2]], _normal: DVec3, out: &mut EnvSamples) {
-        self.sample_many(u, out);
-    }
-
-    #[inline]
-    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
-        self.pdf(wi)
-    }
-
-    fn invert_for(&self, wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
-        self.invert(wi)
     }
 }

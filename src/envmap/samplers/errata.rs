@@ -2,7 +2,7 @@
 //!
 //! It is not in the registry: with the report's conventions it is wrong, with the correct ones slower than `cdf`.
 
-use super::contract::{DirectionSampler, EnvSample};
+use super::contract::{EnvSample, SurfaceSampler};
 use crate::envmap::EnvMap;
 use crate::errata::{Conventions, maps};
 use crate::sampling::table::Table2;
@@ -45,8 +45,8 @@ impl ErrataSampler {
     }
 }
 
-impl DirectionSampler for ErrataSampler {
-    fn sample(&self, u: [f64; 2]) -> Option<EnvSample> {
+impl SurfaceSampler for ErrataSampler {
+    fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
         let at = self.table.sample(u)?;
         let (x, y) = (at.x.cell, at.y.cell);
         let wi = if self.conventions.texel_corners {
@@ -58,7 +58,7 @@ impl DirectionSampler for ErrataSampler {
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }
 
-    fn pdf(&self, wi: DVec3) -> f64 {
+    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
         let (x, y) = self.map.geometry().texel(wi);
         self.texel_pdf(x, y)
     }
@@ -67,7 +67,7 @@ impl DirectionSampler for ErrataSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::samplers::CdfSampler;
+    use crate::envmap::samplers::TexelSampler;
     use crate::math::Rgb;
     use crate::raster::Image;
 
@@ -76,7 +76,9 @@ mod tests {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |_, y| Rgb::splat(if y == 0 { 1e6 } else { 1.0 }))));
         let sampler = ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT);
         for i in 0..1000 {
-            let s = sampler.sample([(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()]).unwrap();
+            let s = sampler
+                .sample_for([(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()], DVec3::Y)
+                .unwrap();
             let (x, y) = map.geometry().position(s.wi);
             assert!((0.5..6.5).contains(&y), "the bright zenith is lost");
             assert!((x - x.round()).abs() < 1e-9 && (y - y.round()).abs() < 1e-9);
@@ -86,16 +88,16 @@ mod tests {
     #[test]
     fn maps_of_two_rows_have_no_samples() {
         let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
-        assert_eq!(ErrataSampler::new(map, Conventions::FIRST_REPORT).sample([0.5, 0.5]), None);
+        assert_eq!(ErrataSampler::new(map, Conventions::FIRST_REPORT).sample_for([0.5, 0.5], DVec3::Y), None);
     }
 
     #[test]
     fn correct_conventions_are_the_sampler_by_inversion() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32))));
-        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), CdfSampler::new(map));
+        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), TexelSampler::by_inversion(map));
         for i in 0..1000 {
             let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()];
-            assert_eq!(by.sample(u), right.sample(u));
+            assert_eq!(by.sample_for(u, DVec3::Y), right.sample_for(u, DVec3::Y));
         }
     }
 }

@@ -3,9 +3,6 @@
 //! The command line, `validate`, `converge` and the benchmarks take their lists from [`ALL`]. A new sampler is a file with an
 //! [`Entry`], and its lines here.
 
-pub mod alias;
-mod batch;
-pub mod cdf;
 pub mod compensated;
 mod contract;
 pub mod cosine;
@@ -14,13 +11,13 @@ pub mod errata;
 pub mod strata;
 #[cfg(test)]
 mod tests;
+pub mod texels;
 
-pub use alias::AliasSampler;
-pub use cdf::CdfSampler;
-pub use contract::{DirectionSampler, Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
+pub use contract::{Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
 pub use cosine::CosineSampler;
 pub use errata::ErrataSampler;
 pub use strata::StrataSampler;
+pub use texels::TexelSampler;
 
 use super::EnvMap;
 use crate::error::{Error, Result};
@@ -30,8 +27,8 @@ use std::sync::Arc;
 
 /// Every sampler. Where a density has several, the first one stands for it.
 pub const ALL: &[&Entry] = &[
-    cdf::ENTRY,
-    alias::ENTRY,
+    texels::CDF,
+    texels::ALIAS,
     compensated::ENTRY,
     cosine::ENTRY,
     strata::ENTRY,
@@ -49,7 +46,7 @@ pub struct MapSampling {
 
 impl MapSampling {
     /// Radiance, by inversion.
-    pub const MAP: Self = Self::new(cdf::ENTRY);
+    pub const MAP: Self = Self::new(texels::CDF);
     /// Radiance times the cosine at the surface.
     pub const COSINE: Self = Self::new(cosine::ENTRY);
     /// Radiance minus its mean.

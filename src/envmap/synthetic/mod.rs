@@ -5,17 +5,19 @@
 //! elementary functions come from `libm`, sums have a fixed order. The default map, `nave`, is a file of the repository
 //! that is embedded in the program; the package under `envmaps/generate` generates it.
 
-mod stress;
 mod sun;
 
 use crate::math::Rgb;
 use crate::raster::{self, Image};
 use std::path::Path;
 
-pub use self::stress::{ONE_HOT_RADIANCE, ONE_HOT_TEXEL};
-
 /// The default map, as an OpenEXR file.
 const NAVE: &[u8] = include_bytes!("../../../envmaps/nave.exr");
+
+/// Column and row of the one bright texel of `onehot`: away from the axes, the poles and the seam, without symmetry.
+pub const ONE_HOT_TEXEL: (usize, usize) = (21, 11);
+/// Its radiance: three different values, so that swapped channels show.
+pub const ONE_HOT_RADIANCE: Rgb = Rgb::new(1000.0, 500.0, 250.0);
 
 /// A built-in environment map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -39,12 +41,22 @@ impl Synthetic {
     /// The name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
+        self.texts().0
+    }
+
+    /// One line for lists.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        self.texts().1
+    }
+
+    fn texts(self) -> (&'static str, &'static str) {
         match self {
-            Self::Nave => "nave",
-            Self::Sun => "sun",
-            Self::Constant => "constant",
-            Self::Onehot => "onehot",
-            Self::Black => "black",
+            Self::Nave => ("nave", "the inside of a Gothic church: stained glass, candles and stone, 1024x512"),
+            Self::Sun => ("sun", "a clear sky with a small sun that holds two fifths of the energy, 1024x512"),
+            Self::Constant => ("constant", "radiance 1 from everywhere, 64x32"),
+            Self::Onehot => ("onehot", "black but for one texel, 64x32"),
+            Self::Black => ("black", "no light at all, 64x32"),
         }
     }
 
@@ -54,27 +66,16 @@ impl Synthetic {
         Self::ALL.into_iter().find(|map| map.name() == name)
     }
 
-    /// One line for lists.
-    #[must_use]
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Nave => "the inside of a Gothic church: stained glass, candles and stone, 1024x512",
-            Self::Sun => "a clear sky with a small sun that holds two fifths of the energy, 1024x512",
-            Self::Constant => "radiance 1 from everywhere, 64x32",
-            Self::Onehot => "black but for one texel, 64x32",
-            Self::Black => "no light at all, 64x32",
-        }
-    }
-
     /// Makes the map. Radiance is linear RGB.
     #[must_use]
     pub fn make(self) -> Image {
+        let small = |radiance: fn((usize, usize)) -> Rgb| Image::from_fn(64, 32, |x, y| radiance((x, y)));
         let image = match self {
             Self::Nave => raster::decode_exr(Path::new("nave.exr"), NAVE).expect("the embedded file is sound"),
             Self::Sun => sun::make(),
-            Self::Constant => stress::constant(),
-            Self::Onehot => stress::one_hot(),
-            Self::Black => stress::black(),
+            Self::Constant => small(|_| Rgb::ONE),
+            Self::Onehot => small(|at| if at == ONE_HOT_TEXEL { ONE_HOT_RADIANCE } else { Rgb::ZERO }),
+            Self::Black => small(|_| Rgb::ZERO),
         };
         image.map(to_half)
     }
@@ -87,41 +88,8 @@ fn to_half(radiance: Rgb) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// What the tests ask of a map. Energy is radiance (mean of R, G, B) times solid angle.
-    struct Statistics {
-        pixel_mean: Rgb,
-        /// Peak over solid-angle mean.
-        contrast: f64,
-        /// Parts of the energy in the strongest texel and the strongest hundredth of the texels.
-        strongest: f64,
-        top_percent: f64,
-        min: f32,
-    }
-
-    fn statistics(image: &Image) -> Statistics {
-        let (mut energies, mut sphere, mut peak) = (Vec::new(), 0.0, 0.0_f64);
-        for y in 0..image.height() {
-            let row = |y: usize| libm::cos(std::f64::consts::PI * y as f64 / image.height() as f64);
-            let solid_angle = row(y) - row(y + 1);
-            for p in image.row(y) {
-                let value = f64::from(p.element_sum()) / 3.0;
-                energies.push(value * solid_angle);
-                sphere += solid_angle;
-                peak = peak.max(value);
-            }
-        }
-        energies.sort_by(|a, b| b.total_cmp(a));
-        let total: f64 = energies.iter().sum();
-        let top: f64 = energies[..energies.len() / 100].iter().sum();
-        Statistics {
-            pixel_mean: image.pixels().iter().sum::<Rgb>() / energies.len() as f32,
-            contrast: peak / (total / sphere),
-            strongest: energies[0] / total,
-            top_percent: top / total,
-            min: image.pixels().iter().fold(f32::INFINITY, |m, p| m.min(p.min_element())),
-        }
-    }
+    use crate::envmap::EnvMap;
+    use crate::envmap::info::Info;
 
     #[test]
     fn names_round_trip() {
@@ -144,34 +112,29 @@ mod tests {
 
     #[test]
     fn the_nave_has_the_statistics_of_a_measured_cathedral() {
-        let s = statistics(&Synthetic::Nave.make());
-        assert!(s.pixel_mean.min_element() > 0.010 && s.pixel_mean.max_element() < 0.023, "mean {}", s.pixel_mean);
-        assert!(s.contrast > 500.0 && s.contrast < 1000.0, "peak is {} means", s.contrast);
-        assert!(s.top_percent > 0.40 && s.top_percent < 0.50, "top 1 % holds {}", s.top_percent);
-        assert!(s.strongest < 0.004, "one texel holds {}", s.strongest);
-        assert!(s.min > 1e-4, "min {}", s.min);
+        let map = EnvMap::new(Synthetic::Nave.make());
+        let info = Info::of(&map);
+        assert!(info.mean_rgb.iter().all(|mean| (0.010..0.023).contains(mean)), "mean {:?}", info.mean_rgb);
+        assert!((500.0..1000.0).contains(&info.peak_to_mean), "peak is {} means", info.peak_to_mean);
+        assert!(info.min.unwrap() > 1e-4, "{:?}", info.min);
+        let (width, height) = (info.width, info.height);
+        let mut energies: Vec<f64> = (0..width * height).map(|i| map.energy(i % width, i / width)).collect();
+        energies.sort_by(|a, b| b.total_cmp(a));
+        let total: f64 = energies.iter().sum();
+        let top = energies[..energies.len() / 100].iter().sum::<f64>() / total;
+        assert!((0.40..0.50).contains(&top), "the brightest hundredth of the texels holds {top}");
+        assert!(energies[0] < 0.004 * total, "one texel holds {}", energies[0] / total);
     }
 
     #[test]
     fn the_sun_is_small_and_holds_two_fifths_of_the_energy() {
-        let image = Synthetic::Sun.make();
-        let s = statistics(&image);
-        assert!(s.contrast > 1e4, "peak is {} means", s.contrast);
-        assert!(s.min > 0.0);
-        let half_peak = 0.5 * image.pixels().iter().fold(0.0_f32, |m, p| m.max(p.x));
-        let disc = image.pixels().iter().filter(|p| p.x > half_peak).count();
+        let map = EnvMap::new(Synthetic::Sun.make());
+        let info = Info::of(&map);
+        assert!(info.peak_to_mean > 1e4 && info.min.unwrap() > 0.0, "{info:?}");
+        let half_peak = 0.5 * info.max.unwrap();
+        let disc = map.image().pixels().iter().filter(|p| p.x > half_peak).count();
         assert!((9..=20).contains(&disc), "{disc} texels");
-        let energy = |sun: bool| -> f64 {
-            (0..image.height())
-                .map(|y| {
-                    let sine = libm::sin(std::f64::consts::PI * (y as f64 + 0.5) / image.height() as f64);
-                    let of = |p: &&Rgb| !sun || p.x > 0.02 * half_peak;
-                    image.row(y).iter().filter(of).map(|p| f64::from(p.element_sum())).sum::<f64>() * sine
-                })
-                .sum()
-        };
-        let part = energy(true) / energy(false);
-        assert!((0.37..0.43).contains(&part), "the sun holds {part}");
+        assert!((0.37..0.43).contains(&info.peak_share), "the sun holds {}", info.peak_share);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use super::lens::Lens;
 use super::shaders::Kind;
 use super::shading_normal;
 use super::workspace::{Dimensions, Workspace};
-use crate::bsdf::{Scatter, Transport};
+use crate::bsdf::Scatter;
 use crate::math::Rgb;
 pub use plan::LightTracing;
 use plan::SAMPLES_PER_LIGHT_PATH;
@@ -157,7 +157,7 @@ impl Integrator<'_> {
             let wo = -at(&work.paths.rays.direction, i);
             let (frame, slot) = (surface.frame(wo), work.paths.slot[i]);
             let [uc, _] = work.numbers.short_pair(slot, dimensions.choice(), (0, 1));
-            let Some(sample) = bsdf.sample_for(Transport::Importance, frame.to_local(wo), uc, [0.0; 2]) else {
+            let Some(sample) = bsdf.sample_adjoint(frame.to_local(wo), uc, [0.0; 2]) else {
                 continue;
             };
             let wi = frame.to_world(sample.wi);

@@ -37,7 +37,6 @@ pub(super) fn bucket(u: f64, buckets: f64) -> usize {
 }
 
 impl Cdf<'_> {
-    /// Probability of a cell.
     #[inline]
     pub fn probability(self, cell: usize) -> f64 {
         self.cdf[cell + 1] - self.cdf[cell]
@@ -90,7 +89,7 @@ fn bisect(cdf: &[f64], first: usize, u: f64) -> (usize, f64, f64) {
 
 /// A position in a cell, clamped away from its borders.
 #[inline]
-pub(in super::super) fn inside(offset: f64) -> f64 {
+pub(crate) fn inside(offset: f64) -> f64 {
     offset.clamp(BORDER, 1.0 - BORDER)
 }
 

@@ -22,7 +22,6 @@ impl Table1 {
         Self { cdf, guide, total }
     }
 
-    /// The table and its guide.
     #[inline]
     pub(super) fn view(&self) -> Cdf<'_> {
         Cdf { cdf: &self.cdf, guide: &self.guide }

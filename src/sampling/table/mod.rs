@@ -10,7 +10,7 @@ mod grid;
 mod line;
 
 pub use cdf::CellSample;
-pub(super) use cdf::inside;
+pub(crate) use cdf::inside;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
 

@@ -21,17 +21,13 @@ const PARALLEL: usize = 4096;
 /// An axis-parallel box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Least coordinates.
     pub min: Vec3,
-    /// Largest coordinates.
     pub max: Vec3,
 }
 
 impl Bounds {
-    /// What contains nothing.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The bounds of these and a point.
     #[inline]
     pub fn with(self, point: Vec3) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
@@ -59,9 +55,7 @@ impl Bounds {
 /// A triangle to sort into the tree.
 #[derive(Debug, Clone, Copy)]
 pub struct Item {
-    /// Of the triangle.
     pub bounds: Bounds,
-    /// Its number.
     pub triangle: u32,
 }
 

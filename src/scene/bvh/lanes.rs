@@ -1,5 +1,8 @@
 //! Eight numbers at a time: once with the instructions that every processor has, once with AVX2 and FMA.
 
+#[cfg(target_arch = "x86_64")]
+use core::arch::x86_64;
+
 /// How many boxes or triangles are tested at once.
 pub const WIDTH: usize = 8;
 
@@ -22,6 +25,17 @@ pub trait Lanes: Copy {
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
     /// Bit i tells whether aᵢ ≤ bᵢ; unset for NaN.
     fn le(self, a: Self::F, b: Self::F) -> u32;
+}
+
+/// Methods of [`Lanes`] that take two operands, each from what it computes; the first name stands for the implementor.
+macro_rules! binary {
+    ($($name:ident($self:ident, $a:ident, $b:ident) -> $result:ty = $value:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $a: Self::F, $b: Self::F) -> $result {
+            let $self = self;
+            $value
+        }
+    )*};
 }
 
 /// Plain arrays.
@@ -52,43 +66,18 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn add(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| a - b)
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| a * b)
-    }
-
-    #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| a / b)
-    }
-
-    #[inline(always)]
     fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         self.sub(self.mul(a, b), c)
     }
 
-    #[inline(always)]
-    fn min(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| if a < b { a } else { b })
-    }
-
-    #[inline(always)]
-    fn max(self, a: Self::F, b: Self::F) -> Self::F {
-        each(a, b, |a, b| if a > b { a } else { b })
-    }
-
-    #[inline(always)]
-    fn le(self, a: Self::F, b: Self::F) -> u32 {
-        (0..WIDTH).fold(0, |mask, i| mask | u32::from(a[i] <= b[i]) << i)
+    binary! {
+        add(_s, a, b) -> Self::F = each(a, b, |a, b| a + b);
+        sub(_s, a, b) -> Self::F = each(a, b, |a, b| a - b);
+        mul(_s, a, b) -> Self::F = each(a, b, |a, b| a * b);
+        div(_s, a, b) -> Self::F = each(a, b, |a, b| a / b);
+        min(_s, a, b) -> Self::F = each(a, b, |a, b| if a < b { a } else { b });
+        max(_s, a, b) -> Self::F = each(a, b, |a, b| if a > b { a } else { b });
+        le(_s, a, b) -> u32 = (0..WIDTH).fold(0, |mask, i| mask | u32::from(a[i] <= b[i]) << i);
     }
 }
 
@@ -98,7 +87,7 @@ pub use pulp::x86::V3 as Avx2;
 
 #[cfg(target_arch = "x86_64")]
 impl Lanes for Avx2 {
-    type F = core::arch::x86_64::__m256;
+    type F = x86_64::__m256;
 
     #[inline(always)]
     fn load(self, x: &[f32; WIDTH]) -> Self::F {
@@ -116,42 +105,17 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn add(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_add_ps(a, b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_sub_ps(a, b)
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_mul_ps(a, b)
-    }
-
-    #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_div_ps(a, b)
-    }
-
-    #[inline(always)]
     fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         self.fma._mm256_fmsub_ps(a, b, c)
     }
 
-    #[inline(always)]
-    fn min(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_min_ps(a, b)
-    }
-
-    #[inline(always)]
-    fn max(self, a: Self::F, b: Self::F) -> Self::F {
-        self.avx._mm256_max_ps(a, b)
-    }
-
-    #[inline(always)]
-    fn le(self, a: Self::F, b: Self::F) -> u32 {
-        self.avx._mm256_movemask_ps(self.avx._mm256_cmp_ps::<{ core::arch::x86_64::_CMP_LE_OQ }>(a, b)) as u32
+    binary! {
+        add(s, a, b) -> Self::F = s.avx._mm256_add_ps(a, b);
+        sub(s, a, b) -> Self::F = s.avx._mm256_sub_ps(a, b);
+        mul(s, a, b) -> Self::F = s.avx._mm256_mul_ps(a, b);
+        div(s, a, b) -> Self::F = s.avx._mm256_div_ps(a, b);
+        min(s, a, b) -> Self::F = s.avx._mm256_min_ps(a, b);
+        max(s, a, b) -> Self::F = s.avx._mm256_max_ps(a, b);
+        le(s, a, b) -> u32 = s.avx._mm256_movemask_ps(s.avx._mm256_cmp_ps::<{ x86_64::_CMP_LE_OQ }>(a, b)) as u32;
     }
 }

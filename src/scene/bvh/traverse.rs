@@ -78,7 +78,6 @@ impl<const ANY: bool> Search<ANY> {
         }
     }
 
-    /// What was found.
     #[inline(always)]
     pub fn result(&self) -> Option<MeshHit> {
         self.found.then_some(self.best)

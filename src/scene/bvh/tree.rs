@@ -27,27 +27,21 @@ pub struct Pack {
     pub corner: [[[f32; WIDTH]; 3]; 3],
     /// Unit normals, by axis.
     pub normal: [[f32; WIDTH]; 3],
-    /// Numbers of the triangles.
     pub triangle: [u32; WIDTH],
 }
 
 /// A triangle as it goes into a pack.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Facet {
-    /// In the world.
     pub corners: [Vec3; 3],
-    /// Unit normal.
     pub normal: Vec3,
-    /// The normals for shading.
     pub corner_normals: [Vec3; 3],
 }
 
 /// All nodes, the root first; none for no triangles.
 #[derive(Debug, Clone, Default)]
 pub struct Tree {
-    /// Inner nodes, the root first.
     pub nodes: Vec<Node>,
-    /// Leaves.
     pub packs: Vec<Pack>,
     /// Unit normals for shading at the corners of the packs' triangles, [`WIDTH`] to a pack.
     corner_normals: Vec<[Vec3; 3]>,

@@ -4,7 +4,7 @@
 //! a uniform sky.
 
 use super::erratum::{Erratum, ErratumCurves, Suspect};
-use crate::envmap::samplers::{CdfSampler, DirectionSampler, ErrataSampler};
+use crate::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
 use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
@@ -54,8 +54,8 @@ fn by_rows(name: &str, weight: fn(&LatLong, usize) -> f64) -> Case {
             let draw = table.sample(u)?;
             Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
         };
-        let right = CdfSampler::new(map);
-        (direction_sampler(draw), by_texel(move |w| right.pdf(w)))
+        let right = TexelSampler::by_inversion(map);
+        (direction_sampler(draw), by_texel(move |w| right.pdf_for(w, DVec3::Y)))
     })
 }
 
@@ -98,8 +98,11 @@ pub fn corners() -> Suspect {
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
-        let claim = CdfSampler::new(uniform_sky());
-        (direction_sampler(move |u| draw.sample(u).map(|sample| sample.wi)), by_texel(move |w| claim.pdf(w)))
+        let claim = TexelSampler::by_inversion(uniform_sky());
+        (
+            direction_sampler(move |u| draw.sample_for(u, DVec3::Y).map(|sample| sample.wi)),
+            by_texel(move |w| claim.pdf_for(w, DVec3::Y)),
+        )
     });
     // Four by four texels.
     let shown = |offset: fn(u32) -> [f64; 2]| -> Vec<[f64; 2]> {

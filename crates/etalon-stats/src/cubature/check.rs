@@ -1,6 +1,6 @@
 //! The difference between a density and what the rules integrate, measured at random points.
 
-use super::pieces::LARGE;
+use super::pieces::{LARGE, Piece};
 use super::{InvalidPdf, Probe, Refinement, first_invalid};
 use crate::domain::Domain;
 use crate::error::Result;
@@ -22,29 +22,16 @@ pub(crate) struct Check<P> {
     pub reach: f64,
     /// The number of points. Each has a difference from −1 to 1.
     pub count: u64,
-    /// Sum of the positive differences over `reach`.
-    pub above: Share,
-    /// Sum of the negative differences over `reach`, as a positive number.
-    pub below: Share,
-    /// `above` for each cell.
-    pub above_in: Vec<Share>,
-    /// `below` for each cell.
-    pub below_in: Vec<Share>,
-    /// Sums of the squared differences for each cell.
-    pub squares_in: Vec<Share>,
+    /// For each cell: sums of the positive differences, of the negative ones without their sign, and of the squares.
+    pub sums: Vec<[Share; 3]>,
     /// Some of the points where the difference is large.
     pub found: Vec<Probe>,
-    /// The first value that is negative or not finite.
     pub invalid: Option<InvalidPdf<P>>,
 }
 
 impl<P> Check<P> {
     fn plus(mut self, other: Self) -> Self {
-        self.above += other.above;
-        self.below += other.below;
-        add(&mut self.above_in, &other.above_in);
-        add(&mut self.below_in, &other.below_in);
-        add(&mut self.squares_in, &other.squares_in);
+        add(self.sums.as_flattened_mut(), other.sums.as_flattened());
         self.found.extend(other.found);
         self.found.truncate(FOUND);
         self.invalid = self.invalid.or(other.invalid);
@@ -55,7 +42,14 @@ impl<P> Check<P> {
     #[must_use]
     pub fn difference(&self, cell: usize) -> [f64; 2] {
         let scale = self.reach / self.count.max(1) as f64;
-        [scale * (self.above_in[cell].sum() - self.below_in[cell].sum()), scale * self.squares_in[cell].sum().sqrt()]
+        let [above, below, squares] = self.sums[cell].map(Share::sum);
+        [scale * (above - below), scale * squares.sqrt()]
+    }
+
+    /// The sum over all cells of the positive (0) or the negative (1) differences.
+    #[must_use]
+    pub fn total(&self, sign: usize) -> f64 {
+        Share::total(self.sums.iter().map(|sums| sums[sign]))
     }
 }
 
@@ -63,58 +57,42 @@ impl<D: Domain> Refinement<'_, D> {
     /// Compares the density with the polynomials at `count` random points.
     pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check<D::Point>> {
         let (plane, measure) = (self.domain.is_plane(), self.domain.measure());
-        let mut sum = 0.0;
-        let ends: Vec<f64> = self
-            .pieces
-            .iter()
-            .map(|piece| {
-                sum += piece.reach(measure);
-                sum
-            })
-            .collect();
-        let count = if sum > 0.0 { count } else { 0 };
-        let none = |count| Check {
-            reach: sum,
-            count,
-            above: Share::default(),
-            below: Share::default(),
-            above_in: vec![Share::default(); self.grid.len()],
-            below_in: vec![Share::default(); self.grid.len()],
-            squares_in: vec![Share::default(); self.grid.len()],
-            found: Vec::new(),
-            invalid: None,
+        let running_sum = |sum: &mut f64, piece: &Piece| {
+            *sum += piece.reach(measure);
+            Some(*sum)
+        };
+        let ends: Vec<f64> = self.pieces.iter().scan(0.0, running_sum).collect();
+        let reach = ends.last().copied().unwrap_or(0.0);
+        let count = if reach > 0.0 { count } else { 0 };
+        let none = || {
+            let sums = vec![[Share::default(); 3]; self.grid.len()];
+            Check { reach, count, sums, found: Vec::new(), invalid: None }
         };
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
             let (mut chosen, mut points) = (Vec::new(), Vec::new());
             // Sample points by the largest density that the pieces are expected to reach.
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
-                // One point in each of `count` equal parts of the sum.
-                let at = (i as f64 + rng.random::<f64>()) / count as f64 * sum;
+                // One point in each of `count` equal parts of `reach`.
+                let at = (i as f64 + rng.random::<f64>()) / count as f64 * reach;
                 let piece = &self.pieces[ends.partition_point(|&end| end <= at).min(ends.len() - 1)];
                 let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
                 let [u, v] = rng.random::<[f64; 2]>();
-                let chart = [along(piece.at.x, u), if plane { along(piece.at.y, v) } else { 0.5 }];
+                let chart = [along(piece.part.at.x, u), if plane { along(piece.part.at.y, v) } else { 0.5 }];
                 chosen.push((piece, chart));
                 points.push(self.domain.point_at(chart));
             }
             let mut values = Vec::with_capacity(points.len());
             self.density.pdf(&points, &mut values)?;
-            let mut check = none(0);
+            let mut check = none();
             check.invalid = first_invalid(&points, &values);
             // Add up the differences between density and polynomial.
             for ((piece, at), pdf) in chosen.into_iter().zip(values) {
                 let probe = Probe { at, pdf };
                 let difference = piece.difference(&probe);
-                let share = Share::new(difference.abs());
-                let (sum, of_cell) = if difference > 0.0 {
-                    (&mut check.above, &mut check.above_in)
-                } else {
-                    (&mut check.below, &mut check.below_in)
-                };
-                *sum += share;
-                of_cell[piece.cell] += share;
-                check.squares_in[piece.cell] += Share::new(difference * difference);
+                let sums = &mut check.sums[piece.part.cell];
+                sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs()));
+                sums[2].add(Share::new(difference * difference));
                 if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(pdf) < 1.0) {
                     check.found.push(probe);
                 }
@@ -122,6 +100,6 @@ impl<D: Domain> Refinement<'_, D> {
             Ok(check)
         };
         let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
-        batches.try_reduce(|| none(0), |a, b| Ok(a.plus(b))).map(|check| Check { count, ..check })
+        batches.try_reduce(none, |a, b| Ok(a.plus(b)))
     }
 }

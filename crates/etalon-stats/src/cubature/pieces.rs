@@ -11,15 +11,34 @@ const REACH: f64 = 1.25;
 /// rounding of f32 explains, also in the narrowest lobes.
 pub(super) const LARGE: f64 = 0.1;
 
-/// A rectangle that one rule is applied to.
+/// A rectangle of a cell.
 #[derive(Debug, Clone)]
-pub(super) struct Piece {
+pub(super) struct Part {
     /// Its leaf of the [`Tree`].
     pub(super) leaf: usize,
     /// The cell of the grid that it is a part of.
     pub(super) cell: usize,
     /// Its rectangle in the chart.
     pub(super) at: Cell,
+    /// Known probes in it, by number.
+    pub(super) probes: Vec<u32>,
+}
+
+impl Part {
+    /// Its middle; `None` where coordinates are too coarse to halve it along `axes`.
+    pub(super) fn middle(&self, axes: [bool; 2]) -> Option<[f64; 2]> {
+        let ends = [self.at.x, self.at.y];
+        let middle = ends.map(|[from, to]| 0.5 * (from + to));
+        let divides = |axis: usize| !axes[axis] || ends[axis][0] < middle[axis] && middle[axis] < ends[axis][1];
+        (divides(0) && divides(1)).then_some(middle)
+    }
+}
+
+/// A rectangle that one rule is applied to.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    /// Where it is.
+    pub(super) part: Part,
     /// Kronrod's estimate K of the integral over it.
     pub(super) integral: f64,
     /// |K − G| for each axis.
@@ -30,18 +49,16 @@ pub(super) struct Piece {
     /// The largest density that the piece is expected to reach, and the densities at the nodes as shares of it.
     top: f64,
     shape: Vec<f64>,
-    /// Known probes in it, by number.
-    pub(super) probes: Vec<u32>,
 }
 
 impl Piece {
     /// The rules' results from the densities at the nodes; `measure` is that of the whole chart.
-    pub(super) fn new(leaf: usize, cell: usize, at: Cell, values: &[f64], measure: f64) -> Self {
-        let [k, gx, gy] = rules(values).map(|sum| 0.25 * at.area() * measure * sum);
+    pub(super) fn new(part: Part, values: &[f64], measure: f64) -> Self {
+        let [k, gx, gy] = rules(values).map(|sum| 0.25 * part.at.area() * measure * sum);
         let top = REACH * values.iter().copied().fold(0.0, f64::max);
         let shape = values.iter().map(|value| if top > 0.0 { value / top } else { 0.0 }).collect();
         let errors = [(gx - k).abs(), (gy - k).abs()];
-        Self { leaf, cell, at, integral: k, errors, mismatch: 0.0, top, shape, probes: Vec::new() }
+        Self { part, integral: k, errors, mismatch: 0.0, top, shape }
     }
 
     /// Estimate of the error of `integral`; infinite where the density is beyond reach.
@@ -63,13 +80,13 @@ impl Piece {
         if self.top == 0.0 {
             return 0.0;
         }
-        ((probe.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.at, probe.at)).clamp(-1.0, 1.0)
+        ((probe.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).clamp(-1.0, 1.0)
     }
 
     /// The integral of the largest density that the piece is expected to reach.
     #[inline]
     pub(super) fn reach(&self, measure: f64) -> f64 {
-        self.top * self.at.area() * measure
+        self.top * self.part.at.area() * measure
     }
 
     /// Learns the density at a probe in it.
@@ -141,7 +158,7 @@ impl Tree {
 
     /// Says which piece belongs to its leaf.
     pub(super) fn set(&mut self, piece: &Piece, number: usize) {
-        self.nodes[piece.leaf] = Node::Leaf { piece: number as u32, top: piece.top };
+        self.nodes[piece.part.leaf] = Node::Leaf { piece: number as u32, top: piece.top };
     }
 
     /// The number of the piece that a probe is in, and the density that it is expected to reach.

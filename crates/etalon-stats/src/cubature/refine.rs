@@ -1,6 +1,6 @@
 //! Cutting cells into pieces until the rules agree with each other and with what is known of the density.
 
-use super::pieces::{Piece, Tree, share_within};
+use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Integrals, InvalidPdf, Probe, first_invalid};
 use crate::density::Density;
@@ -17,11 +17,8 @@ const PRECISION: f64 = 2.5e-5;
 
 /// A density's integrals over the cells of a grid, which become better with every probe that is learned.
 pub(crate) struct Refinement<'a, D: Domain> {
-    /// Where the density is defined.
     pub(super) domain: &'a D,
-    /// The integrand.
     pub(super) density: &'a dyn Density<D::Point>,
-    /// The cells whose integrals are wanted.
     pub(super) grid: &'a Grid,
     /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
@@ -30,14 +27,6 @@ pub(crate) struct Refinement<'a, D: Domain> {
     evaluations: usize,
     invalid: Option<InvalidPdf<D::Point>>,
     cancelled: Cancelled,
-}
-
-/// A rectangle still to be integrated: its leaf of the tree, its cell, and the known probes in it.
-struct Part {
-    leaf: usize,
-    cell: usize,
-    at: Cell,
-    probes: Vec<u32>,
 }
 
 impl<'a, D: Domain> Refinement<'a, D> {
@@ -80,7 +69,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         for probe in probes {
             let (piece, _) = self.tree.find(probe.at);
             let piece = &mut self.pieces[piece];
-            piece.probes.push(self.probes.len() as u32);
+            piece.part.probes.push(self.probes.len() as u32);
             piece.learn(probe, measure);
             self.probes.push(*probe);
         }
@@ -91,8 +80,8 @@ impl<'a, D: Domain> Refinement<'a, D> {
     pub fn integrals(&self) -> Integrals<D::Point> {
         let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
         for piece in &self.pieces {
-            values[piece.cell] += piece.integral;
-            errors[piece.cell] += piece.error();
+            values[piece.part.cell] += piece.integral;
+            errors[piece.part.cell] += piece.error();
         }
         Integrals { values, errors, invalid: self.invalid }
     }
@@ -109,7 +98,9 @@ impl<'a, D: Domain> Refinement<'a, D> {
         const FEWEST: usize = 4;
         let plane = self.domain.is_plane();
         if part.probes.len() < FEWEST {
-            return self.halve(part, [true, plane]).unwrap_or_else(|whole| vec![whole]);
+            let axes = [true, plane];
+            let Some(middle) = part.middle(axes) else { return vec![part] };
+            return self.halve(part, axes, middle);
         }
         let probes: Vec<[f64; 2]> = part.probes.iter().map(|&probe| self.probes[probe as usize].at).collect();
         let shape = if plane { [2, 2] } else { [2, 1] };
@@ -129,17 +120,11 @@ impl<'a, D: Domain> Refinement<'a, D> {
         parts.map(|((leaf, at), probes)| Part { leaf, cell: whole.cell, at, probes }).collect()
     }
 
-    /// The halves of a rectangle along `axes`, or their halves; the rectangle itself where coordinates are too coarse for that.
-    fn halve(&mut self, whole: Part, axes: [bool; 2]) -> std::result::Result<Vec<Part>, Part> {
-        let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
-        let middles = [middle(whole.at.x), middle(whole.at.y)];
-        let divides = |axis: usize, [from, to]: [f64; 2]| !axes[axis] || from < middles[axis] && middles[axis] < to;
-        if !(divides(0, whole.at.x) && divides(1, whole.at.y)) {
-            return Err(whole);
-        }
+    /// The halves of a rectangle along `axes` at its `middle`, or their halves.
+    fn halve(&mut self, whole: Part, axes: [bool; 2], middle: [f64; 2]) -> Vec<Part> {
         let mut parts = vec![whole];
         for axis in (0..2).filter(|&axis| axes[axis]) {
-            let middle = middles[axis];
+            let middle = middle[axis];
             let halves = |Part { leaf, cell, at, probes }| {
                 let leaves = self.tree.halve(leaf, axis, middle);
                 let [mut below, mut above]: [Cell; 2] = [at; 2];
@@ -156,7 +141,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
             };
             parts = parts.into_iter().flat_map(halves).collect();
         }
-        Ok(parts)
+        parts
     }
 
     /// Applies the rules to `parts`.
@@ -173,7 +158,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
             self.density.pdf(&points, &mut values)?;
             let per_part = points.len() / batch.len();
             let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
-                let mut piece = Piece::new(part.leaf, part.cell, part.at, values, measure);
+                let mut piece = Piece::new(part.clone(), values, measure);
                 part.probes.iter().for_each(|&probe| piece.learn(&known[probe as usize], measure));
                 piece
             });
@@ -183,8 +168,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         self.evaluations += parts.len() * if plane { KRONROD * KRONROD } else { KRONROD };
         let (pieces, invalid): (Vec<Vec<Piece>>, Vec<_>) = made.into_iter().unzip();
         self.invalid = invalid.into_iter().flatten().next().or(self.invalid);
-        for (mut piece, part) in pieces.into_iter().flatten().zip(parts) {
-            piece.probes = part.probes;
+        for piece in pieces.into_iter().flatten() {
             self.tree.set(&piece, self.pieces.len());
             self.pieces.push(piece);
         }
@@ -199,15 +183,15 @@ impl<'a, D: Domain> Refinement<'a, D> {
             // Integral, error and number of pieces of each cell decide which errors are too large.
             let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0; cells], vec![0usize; cells]);
             for piece in &self.pieces {
-                values[piece.cell] += piece.integral;
-                counts[piece.cell] += 1;
-                errors[piece.cell] += piece.error();
+                values[piece.part.cell] += piece.integral;
+                counts[piece.part.cell] += 1;
+                errors[piece.part.cell] += piece.error();
             }
             let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
             // Isolate spikes first: until then the estimated errors mean nothing.
             let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
             let is_coarse = |piece: &Piece| {
-                let (cell, error) = (piece.cell, piece.error());
+                let (cell, error) = (piece.part.cell, piece.error());
                 let large = errors[cell] > allowed[cell] && error > 0.5 * allowed[cell] / counts[cell] as f64;
                 if spikes { error.is_infinite() } else { large }
             };
@@ -222,14 +206,12 @@ impl<'a, D: Domain> Refinement<'a, D> {
             let mut parts = Vec::new();
             for mut piece in coarse {
                 let axes = piece.axes(plane);
-                let (leaf, cell, at) = (piece.leaf, piece.cell, piece.at);
-                match self.halve(Part { leaf, cell, at, probes: std::mem::take(&mut piece.probes) }, axes) {
-                    Ok(halves) => parts.extend(halves),
+                if let Some(middle) = piece.part.middle(axes) {
+                    parts.extend(self.halve(piece.part, axes, middle));
+                } else {
                     // Coordinates are too coarse to learn more here.
-                    Err(Part { probes, .. }) => {
-                        (piece.errors, piece.mismatch, piece.probes) = ([0.0; 2], 0.0, probes);
-                        fine.push(piece);
-                    }
+                    (piece.errors, piece.mismatch) = ([0.0; 2], 0.0);
+                    fine.push(piece);
                 }
             }
             self.pieces = fine;
