@@ -100,7 +100,7 @@ impl SceneArgs {
             environment: environment.map(|source| (source.map, source.name)),
             allow_ldr: self.map_options.ldr,
         };
-        let imported = import::read_scene(path, options)?;
+        let imported = import::read_scene(path, &options)?;
         imported.warnings.iter().for_each(|warning| console.warn(warning));
         Ok(Loaded { scene: imported.scene, request: imported.request, map: imported.map })
     }

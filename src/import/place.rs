@@ -32,6 +32,14 @@ impl At {
         Error::unsupported(&self.path, message).at(self.place)
     }
 
+    /// The error for another file, named here, that cannot be opened; other errors are passed on.
+    pub fn cannot_read(&self, error: Error) -> Error {
+        match error {
+            Error::Io { path, source } => self.input(format!("cannot read {}: {source}", path.display())),
+            other => other,
+        }
+    }
+
     /// A warning in the same format.
     pub fn warning(&self, message: &str) -> String {
         format!("{}{}: {message}", self.path.display(), self.place)

@@ -1,11 +1,28 @@
-//! Conversion of triangles to the shape that is traced fastest: two that form a rectangle become one.
+//! Spheres in the world; triangles as the shape that is traced fastest: two that form a rectangle become one.
 
-use crate::scene::{Mesh, Rectangle, Shape};
-use glam::{Vec2, Vec3};
+use super::place::At;
+use super::transform::{in_range, in_size_range, similarity};
+use crate::error::Result;
+use crate::scene::{Mesh, Rectangle, Shape, Sphere};
+use glam::{DMat4, Vec2, Vec3};
 use std::sync::Arc;
 
 /// Largest distance between a vertex normal and the plane's normal, both unit vectors, for a flat shape.
 const FLAT: f32 = 1e-4;
+
+/// The sphere around the origin, in the world. A mirror image changes nothing.
+pub fn sphere(radius: f64, to_world: &DMat4, at: &At) -> Result<Sphere> {
+    let Some((_, scale)) = similarity(to_world) else {
+        return Err(at
+            .unsupported("a sphere that its transform makes an ellipsoid is not supported")
+            .with_hint("scale all three axes alike"));
+    };
+    let (centre, radius) = (to_world.w_axis.truncate(), radius * scale);
+    if !in_range(centre) || !in_size_range(radius) {
+        return Err(at.input(format!("a sphere of radius {radius} at {centre} is out of range")));
+    }
+    Ok(Sphere { centre: centre.as_vec3(), radius: radius as f32 })
+}
 
 /// The triangles of a polygon: a fan around its first corner.
 pub fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {

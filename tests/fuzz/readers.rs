@@ -69,14 +69,14 @@ pub fn mesh(path: &Path) -> Result<()> {
 
 /// A scene file, rendered.
 pub fn scene(path: &Path) -> Result<()> {
-    let read = read_scene(path, SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
+    let read = read_scene(path, &SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
     render_small(&read.scene, &read.request)
 }
 
 /// Camera settings beside a COLLADA scene.
 pub fn settings(path: &Path) -> Result<()> {
     let options = SceneOptions { resolution: Some(SIZE), camera: Some(path), ..SceneOptions::default() };
-    let read = read_scene(&path.with_file_name("scene.dae"), options)?;
+    let read = read_scene(&path.with_file_name("scene.dae"), &options)?;
     render_small(&read.scene, &read.request)
 }
 

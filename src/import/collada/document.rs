@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
+use crate::import::rule::Rule;
 use crate::math::Rgb;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
 use std::cell::{Cell, RefCell};
@@ -171,32 +172,19 @@ impl<'a> Document<'a> {
         self.words(node).map(index).collect()
     }
 
-    /// The colour in an element: red, green and blue, each of which `valid` accepts, and perhaps an alpha, which is not
-    /// used.
-    pub fn colour(&self, node: Element<'a>, valid: impl Fn(f64) -> bool, rule: &str) -> Result<Rgb> {
+    /// The colour in an element: red, green and blue by the rule, and perhaps an alpha, which is not used.
+    pub fn colour(&self, node: Element<'a>, rule: &Rule) -> Result<Rgb> {
         let channels = match self.words(node).count() {
-            4 => self.exactly::<4>(node, valid, rule).map(|[r, g, b, _]| [r, g, b])?,
-            _ => self.exactly(node, valid, rule)?,
+            4 => self.exactly::<4>(node, rule).map(|[r, g, b, _]| [r, g, b])?,
+            _ => self.exactly(node, rule)?,
         };
         Ok(Rgb::from_array(channels.map(|channel| channel as f32)))
     }
 
-    /// The `N` numbers of an element, each of which `valid` accepts; `rule` says what it accepts.
-    pub fn exactly<const N: usize>(
-        &self,
-        node: Element<'a>,
-        valid: impl Fn(f64) -> bool,
-        rule: &str,
-    ) -> Result<[f64; N]> {
-        let (numbers, tag) = (self.numbers(node)?, node.tag_name().name());
-        let Ok(numbers) = <[f64; N]>::try_from(numbers.as_slice()) else {
-            let message = format!("<{tag}> needs {N} number{}, not {}", if N == 1 { "" } else { "s" }, numbers.len());
-            return Err(self.at(node).input(message));
-        };
-        match numbers.iter().find(|&&number| !valid(number)) {
-            Some(bad) => Err(self.at(node).input(format!("<{tag}> must be {rule}, not {bad}"))),
-            None => Ok(numbers),
-        }
+    /// The `N` numbers of an element, which must keep a rule.
+    pub fn exactly<const N: usize>(&self, node: Element<'a>, rule: &Rule) -> Result<[f64; N]> {
+        let wrong = |what| self.at(node).input(format!("<{}> {what}", node.tag_name().name()));
+        rule.check(&self.numbers(node)?).map_err(wrong)
     }
 }
 

@@ -3,12 +3,9 @@
 use super::lexer::Lexer;
 use super::params::Params;
 use super::reader::{Reader, Stage};
-use super::shape::Setting;
-use super::{light, material, shape};
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::transform;
-use crate::scene::{Material, Object};
 use glam::{DMat4, DVec3};
 
 impl Reader<'_> {
@@ -67,13 +64,13 @@ impl Reader<'_> {
             "Camera" => {
                 let to_world = self.state.transform.inverse();
                 self.systems.insert("camera".into(), to_world);
-                self.setup.camera(params, to_world, warnings)
+                self.setup.camera(&params, to_world, warnings)
             }
-            "Film" => self.setup.film(params, warnings),
-            "Sampler" => self.setup.sampler(params, warnings),
-            "PixelFilter" => self.setup.filter(params, warnings),
-            "SurfaceIntegrator" => self.setup.integrator(params, true, warnings),
-            "Integrator" => self.setup.integrator(params, false, warnings),
+            "Film" => self.setup.film(&params, warnings),
+            "Sampler" => self.setup.sampler(&params, warnings),
+            "PixelFilter" => self.setup.filter(&params, warnings),
+            "SurfaceIntegrator" => self.setup.integrator(&params, true, warnings),
+            "Integrator" => self.setup.integrator(&params, false, warnings),
             "Renderer" if params.kind != "sampler" => Err(params.unsupported_kind("sampler")),
             _ => {
                 warnings.push(params.at.warning(&format!("{} cannot change this image: left out", params.owner)));
@@ -104,48 +101,19 @@ impl Reader<'_> {
             _ => {}
         }
         let mut params = Params::read(lexer, name, at)?;
-        let (warnings, v2) = (&mut self.warnings, self.setup.v2);
         match name {
-            "Material" => self.state.material = material::material(params, v2, warnings)?,
+            "Material" => self.state.material = self.material(&params)?,
             "MakeNamedMaterial" => {
-                let kind = params.text("type")?;
+                let kind = params.text("type")?.map(str::to_owned);
                 let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
                 params.owner = format!("{} of type {}", params.owner, quote(&kind));
                 let material_name = std::mem::replace(&mut params.kind, kind);
-                self.materials.insert(material_name, material::material(params, v2, warnings)?);
+                let material = self.material(&params)?;
+                self.materials.insert(material_name, material);
             }
-            "Shape" => {
-                let (material, emission) = (self.state.material, self.state.emission);
-                // Only emission and glass depend on the orientation.
-                let depends = emission.is_some() || matches!(material, Material::Glass { .. });
-                let setting = Setting {
-                    to_world: &self.state.transform,
-                    reversed: self.state.reversed && depends,
-                    folder: &self.folder,
-                    mesh_bytes: &mut self.mesh_bytes,
-                };
-                let shape = shape::shape(params, setting, warnings)?;
-                self.objects.push(Object { shape, material, emission });
-            }
-            "AreaLightSource" => {
-                let at = params.at.clone();
-                let (emission, samples) = light::area(params, warnings)?;
-                self.state.emission = Some(emission);
-                self.ask_for_samples(samples, &at);
-            }
-            _ => {
-                let (at, owner) = (params.at.clone(), params.owner.clone());
-                match light::source(params, &self.state.transform, &self.folder, self.options, warnings)? {
-                    light::Source::Simple(light) => self.lights.push(light),
-                    light::Source::Infinite(..) if self.environment.is_some() => {
-                        return Err(at.unsupported(format!("{owner}: a second light from infinity is not supported")));
-                    }
-                    light::Source::Infinite(environment, samples) => {
-                        self.environment = Some(environment);
-                        self.ask_for_samples(samples, &at);
-                    }
-                }
-            }
+            "Shape" => self.shape(&params)?,
+            "AreaLightSource" => self.area_light(&params)?,
+            _ => self.light(&params)?,
         }
         Ok(())
     }

@@ -111,7 +111,7 @@ fn a_settings_file_is_taken_as_it_stands() {
     std::fs::write(&path, scene("Y_UP", "", QUAD)).unwrap();
     let with = |text: &str, resolution| {
         std::fs::write(&settings, text).unwrap();
-        read(&path, &ColladaOptions { resolution, settings: Some(&settings) })
+        read(&path, &SceneOptions { resolution, camera: Some(&settings), ..SceneOptions::default() })
     };
     let imported = with(SETTINGS, None).unwrap();
     let camera = imported.scene.camera;
