@@ -5,6 +5,11 @@ pub fn number(word: &str) -> Option<f64> {
     word.parse().ok().or_else(|| hexadecimal(word))
 }
 
+/// [`number`] without NaN; infinite ones are included.
+pub fn real(word: &str) -> Option<f64> {
+    number(word).filter(|x| !x.is_nan())
+}
+
 /// At most 16 hexadecimal digits. The check also refuses the sign that `from_str_radix` would take.
 fn digits(word: &str) -> Option<u64> {
     let fits = word.len() <= 16 && word.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -2,6 +2,8 @@
 
 use crate::error::{Error, Place, Result};
 use crate::files::without_bom;
+use crate::import::number::real;
+use crate::import::place::quote;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -61,5 +63,13 @@ impl Lines {
         }
         let text = std::str::from_utf8(&self.line).map_err(|_| self.error("the line is not UTF-8"))?;
         Ok(Some(text.trim()))
+    }
+
+    /// The numbers of the next line that is not empty, with commas between them; none of them is NaN.
+    pub fn numbers(&mut self) -> Result<Option<Vec<f64>>> {
+        let Some(line) = self.next()? else { return Ok(None) };
+        let number = |word: &str| real(word.trim()).ok_or_else(|| format!("{} is not a number", quote(word.trim())));
+        let numbers: std::result::Result<Vec<f64>, String> = line.split(',').map(number).collect();
+        numbers.map(Some).map_err(|message| self.error(message))
     }
 }

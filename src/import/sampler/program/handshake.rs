@@ -2,8 +2,8 @@
 
 use super::connection::{Connection, violation};
 use crate::error::Result;
+use crate::import::number::number;
 use crate::import::place::quote;
-use crate::import::sampler::number::number;
 use crate::import::sampler::space::Space;
 use etalon_stats::Mass;
 use std::collections::HashSet;
