@@ -24,7 +24,6 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         // Images of any kind may be compared, 8-bit ones too.
         let read = |path| {

@@ -63,7 +63,6 @@ struct Output<'a> {
 }
 
 impl Converge {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
         let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;

@@ -40,7 +40,6 @@ struct Output {
 }
 
 impl Merge {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")

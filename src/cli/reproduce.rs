@@ -6,11 +6,12 @@ use super::map_file::{self, MapOptions};
 use crate::envmap::info::Info;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
-use crate::gallery::{self, Effort, Inputs, Originals, Reproduced};
+use crate::gallery::{self, Effort, Figure, Inputs, Originals, Reproduced};
 use crate::output;
 use crate::view::text::counted;
 use clap::{ArgAction, Args};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,18 +65,11 @@ struct Listed {
 }
 
 impl Reproduce {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
-            let list: Vec<Listed> = gallery::registry()
-                .iter()
-                .map(|f| Listed { id: f.id, title: f.title, answers: f.counterpart() })
-                .collect();
-            #[derive(Serialize)]
-            struct List<'a> {
-                figures: &'a [Listed],
-            }
-            console.result(&List { figures: &list }, || {
+            let listed = |f: &Figure| Listed { id: f.id, title: f.title, answers: f.counterpart() };
+            let list: Vec<Listed> = gallery::registry().iter().map(listed).collect();
+            console.result(&BTreeMap::from([("figures", &list)]), || {
                 list.iter().map(|l| format!("{:<24} {} ({})\n", l.id, l.title, l.answers)).collect()
             });
             return Ok(Verdict::Good);
@@ -148,7 +142,7 @@ impl Reproduce {
             let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
             source = NamedMap { map, ..source };
         } else {
-            map_file::warn_upside_down(&info, &source.name, console);
+            map_file::warn_upside_down(&source, console);
         }
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
         Ok(Inputs { map: source, originals, seed: global.seed, effort })

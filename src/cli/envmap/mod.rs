@@ -29,7 +29,6 @@ pub enum Envmap {
 }
 
 impl Envmap {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match self {
             Envmap::Info(args) => args.run(console),
