@@ -12,7 +12,7 @@ use crate::view::text::counted;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Compare two images of the same size: B is the reference
+/// Compare two images
 #[derive(Args)]
 #[command(after_help = "mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), over all channel values. Writes \
                         A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. Cube maps are compared \
@@ -65,7 +65,6 @@ impl Compare {
 /// Longest side of the drawing of the difference, in pixels.
 const LONGEST_SIDE: usize = 2048;
 
-/// Difference of (R + G + B)/3 in diverging colours around 0.
 fn difference(a: &Image, b: &Image) -> Result<Drawing> {
     let (width, height) = (a.width(), a.height());
     // Large images are averaged over squares of pixels.

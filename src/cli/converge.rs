@@ -12,7 +12,7 @@ use crate::view::converge::{self as view, duration, word};
 use clap::{ArgAction, Args};
 use serde::Serialize;
 
-/// Measure the error of sampling strategies against their run time and their samples
+/// Measure the error of sampling strategies against their run time
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Converge {

@@ -11,8 +11,7 @@ use crate::study::{fresnel, metal};
 use crate::view::fresnel as view;
 use clap::Args;
 
-/// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
-/// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
+/// Plot the reflectance of a dielectric or a metal over the angle of incidence
 #[derive(Args)]
 #[command(after_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
                         --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
@@ -37,7 +36,6 @@ pub struct Fresnel {
     model: Conventions,
 }
 
-/// The metals of the table, each with its source.
 fn metal_help() -> String {
     let [r, g, b] = metals::WAVELENGTHS_NM;
     let known: Vec<String> = metals::METALS.iter().map(|m| format!("{}: {}", m.symbol, m.source)).collect();

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Make every figure from built-in data (or from a map and scenes of your own) and check it
+/// Make every figure and check it against the reports' numbers
 #[derive(Args)]
 #[command(
     after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
@@ -159,7 +159,6 @@ fn quoted(path: &str) -> String {
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
 
-/// A table of checks.
 fn human(output: &Output<'_>, folder: &Path) -> String {
     let checks = || output.figures.iter().flat_map(|figure| &figure.checks);
     let name = checks().map(|c| c.name.chars().count()).max().unwrap_or(0);

@@ -70,7 +70,6 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
-    /// Whether `-r` was given.
     pub fn has_size(&self) -> bool {
         self.resolution.is_some()
     }

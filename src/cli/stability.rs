@@ -10,8 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Compare the renderer's functions with exact values over stiff and extreme inputs, in f32 and f64, beside textbook
-/// formulas
+/// Compare the renderer's functions with exact values over stiff and extreme inputs
 #[derive(Args)]
 #[command(
     after_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \

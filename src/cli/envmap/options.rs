@@ -30,7 +30,6 @@ impl MapArgs {
         Ok((source, info))
     }
 
-    /// For the names of results.
     pub fn short_name(&self) -> String {
         map_file::short_name(&self.map)
     }
@@ -51,18 +50,15 @@ pub struct LookArgs {
 }
 
 impl LookArgs {
-    /// The tone mapping by the arguments.
     pub fn look(&self) -> Look {
         Look { exposure: self.exposure, gamma: self.gamma }
     }
 }
 
-/// Reads a number of stops.
 fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
 }
 
-/// Reads the exponent of a power law.
 fn gamma(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
 }

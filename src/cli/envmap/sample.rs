@@ -49,7 +49,6 @@ pub struct Sample {
 #[derive(Serialize)]
 struct Output {
     n: usize,
-    /// Samples taken.
     drawn: usize,
     /// (R + G + B)/3; none for densities that leave out a part of the light.
     flux_estimate: Option<f64>,
@@ -109,7 +108,6 @@ impl Sample {
     }
 }
 
-/// The help of `--sampler`.
 fn sampler_help() -> String {
     format!("How directions are sampled. {}", map_samplers(|sampling| !sampling.has_fixed_lights()))
 }

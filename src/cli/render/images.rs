@@ -7,7 +7,6 @@ use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::film::Part;
 use std::path::{Path, PathBuf};
 
-/// Which files to write.
 pub struct Images {
     target: Target,
     formats: Vec<&'static str>,

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use summary::Summary;
 
-/// Render a scene: a built-in one, or a .pbrt or .dae file
+/// Render a scene
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Render {

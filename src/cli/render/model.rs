@@ -89,7 +89,6 @@ impl ModelArgs {
         })
     }
 
-    /// The names of the model, for the image's metadata.
     pub fn names(&self) -> String {
         self.model.iter().map(|&i| MODELS[i].0).collect::<Vec<_>>().join(",")
     }

@@ -12,7 +12,6 @@ use serde::Serialize;
 /// The summary of a render. Field names are JSON keys.
 #[derive(Serialize)]
 pub struct Summary<'a> {
-    /// The scene's name.
     pub scene: &'a str,
     width: usize,
     height: usize,
@@ -35,10 +34,8 @@ pub struct Summary<'a> {
     pub dropped: Dropped,
     /// Features that the kernel leaves out.
     pub left_out: Vec<&'static str>,
-    /// Whether samples are missing.
     pub interrupted: bool,
     #[serde(flatten)]
-    /// Files.
     pub written: Written,
 }
 
@@ -82,7 +79,6 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// The same as text.
     pub fn text(&self) -> String {
         let rgb = |v: [f64; 3]| {
             if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }

@@ -31,7 +31,6 @@ pub struct ExternalSampler {
     pdf: Option<PathBuf>,
 }
 
-/// The value of `--samples`: their number, or the file with them.
 #[derive(Debug, Clone)]
 pub enum SampleSource {
     /// As many from a sampler.
@@ -47,7 +46,6 @@ impl From<&OsStr> for SampleSource {
 }
 
 impl ExternalSampler {
-    /// The test of the external sampler, if there is one.
     pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
@@ -85,7 +83,6 @@ impl ExternalSampler {
     }
 }
 
-/// The test of a program.
 struct ProgramCase(Client);
 
 impl Visitor for ProgramCase {

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Test every sampler of this program against its pdf
+/// Test samplers against their pdfs
 #[derive(Args)]
 #[command(
     after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
