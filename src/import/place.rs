@@ -17,17 +17,14 @@ impl At {
         Self { path, place: Place::Text { line, column } }
     }
 
-    /// The file as a whole.
     pub fn file(path: Rc<Path>) -> Self {
         Self { path, place: Place::File }
     }
 
-    /// An error for a damaged file.
     pub fn input(&self, message: impl Into<String>) -> Error {
         Error::input(&self.path, message).at(self.place)
     }
 
-    /// An error for a feature that is not implemented.
     pub fn unsupported(&self, message: impl Into<String>) -> Error {
         Error::unsupported(&self.path, message).at(self.place)
     }

@@ -18,7 +18,6 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// For messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Format::Png => "PNG",

@@ -12,7 +12,6 @@ pub const WINDOW: [usize; 2] = [800, 600];
 const DEFAULT_XFOV: f64 = 50.0;
 const ASPECT: Rule = Rule(|x| (1e-6..=1e6).contains(&x), "from 1e-6 to 1e6");
 
-/// The camera of a file.
 pub struct View<'a> {
     node: Element<'a>,
     /// From the world's origin to the point one unit ahead of the camera.

@@ -18,13 +18,10 @@ const MAX_ATTRIBUTES: usize = 64;
 const MAX_NAMESPACES: usize = 64;
 /// Most bytes of elements that links lead to, each counted as often as it is reached: what an instance costs in time.
 const MAX_LINKED_BYTES: usize = 1 << 30;
-/// Most warnings that are kept.
 const MAX_WARNINGS: usize = 100;
 
-/// An element.
 pub type Element<'a> = Node<'a, 'a>;
 
-/// A file that is XML.
 pub struct Document<'a> {
     xml: &'a Xml<'a>,
     path: Rc<Path>,
@@ -81,17 +78,14 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The outermost element.
     pub fn root(&self) -> Element<'a> {
         self.xml.root_element()
     }
 
-    /// The place of an element.
     pub fn at(&self, node: Element) -> At {
         self.place(node.range().start)
     }
@@ -112,7 +106,6 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The notes.
     pub fn into_warnings(self) -> Vec<String> {
         self.warnings.into_inner()
     }

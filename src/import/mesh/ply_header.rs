@@ -15,7 +15,6 @@ pub enum Encoding {
     BigEndian,
 }
 
-/// A type of number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scalar {
     I8,
@@ -48,9 +47,7 @@ pub struct Element {
     pub properties: Vec<Property>,
 }
 
-/// A header.
 pub struct Header {
-    /// ASCII or binary.
     pub encoding: Encoding,
     /// In the order of the file.
     pub elements: Vec<Element>,

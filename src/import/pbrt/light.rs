@@ -19,7 +19,6 @@ use std::sync::Arc;
 const MAP_TO_LIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
 impl Reader<'_> {
-    /// `LightSource`.
     pub(super) fn light(&mut self, p: &Params) -> Result<()> {
         let light = match p.kind.as_str() {
             "infinite" => return self.infinite(p),

@@ -10,7 +10,6 @@ use crate::optics::metals;
 use crate::scene::{Conductor, Distribution, Material};
 
 impl Reader<'_> {
-    /// A material.
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
         let reflectance = |name, missing| Ok::<_, Error>(p.rgb(name, &FRACTION)?.unwrap_or(missing));
         let material = match p.kind.as_str() {

@@ -105,12 +105,10 @@ impl Params {
         }
     }
 
-    /// A number that keeps a rule.
     pub fn float(&self, name: &'static str, rule: &Rule) -> Result<Option<f64>> {
         Ok(self.numbers(name, &["float"], rule)?.map(|[value]| value))
     }
 
-    /// A whole number in a range.
     pub fn integer(&self, name: &'static str, range: RangeInclusive<u32>) -> Result<Option<u32>> {
         let Some(param) = self.find(name, &["integer"])? else { return Ok(None) };
         let [value] = ANY.check(&param.numbers).map_err(|what| self.wrong(param, what))?;
@@ -127,7 +125,6 @@ impl Params {
         Ok(values.map(|rgb| Rgb::from_array(rgb.map(|channel| channel as f32))))
     }
 
-    /// A string.
     pub fn text(&self, name: &'static str) -> Result<Option<&str>> {
         let Some(param) = self.find(name, &["string"])? else { return Ok(None) };
         match param.texts.as_slice() {

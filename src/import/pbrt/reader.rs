@@ -24,9 +24,7 @@ pub const MAX_MESH_BYTES: u64 = 512 << 20;
 /// The albedo of shapes before the file sets a material.
 pub const GREY: Rgb = Rgb::splat(0.5);
 
-/// The state while a scene is read.
 pub struct Reader<'a> {
-    /// Of the caller.
     pub(super) options: &'a SceneOptions<'a>,
     /// Where the first file lies: names in all files are relative to it, as in pbrt.
     pub(super) folder: PathBuf,
@@ -35,20 +33,14 @@ pub struct Reader<'a> {
     bytes: u64,
     /// Before, in or after the world block.
     pub(super) stage: Stage,
-    /// Current transform, material and emission.
     pub(super) state: State,
     blocks: Vec<Block>,
-    /// Named coordinate systems.
     pub(super) systems: HashMap<String, DMat4>,
-    /// Named materials.
     pub(super) materials: HashMap<String, Material>,
-    /// Camera, film, sampler and integrator.
     pub(super) setup: Setup,
-    /// Shapes so far.
     pub(super) objects: Vec<Object>,
     /// Lights so far, without those at infinity.
     pub(super) lights: Vec<Light>,
-    /// The light at infinity.
     pub(super) environment: Option<Environment>,
     /// The most samples that a light asks for at each hit.
     pub(super) light_samples: Option<u32>,
@@ -56,18 +48,13 @@ pub struct Reader<'a> {
     pub(super) map: Option<PathBuf>,
     /// How many more bytes of mesh files may be read.
     pub(super) mesh_bytes: u64,
-    /// So far.
     pub(super) warnings: Vec<String>,
 }
 
-/// Part of the file that is being read.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Stage {
-    /// Before `WorldBegin`.
     Options,
-    /// After it.
     World,
-    /// After `WorldEnd`.
     Done,
 }
 
@@ -76,11 +63,9 @@ pub(super) enum Stage {
 pub(super) struct State {
     /// Object to world.
     pub(super) transform: DMat4,
-    /// Of the shapes that follow.
     pub(super) material: Material,
     /// Emission of the shapes that follow.
     pub(super) emission: Option<Emission>,
-    /// Whether `ReverseOrientation` holds.
     pub(super) reversed: bool,
 }
 

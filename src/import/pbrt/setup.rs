@@ -72,7 +72,6 @@ impl Setup {
         p.finish(&["focaldistance", "shutteropen", "shutterclose"], warnings)
     }
 
-    /// `Film`.
     pub fn film(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         let (v4, width, height) = match p.kind.as_str() {
             "image" => (false, 640, 480),

@@ -15,7 +15,6 @@ use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 type Setting<'a> = (&'a DMat4, bool);
 
 impl Reader<'_> {
-    /// `Shape`.
     pub(super) fn shape(&mut self, p: &Params) -> Result<()> {
         let (material, emission, to_world) = (self.state.material, self.state.emission, self.state.transform);
         // Only emission and glass depend on the orientation.

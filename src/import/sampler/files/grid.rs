@@ -9,7 +9,6 @@ use crate::raster::{self, ReadOptions};
 use etalon_stats::{Density, Directions, Pole};
 use std::path::Path;
 
-/// Most values of a table.
 const VALUES: usize = 1 << 24;
 
 /// Values on rectangles of a domain's chart; its mass is declared to be 1.

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 /// Longest line, in bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// A text file that is being read.
 pub struct Lines {
     path: PathBuf,
     file: BufReader<File>,
@@ -32,7 +31,6 @@ impl Lines {
         Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }

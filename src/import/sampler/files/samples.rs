@@ -24,7 +24,6 @@ struct Reader {
     pdf: Option<usize>,
     header: usize,
     left: u64,
-    /// The numbers of a row.
     row: Vec<f64>,
 }
 
