@@ -258,13 +258,6 @@ mod tests {
         Params::read(&mut Lexer::new(text.as_bytes(), path), "Shape", at)
     }
 
-    fn fails<T>(result: Result<T>, message: &str) {
-        match result {
-            Ok(_) => panic!("no error, but: {message}"),
-            Err(e) => assert!(e.to_string().contains(message), "{e}\nis not\n{message}"),
-        }
-    }
-
     #[test]
     fn values_by_name_and_type() {
         let p = read(
@@ -284,50 +277,5 @@ mod tests {
         let mut warnings = Vec::new();
         p.finish(&["iso"], &mut warnings).unwrap();
         assert_eq!(warnings, [r#"a:2:55: Shape "s": "float iso" has no effect here"#]);
-    }
-
-    #[test]
-    fn wrong_values_are_named() {
-        let float = |text: &str| read(text)?.float("r", &POSITIVE);
-        fails(float(r#""s" "float r" -1"#), r#"a:1:5: Shape "s": "float r" must be positive, not -1"#);
-        fails(float(r#""s" "float r" [1 2]"#), "needs 1 number, not 2");
-        fails(float(r#""s" "float r" "1""#), "has values of another type");
-        fails(float(r#""s" "integer r" 1"#), "is not of type float");
-        fails(float(r#""s" "texture r" "t""#), "\"texture r\" is not supported");
-        let integer = |text: &str| read(text)?.integer("n", 1..=9);
-        assert_eq!(integer(r#""s" "integer n" 4.0"#).unwrap(), Some(4));
-        for bad in ["0", "10", "2.5", "-1", "1e300"] {
-            fails(integer(&format!(r#""s" "integer n" {bad}"#)), "must be a whole number from 1 to 9");
-        }
-        fails(read(r#""s" "spectrum K" [400 1]"#).unwrap().rgb("K", &ANY), "is not supported");
-        fails(read(r#""s" "string f" ["a" "b"]"#).unwrap().text("f"), "needs one string");
-        fails(read(r#""s" "bool b" "yes""#).unwrap().only_false("b"), "needs true or false");
-        fails(read(r#""s" "bool b" true"#).unwrap().only_false("b"), "b is not supported");
-        fails(
-            read(r#""s" "float z" .5"#).unwrap().only_float("z", |z| z == 0.0, "0"),
-            "z 0.5 is not supported, only 0",
-        );
-        fails(read(r#""s" "float z" .5"#).unwrap().finish(&[], &mut Vec::new()), "\"float z\" is not supported");
-    }
-
-    #[test]
-    fn broken_lists_are_errors_with_a_place() {
-        for (text, message) in [
-            ("", "a:1:1: the file ends where Shape needs its kind"),
-            ("sphere", "a:1:1: Shape needs its kind in double quotes, not \"sphere\""),
-            (r#""s" "float r""#, "a:1:5: the file ends where Shape \"s\": \"float r\" needs a value"),
-            (r#""s" "float r" ["#, "a:1:15: Shape \"s\": \"float r\": this bracket is never closed"),
-            (r#""s" "float r" [1 [2]]"#, "a:1:18: "),
-            (r#""s" "float r" [1 "a"]"#, "a:1:18: "),
-            (r#""s" "float r" []"#, "a:1:16: "),
-            (r#""s" "float r" ]"#, "a:1:15: "),
-            (r#""s" "float r" Shape"#, "a:1:15: "),
-            (r#""s" "float" 1"#, "is not a type and a name"),
-            (r#""s" "float r r" 1"#, "is not a type and a name"),
-            (r#""s" "double r" 1"#, "unknown type"),
-            (r#""s" "float r" 1 "integer r" 1"#, "a:1:17: Shape \"s\" already has the parameter \"integer r\""),
-        ] {
-            fails(read(text), message);
-        }
     }
 }
