@@ -1,12 +1,11 @@
 //! All layers of an OpenEXR file, its text attributes, and channels that hold counts instead of light.
 
 use super::choose::{Shown, choose, layers};
-use super::decode::{Placement, check_window, pixels};
+use super::decode::{check_window, read_layers};
 use super::encode::is_free_name;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::raster::decoded::blank;
 use crate::raster::{Image, Metadata};
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;
@@ -14,8 +13,6 @@ use std::path::Path;
 
 /// Larger files are refused unread.
 const MAX_FILE_BYTES: u64 = 1 << 33;
-/// More pixels than these, all layers together, are refused: 3 GiB in memory.
-const MAX_PIXELS: usize = 1 << 28;
 /// Pixels whose integers are set together.
 const RUN: usize = 16;
 
@@ -64,28 +61,10 @@ impl ExrFile {
     /// # Errors
     /// Those of [`read`](crate::raster::read()), and [`Error::Limit`] when the layers have more than 2^28 pixels in all.
     pub fn layers(&self) -> Result<Vec<(String, Image)>> {
-        let (path, file) = (&self.file.path, &self.file);
-        let part = choose(path, file.headers())?.part;
-        let header = &file.headers()[part];
+        let part = choose(&self.file.path, self.file.headers())?.part;
         let is_light = |layer: &Shown| layer.rgb.iter().flatten().any(|c| c.kind != SampleType::U32);
-        let layers: Vec<Shown> = layers(header).into_iter().filter(is_light).collect();
-        let window = header.shared_attributes.display_window;
-        check_window(path, header.data_window(), window, self.file.bytes.len())?;
-        let all = (window.size.0 * window.size.1).saturating_mul(layers.len());
-        if all > MAX_PIXELS {
-            return Err(Error::limit(path, format!("{} layers of {all} pixels in all", layers.len()))
-                .with_hint("at most 2^28 pixels are read, all layers together"));
-        }
-        let blocks = file.blocks(part)?;
-        let images = layers.iter().map(|_| blank(path, window.size.0, window.size.1));
-        let mut images: Vec<Image> = images.collect::<Result<_>>()?;
-        let place = Placement::of(header);
-        blocks.read(
-            |block, bytes| layers.iter().map(|layer| pixels(header, &layer.rgb, block, &bytes)).collect::<Vec<_>>(),
-            |block, layers| {
-                images.iter_mut().zip(&layers).for_each(|(image, pixels)| place.copy(image, block, pixels));
-            },
-        )?;
+        let layers: Vec<Shown> = layers(&self.file.headers()[part]).into_iter().filter(is_light).collect();
+        let images = read_layers(&self.file, part, &layers)?;
         Ok(layers.into_iter().map(|layer| layer.name).zip(images).collect())
     }
 
