@@ -108,21 +108,17 @@ impl Reproduce {
 
     /// The flags that reproduce these figures.
     fn options(&self, global: &Global) -> String {
-        let mut options = Vec::new();
-        let mut add = |given: bool, flag: String| {
-            if given {
-                options.push(flag);
-            }
-        };
-        add(self.quick, "--quick".into());
-        add(global.seed != DEFAULT_SEED, format!("--seed {}", global.seed));
-        add(self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy())));
-        add(self.options.flip, "--flip".into());
-        add(self.options.ldr, "--ldr".into());
-        if let Some(folder) = &self.scenes {
-            add(true, format!("--scenes {}", quoted(&folder.to_string_lossy())));
-        }
-        options.join(" ")
+        let scenes = self.scenes.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+        let options = [
+            (self.quick, "--quick".into()),
+            (global.seed != DEFAULT_SEED, format!("--seed {}", global.seed)),
+            (self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy()))),
+            (self.options.flip, "--flip".into()),
+            (self.options.ldr, "--ldr".into()),
+            (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
+        ];
+        let given: Vec<String> = options.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag).collect();
+        given.join(" ")
     }
 
     /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.

@@ -1,6 +1,7 @@
 //! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
 
 use crate::error::{Error, Result};
+use crate::import::number::finite;
 use crate::import::place::{At, quote};
 use crate::import::rule::Rule;
 use crate::math::Rgb;
@@ -149,20 +150,13 @@ impl<'a> Document<'a> {
 
     /// All finite numbers in an element.
     pub fn numbers(&self, node: Element<'a>) -> Result<Vec<f64>> {
-        let number = |(word, offset): (&str, usize)| {
-            let value = word.parse().ok().filter(|value: &f64| value.is_finite());
-            value.ok_or_else(|| self.place(offset).input(format!("{} is not a finite number", quote(word))))
-        };
-        self.words(node).map(number).collect()
+        self.words(node).map(|(word, offset)| finite(word).map_err(|wrong| self.place(offset).input(wrong))).collect()
     }
 
     /// All whole numbers in an element, from 0 on.
     pub fn indices(&self, node: Element<'a>) -> Result<Vec<u32>> {
-        let index = |(word, offset): (&str, usize)| {
-            word.parse()
-                .map_err(|_| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word))))
-        };
-        self.words(node).map(index).collect()
+        let wrong = |word, offset| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word)));
+        self.words(node).map(|(word, offset)| word.parse().map_err(|_| wrong(word, offset))).collect()
     }
 
     /// The colour in an element: red, green and blue by the rule, and perhaps an alpha, which is not used.

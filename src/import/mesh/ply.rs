@@ -1,10 +1,9 @@
 //! PLY: the polygon format of Greg Turk (Stanford, 1994), as text or binary.
 
 use super::ply_header::{Element, Encoding, Header, Scalar};
-use super::vertex::{point, unit_normals};
 use crate::error::{Error, Place, Result};
 use crate::import::place::{At, quote};
-use crate::import::shape::{corner_uv, fan};
+use crate::import::shape::{corner_uv, fan, point, unit_normals};
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3};
 use std::path::Path;
