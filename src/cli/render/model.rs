@@ -19,7 +19,7 @@ pub struct ModelArgs {
     normals: Option<NormalSampling>,
     /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
     /// them, with commas between them
-    #[arg(long, value_parser = choice((0..).zip(MODELS).map(|(i, model)| (model.0, model.1, i))), value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
+    #[arg(long, value_parser = choice(MODELS.into_iter().enumerate().map(|(i, model)| (model.0, model.1, i))), value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
     model: Vec<usize>,
 }
 
