@@ -48,7 +48,8 @@ pub struct Render {
     file: Option<PathBuf>,
     /// How directions towards the light are sampled. A diffuse surface needs no BSDF samples where the light density contains
     /// the cosine
-    #[arg(long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))), default_value = Sampling::default().name())]
+    #[arg(long, default_value = Sampling::default().name(),
+          value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Sampling,
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
@@ -64,7 +65,8 @@ pub struct Render {
     /// Tone mapping of PNG and PPM (default: PNG as srgb, PPM linear, scaled by its maximum)
     #[arg(long, value_parser = choice([
         ("srgb", "The sRGB curve, rounded", ToneMap::default()),
-        ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report", ToneMap::By(Conventions::SECOND_REPORT)),
+        ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
+         ToneMap::By(Conventions::SECOND_REPORT)),
     ]))]
     tone: Option<ToneMap>,
     /// Write the light of each path class (LDE, LSDE, ...) up to N scatterings as a layer of the EXR file

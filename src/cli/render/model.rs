@@ -11,7 +11,10 @@ use clap::{ArgAction, Args};
 #[derive(Args)]
 pub struct ModelArgs {
     /// Reflectance of glass: the Fresnel equations, or Schlick's approximation with the cosine on the less dense side
-    #[arg(long, value_parser = choice([("exact", "", DielectricFresnel::Exact), ("schlick", "", DielectricFresnel::Schlick)]))]
+    #[arg(long, value_parser = choice([
+        ("exact", "", DielectricFresnel::Exact),
+        ("schlick", "", DielectricFresnel::Schlick),
+    ]))]
     fresnel: Option<DielectricFresnel>,
     /// How rough metal samples directions: by the visible normals (VNDF), by all normals (NDF), or uniformly over the
     /// hemisphere
@@ -19,7 +22,8 @@ pub struct ModelArgs {
     normals: Option<NormalSampling>,
     /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
     /// them, with commas between them
-    #[arg(long, value_parser = choice(MODELS.into_iter().enumerate().map(|(i, model)| (model.0, model.1, i))), value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
+    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact",
+          value_parser = choice(MODELS.into_iter().enumerate().map(|(i, model)| (model.0, model.1, i))))]
     model: Vec<usize>,
 }
 
