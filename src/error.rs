@@ -26,50 +26,23 @@ pub enum Place {
 }
 
 /// An error of the library.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The file's content is damaged or contradicts its own format.
-    Input {
-        /// The file.
-        path: PathBuf,
-        /// Where in it.
-        place: Place,
-        /// What is wrong.
-        message: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
-    /// A value given by the caller is out of range.
-    Parameter {
-        /// Of the field or argument of the library.
-        name: String,
-        /// What is wrong with its value.
-        message: String,
-        /// Which values can be used.
-        hint: Option<String>,
-    },
+    #[error("{0}")]
+    Input(Fault),
+    /// A value given by the caller, the field or argument that the fault names, is out of range.
+    #[error("{0}")]
+    Parameter(Fault),
     /// The file may be valid, but uses a feature that this program does not implement.
-    Unsupported {
-        /// The file.
-        path: PathBuf,
-        /// Where in it.
-        place: Place,
-        /// What is wrong.
-        message: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
-    /// The request needs more memory or time than allowed.
-    Limit {
-        /// The file that asks for it.
-        path: PathBuf,
-        /// What is too much.
-        message: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
+    #[error("{0}")]
+    Unsupported(Fault),
+    /// The file needs more memory or time than allowed.
+    #[error("{0}")]
+    Limit(Fault),
     /// The operating system refused.
+    #[error("{}: {source}", path.display())]
     Io {
         /// The file, or another name for what was written or read.
         path: PathBuf,
@@ -77,9 +50,21 @@ pub enum Error {
         source: std::io::Error,
     },
     /// This would need more memory than is allowed; see [`crate::memory`].
+    #[error("{0}")]
     Memory(Shortage),
     /// The process was asked to stop; see [`crate::interrupt`].
+    #[error("interrupted")]
     Interrupted,
+}
+
+/// What is wrong with a file or a parameter, and the remedy.
+#[derive(Debug)]
+pub struct Fault {
+    /// The file, or the name of the parameter.
+    name: String,
+    place: Place,
+    message: String,
+    hint: Option<String>,
 }
 
 /// A request for memory beyond the limit. Sizes are in bytes.
@@ -98,49 +83,53 @@ pub struct Shortage {
 }
 
 impl Error {
-    /// A damaged input file.
+    /// An [`Error::Input`] about the file as a whole.
     pub fn input(path: &Path, message: impl Into<String>) -> Self {
-        Error::Input { path: path.into(), place: Place::File, message: message.into(), hint: None }
+        Error::Input(Fault::new(path.display(), message))
     }
 
-    /// A parameter out of its range; `name` is that of the field or argument, for example `max_depth`.
-    pub fn parameter(name: impl Into<String>, message: impl Into<String>) -> Self {
-        Error::Parameter { name: name.into(), message: message.into(), hint: None }
+    /// An [`Error::Parameter`].
+    pub fn parameter(name: impl fmt::Display, message: impl Into<String>) -> Self {
+        Error::Parameter(Fault::new(name, message))
     }
 
-    /// A feature that this program does not implement.
+    /// An [`Error::Unsupported`] about the file as a whole.
     pub fn unsupported(path: &Path, message: impl Into<String>) -> Self {
-        Error::Unsupported { path: path.into(), place: Place::File, message: message.into(), hint: None }
+        Error::Unsupported(Fault::new(path.display(), message))
     }
 
-    /// A request larger than the limits of the program.
+    /// An [`Error::Limit`].
     pub fn limit(path: &Path, message: impl Into<String>) -> Self {
-        Error::Limit { path: path.into(), message: message.into(), hint: None }
+        Error::Limit(Fault::new(path.display(), message))
     }
 
-    /// An error of the operating system, with the file that it concerns.
+    /// An [`Error::Io`].
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Error::Io { path: path.into(), source }
     }
 
+    /// The fault, for the variants that have one.
+    fn fault(&mut self) -> Option<&mut Fault> {
+        match self {
+            Error::Input(fault) | Error::Parameter(fault) | Error::Unsupported(fault) | Error::Limit(fault) => {
+                Some(fault)
+            }
+            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => None,
+        }
+    }
+
     /// Sets the position in the file, for the variants that have one.
     #[must_use]
-    pub fn at(mut self, at: Place) -> Self {
-        if let Error::Input { place, .. } | Error::Unsupported { place, .. } = &mut self {
-            *place = at;
-        }
+    pub fn at(mut self, place: Place) -> Self {
+        self.fault().into_iter().for_each(|fault| fault.place = place);
         self
     }
 
     /// Sets the hint: what the user can do about it. Variants without a hint stay unchanged.
     #[must_use]
     pub fn with_hint(mut self, text: impl Into<String>) -> Self {
-        match &mut self {
-            Error::Input { hint, .. }
-            | Error::Parameter { hint, .. }
-            | Error::Unsupported { hint, .. }
-            | Error::Limit { hint, .. } => *hint = Some(text.into()),
-            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => {}
+        if let Some(fault) = self.fault() {
+            fault.hint = Some(text.into());
         }
         self
     }
@@ -148,21 +137,13 @@ impl Error {
     /// The error with other names for parameters, such as flags: `word` returns the new name, or `None` to keep the old.
     #[must_use]
     pub fn with_names<'a>(mut self, word: impl Fn(&str) -> Option<&'a str>) -> Self {
-        if let Error::Parameter { name, .. } = &mut self
+        if let Error::Parameter(Fault { name, .. }) = &mut self
             && let Some(word) = word(name)
         {
             *name = word.to_owned();
         }
-        match &mut self {
-            Error::Input { message, hint, .. }
-            | Error::Parameter { message, hint, .. }
-            | Error::Unsupported { message, hint, .. }
-            | Error::Limit { message, hint, .. } => {
-                for text in std::iter::once(message).chain(hint) {
-                    *text = renamed(text, &word);
-                }
-            }
-            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => {}
+        if let Some(Fault { message, hint, .. }) = self.fault() {
+            std::iter::once(message).chain(hint).for_each(|text| *text = renamed(text, &word));
         }
         self
     }
@@ -171,12 +152,17 @@ impl Error {
     #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {
-            Error::Input { hint, .. }
-            | Error::Parameter { hint, .. }
-            | Error::Unsupported { hint, .. }
-            | Error::Limit { hint, .. } => hint.as_deref(),
+            Error::Input(fault) | Error::Parameter(fault) | Error::Unsupported(fault) | Error::Limit(fault) => {
+                fault.hint.as_deref()
+            }
             Error::Io { .. } | Error::Memory(_) | Error::Interrupted => None,
         }
+    }
+}
+
+impl Fault {
+    fn new(name: impl fmt::Display, message: impl Into<String>) -> Self {
+        Self { name: name.to_string(), place: Place::File, message: message.into(), hint: None }
     }
 }
 
@@ -209,41 +195,25 @@ impl fmt::Display for Place {
     }
 }
 
-impl fmt::Display for Error {
+impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Error::Input { path, place, message, .. } | Error::Unsupported { path, place, message, .. } => {
-                write!(f, "{}{place}: {message}", path.display())
-            }
-            Error::Parameter { name, message, .. } => write!(f, "{name}: {message}"),
-            Error::Limit { path, message, .. } => write!(f, "{}: {message}", path.display()),
-            Error::Io { path, source } => write!(f, "{}: {source}", path.display()),
-            Error::Memory(Shortage { what, needed, held, limit, source }) => {
-                let [needed, held, limit] = [needed, held, limit].map(|bytes| Mebibytes(*bytes));
-                write!(f, "{what}: this takes {needed} beside the {held} in use; the limit is {limit}, {source}")
-            }
-            Error::Interrupted => f.write_str("interrupted"),
-        }
+        let Self { name, place, message, .. } = self;
+        write!(f, "{name}{place}: {message}")
+    }
+}
+
+impl fmt::Display for Shortage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, source, .. } = self;
+        let [needed, held, limit] = [self.needed, self.held, self.limit].map(mebibytes);
+        write!(f, "{what}: this takes {needed} beside the {held} in use; the limit is {limit}, {source}")
     }
 }
 
 /// A number of bytes as people read it.
-struct Mebibytes(u64);
-
-impl fmt::Display for Mebibytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mebibytes = self.0 as f64 / f64::from(1 << 20);
-        if mebibytes < 10.0 { write!(f, "{mebibytes:.1} MiB") } else { write!(f, "{mebibytes:.0} MiB") }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Error::Io { source, .. } => Some(source),
-            _ => None,
-        }
-    }
+fn mebibytes(bytes: u64) -> String {
+    let mebibytes = bytes as f64 / f64::from(1 << 20);
+    if mebibytes < 10.0 { format!("{mebibytes:.1} MiB") } else { format!("{mebibytes:.0} MiB") }
 }
 
 /// The error of a test: one of the program's own, raised by a sampler or density of it, comes back as it was.
@@ -251,7 +221,7 @@ impl From<etalon_stats::Error> for Error {
     fn from(error: etalon_stats::Error) -> Self {
         match error {
             etalon_stats::Error::Parameter { name, message, hint } => {
-                Error::Parameter { name: name.into(), message, hint: hint.map(str::to_owned) }
+                Error::Parameter(Fault { hint: hint.map(str::to_owned), ..Fault::new(name, message) })
             }
             etalon_stats::Error::Cancelled => Error::Interrupted,
             etalon_stats::Error::External(error) => match error.downcast::<Error>() {

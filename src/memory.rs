@@ -10,27 +10,13 @@ use std::sync::OnceLock;
 
 static LIMITS: OnceLock<Limits> = OnceLock::new();
 
-/// Limits in bytes, with the words that say where they come from.
-#[derive(Debug, Clone, Copy)]
-struct Limits {
-    /// Of memory in use.
-    resident: (u64, &'static str),
-    /// Of addresses, in use or not.
-    addresses: (u64, &'static str),
-}
-
-/// What a process holds, in bytes.
-#[derive(Debug, Clone, Copy, Default)]
-struct Usage {
-    resident: u64,
-    addresses: u64,
-}
+/// Limits in bytes, with the words that say where they come from: of memory in use, and of addresses, in use or not.
+type Limits = [(u64, &'static str); 2];
 
 /// Sets the limit, in place of what the machine has. It holds from the first request on, and cannot be changed then.
 pub fn set_limit(bytes: u64) {
-    let chosen = Limits { resident: (bytes, "as it was chosen"), addresses: address_space() };
     // Whoever asked before has settled it.
-    let _ = LIMITS.set(chosen);
+    let _ = LIMITS.set([(bytes, "as it was chosen"), address_space()]);
 }
 
 /// Asks for so many bytes more than the process holds. Nothing is reserved.
@@ -38,9 +24,8 @@ pub fn set_limit(bytes: u64) {
 /// # Errors
 /// [`Error::Memory`] when they exceed the limit, with `what` they are for.
 pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
-    let (limits, used) = (LIMITS.get_or_init(Limits::of_machine), Usage::now());
-    let pairs = [(limits.resident, used.resident), (limits.addresses, used.addresses)];
-    match pairs.into_iter().find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
+    let mut pairs = LIMITS.get_or_init(of_machine).iter().copied().zip(in_use());
+    match pairs.find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
         None => Ok(()),
         Some(((limit, source), held)) => {
             Err(Error::Memory(Shortage { what: what(), needed: bytes as u64, held, limit, source }))
@@ -67,29 +52,29 @@ pub fn reserved<T>(count: usize, what: impl Fn() -> String) -> Result<Vec<T>> {
     request(bytes, &what)?;
     let mut values = Vec::new();
     let refused = |_| {
-        let (needed, held) = (bytes as u64, Usage::now().resident);
+        let (needed, [held, _]) = (bytes as u64, in_use());
         Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
     };
     values.try_reserve_exact(count).map_err(refused)?;
     Ok(values)
 }
 
-impl Limits {
-    fn of_machine() -> Self {
-        let available = available().map(|bytes| (bytes + Usage::now().resident, "which is what the machine has left"));
-        let group = control_group().map(|bytes| (bytes, "which is what its control group may have"));
-        let least = available.into_iter().chain(group).min();
-        Self { resident: least.unwrap_or((u64::MAX, "")), addresses: address_space() }
-    }
+fn of_machine() -> Limits {
+    let available = available().map(|bytes| (bytes + in_use()[0], "which is what the machine has left"));
+    let group = control_group().map(|bytes| (bytes, "which is what its control group may have"));
+    [available.into_iter().chain(group).min().unwrap_or((u64::MAX, "")), address_space()]
 }
 
-impl Usage {
-    /// From Linux's `/proc`; elsewhere it is not known, and counts as nothing.
-    fn now() -> Self {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let bytes = |name| field(&status, name).unwrap_or(0);
-        Self { resident: bytes("VmRSS:"), addresses: bytes("VmSize:") }
-    }
+/// The memory and the addresses that the process holds, in bytes.
+fn in_use() -> [u64; 2] {
+    ["VmRSS:", "VmSize:"].map(|name| of_process(name).unwrap_or(0))
+}
+
+/// A quantity of the process in bytes from Linux's `/proc`, such as `VmHWM:`, the most memory that it has held so far.
+/// Elsewhere it is not known.
+#[must_use]
+pub fn of_process(name: &str) -> Option<u64> {
+    field(&std::fs::read_to_string("/proc/self/status").ok()?, name)
 }
 
 /// A line of `/proc` such as `VmRSS:   1234 kB`, in bytes.
@@ -164,14 +149,10 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn the_process_knows_what_it_holds() {
-        let before = Usage::now();
+        let [before, _] = in_use();
         let held = vec![1u8; 1 << 26];
-        let after = Usage::now();
-        assert!(
-            before.resident > 0 && after.resident > before.resident + (1 << 25),
-            "{before:?} {after:?} {}",
-            held[9]
-        );
-        assert!(after.addresses >= after.resident);
+        let [after, addresses] = in_use();
+        assert!(before > 0 && after > before + (1 << 25), "{before} {after} {}", held[9]);
+        assert!(addresses >= after);
     }
 }

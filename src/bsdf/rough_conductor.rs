@@ -25,6 +25,9 @@ pub enum NormalSampling {
 }
 
 impl NormalSampling {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Vndf, Self::Ndf, Self::Hemisphere];
+
     /// Its name at the command line.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -29,11 +29,7 @@ pub struct Arguments {
 impl Arguments {
     /// The arguments of the subcommand that was called; `command` must be built.
     pub fn of(command: &Command, matches: &ArgMatches) -> Self {
-        if let Some((name, matches)) = matches.subcommand()
-            && let Some(command) = command.find_subcommand(name)
-        {
-            return Self::of(command, matches);
-        }
+        let (command, matches) = called(command, matches);
         let mut found = Self::default();
         let given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
         for arg in command.get_arguments().filter(given) {
@@ -71,6 +67,12 @@ impl Arguments {
         let variant: String = texts.map(|(_, text)| format!("-{text}")).collect();
         Target::new(out).with_variant(&variant).with_inputs(&self.inputs)
     }
+}
+
+/// The subcommand that was called, and its arguments.
+pub fn called<'a>(command: &'a Command, matches: &'a ArgMatches) -> (&'a Command, &'a ArgMatches) {
+    let below = matches.subcommand().and_then(|(name, matches)| Some((command.find_subcommand(name)?, matches)));
+    below.map_or((command, matches), |(command, matches)| called(command, matches))
 }
 
 /// The program's name and arguments, for the metadata of images.
@@ -134,14 +136,11 @@ fn value_text(value: &OsStr, is_path: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Cli;
+    use crate::cli::{Cli, tests::parsed};
     use clap::CommandFactory;
 
     fn arguments(line: &str) -> Arguments {
-        let mut command = Cli::command();
-        command.build();
-        let words = std::iter::once("etalon").chain(line.split_whitespace());
-        let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let (command, matches) = parsed(line);
         Arguments::of(&command, &matches)
     }
 

@@ -12,7 +12,7 @@ use crate::view::text::counted;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Compare two images of the same size: B is the reference
+/// Compare two images
 #[derive(Args)]
 #[command(after_help = "mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), over all channel values. Writes \
                         A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. Cube maps are compared \
@@ -24,7 +24,6 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         // Images of any kind may be compared, 8-bit ones too.
         let read = |path| {

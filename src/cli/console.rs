@@ -56,14 +56,12 @@ impl Console {
         self.result(&Saved { result, written }, || human() + &written.text());
     }
 
-    /// Prints a warning.
     pub fn warn(&self, text: &str) {
         if !self.quiet {
             let _ = writeln!(std::io::stderr(), "warning: {text}");
         }
     }
 
-    /// Prints the error that ends the program, with its hint.
     pub fn error(error: &Error) {
         let mut stderr = std::io::stderr();
         let _ = writeln!(stderr, "error: {error}");

@@ -12,7 +12,7 @@ use crate::view::converge::{self as view, duration, word};
 use clap::{ArgAction, Args};
 use serde::Serialize;
 
-/// Measure the error of sampling strategies against their run time and their samples
+/// Measure the error of sampling strategies against their run time
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Converge {
@@ -63,7 +63,6 @@ struct Output<'a> {
 }
 
 impl Converge {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
         let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;

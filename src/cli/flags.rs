@@ -3,6 +3,7 @@
 //! An argument's id is the name of the field or argument of the library that it sets. [`ALIASES`] lists the few names
 //! that differ. Texts of the library put the names of other parameters between backquotes.
 
+use super::arguments::called;
 use crate::error::Error;
 use clap::{Arg, ArgMatches, Command};
 
@@ -33,12 +34,7 @@ pub struct Flags {
 impl Flags {
     /// The arguments of the program; `command` must be built.
     pub fn of(command: &Command, matches: &ArgMatches) -> Self {
-        let (mut called, mut matches) = (command, matches);
-        while let Some((name, below)) = matches.subcommand()
-            && let Some(found) = called.find_subcommand(name)
-        {
-            (called, matches) = (found, below);
-        }
+        let (called, _) = called(command, matches);
         Self { called: flags(called).collect(), all: flags_of_all(command) }
     }
 
@@ -48,12 +44,12 @@ impl Flags {
     }
 
     /// The flag of a parameter, of the subcommand that was called if it has one.
-    fn find(&self, name: &str) -> Option<&str> {
-        let ids = || std::iter::once(name).chain(ALIASES.iter().filter(|(alias, _)| *alias == name).map(|(_, id)| *id));
+    fn find<'a>(&'a self, name: &str) -> Option<&'a str> {
+        let aliases = ALIASES.iter().filter(|(alias, _)| *alias == name).map(|(_, id)| *id);
+        let ids: Vec<&str> = std::iter::once(name).chain(aliases).collect();
         let among =
-            |flags: &'_ [(String, String)]| ids().find_map(|id| flags.iter().position(|(known, _)| known == id));
-        let called = among(&self.called).map(|i| &self.called[i]);
-        called.or_else(|| among(&self.all).map(|i| &self.all[i])).map(|(_, flag)| flag.as_str())
+            |flags: &'a [(String, String)]| ids.iter().find_map(|id| flags.iter().find(|(known, _)| known == id));
+        among(&self.called).or_else(|| among(&self.all)).map(|(_, flag)| flag.as_str())
     }
 }
 
@@ -78,8 +74,7 @@ fn flag(arg: &Arg) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Cli;
-    use clap::CommandFactory;
+    use crate::cli::tests::parsed;
     use std::path::Path;
 
     /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
@@ -101,10 +96,7 @@ mod tests {
     ];
 
     fn flags(line: &str) -> Flags {
-        let mut command = Cli::command();
-        command.build();
-        let words = std::iter::once("etalon").chain(line.split_whitespace());
-        let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let (command, matches) = parsed(line);
         Flags::of(&command, &matches)
     }
 

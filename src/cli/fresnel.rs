@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict};
-use super::values::Model;
+use super::values::model;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::optics::metals;
@@ -11,8 +11,7 @@ use crate::study::{fresnel, metal};
 use crate::view::fresnel as view;
 use clap::Args;
 
-/// Plot reflectance over the angle of incidence: of a dielectric (both polarizations, transmittance, Schlick; Brewster
-/// and critical angle) or of a metal (exact, approximate, Schlick, per channel)
+/// Plot the reflectance of a dielectric or a metal over the angle of incidence
 #[derive(Args)]
 #[command(after_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
                         --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
@@ -33,11 +32,10 @@ pub struct Fresnel {
     points: usize,
     /// `report` plots what the first report shows: Schlick with the incident cosine on the exit side (an error of up to 0.97
     /// beside the critical angle), curves ended at the critical angle
-    #[arg(long, value_enum, default_value_t = Model::Exact)]
-    model: Model,
+    #[arg(long, value_parser = model(), default_value = "exact")]
+    model: Conventions,
 }
 
-/// The metals of the table, each with its source.
 fn metal_help() -> String {
     let [r, g, b] = metals::WAVELENGTHS_NM;
     let known: Vec<String> = metals::METALS.iter().map(|m| format!("{}: {}", m.symbol, m.source)).collect();
@@ -45,7 +43,6 @@ fn metal_help() -> String {
 }
 
 impl Fresnel {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match (&self.metal, self.k) {
             (Some(name), _) => self.metal(&metal::by_name(name, self.points)?, name, global, console),
@@ -58,9 +55,7 @@ impl Fresnel {
     }
 
     fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let correct = self.model == Model::Exact;
-        let conventions = if correct { Conventions::CORRECT } else { Conventions::FIRST_REPORT };
-        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, conventions)?;
+        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, self.model)?;
         let target = global.target(&[]);
         let stem = target.stem("fresnel", "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
@@ -92,7 +87,7 @@ impl Fresnel {
         global: &Global,
         console: &Console,
     ) -> Result<Verdict> {
-        if self.model == Model::Report {
+        if self.model != Conventions::CORRECT {
             return Err(Error::parameter("model", "the first report plots no metals")
                 .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }

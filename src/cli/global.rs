@@ -6,7 +6,6 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// The seed when none is given.
 pub const DEFAULT_SEED: u64 = 1;
 
 /// Flags that every subcommand takes.

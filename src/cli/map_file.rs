@@ -56,10 +56,12 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
 }
 
 /// Warns about a map that is known to be stored upside-down.
-pub fn warn_upside_down(info: &Info, name: &str, console: &Console) {
+pub fn warn_upside_down(source: &NamedMap, console: &Console) -> Info {
+    let info = Info::of(&source.map);
     if let Some(why) = info.upside_down() {
-        console.warn(&format!("{name} is probably stored upside-down: {why}; --flip turns it"));
+        console.warn(&format!("{} is probably stored upside-down: {why}; --flip turns it", source.name));
     }
+    info
 }
 
 /// The name of a map without folders and extension, for the names of results.

@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Merge parts of a render (shards, or renders that were interrupted)
+/// Merge parts of a render
 #[derive(Args)]
 #[command(after_help = "Writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
@@ -40,7 +40,6 @@ struct Output {
 }
 
 impl Merge {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
@@ -83,7 +82,6 @@ impl Merge {
     }
 }
 
-/// Formats of the merged image.
 const FORMATS: [&str; 2] = ["exr", "png"];
 
 /// The metadata with this command in place of the one that made the parts.

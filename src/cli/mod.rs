@@ -53,26 +53,17 @@ Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    /// Plot the reflectance of a dielectric or a metal over the angle of incidence
     Fresnel(fresnel::Fresnel),
     /// Inspect, sample and cut environment maps
     #[command(subcommand)]
     Envmap(envmap::Envmap),
-    /// Render a scene
     Render(render::Render),
-    /// List the built-in scenes
     Scenes(scenes::Scenes),
-    /// Compare two images
     Compare(compare::Compare),
-    /// Measure the error of sampling strategies against their run time
     Converge(converge::Converge),
-    /// Merge parts of a render
     Merge(merge::Merge),
-    /// Compare the renderer's functions with exact values over stiff and extreme inputs
     Stability(stability::Stability),
-    /// Test samplers against their pdfs
     Validate(validate::Validate),
-    /// Make every figure and check it against the reports' numbers
     Reproduce(reproduce::Reproduce),
 }
 
@@ -125,9 +116,19 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
+    /// The program, and its arguments on a line.
+    pub fn parsed(line: &str) -> (clap::Command, clap::ArgMatches) {
+        let mut command = Cli::command();
+        command.build();
+        let words = std::iter::once("etalon").chain(line.split_whitespace());
+        let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|e| panic!("{line}: {e}"));
+        (command, matches)
+    }
+
     #[test]
     fn the_arguments_are_consistent() {
-        use clap::CommandFactory;
-        super::Cli::command().debug_assert();
+        Cli::command().debug_assert();
     }
 }

@@ -11,12 +11,13 @@ use crate::output;
 use crate::view::text::counted;
 use clap::{ArgAction, Args};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Make every figure from built-in data (or from a map and scenes of your own) and check it
+/// Make every figure and check it against the reports' numbers
 #[derive(Args)]
 #[command(
     after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
@@ -64,18 +65,12 @@ struct Listed {
 }
 
 impl Reproduce {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
-            let list: Vec<Listed> = gallery::registry()
-                .iter()
-                .map(|f| Listed { id: f.id, title: f.title, answers: f.counterpart() })
-                .collect();
-            #[derive(Serialize)]
-            struct List<'a> {
-                figures: &'a [Listed],
-            }
-            console.result(&List { figures: &list }, || {
+            let figures = gallery::registry();
+            let list: Vec<Listed> =
+                figures.iter().map(|f| Listed { id: f.id, title: f.title, answers: f.counterpart() }).collect();
+            console.result(&BTreeMap::from([("figures", &list)]), || {
                 list.iter().map(|l| format!("{:<24} {} ({})\n", l.id, l.title, l.answers)).collect()
             });
             return Ok(Verdict::Good);
@@ -114,21 +109,17 @@ impl Reproduce {
 
     /// The flags that reproduce these figures.
     fn options(&self, global: &Global) -> String {
-        let mut options = Vec::new();
-        let mut add = |given: bool, flag: String| {
-            if given {
-                options.push(flag);
-            }
-        };
-        add(self.quick, "--quick".into());
-        add(global.seed != DEFAULT_SEED, format!("--seed {}", global.seed));
-        add(self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy())));
-        add(self.options.flip, "--flip".into());
-        add(self.options.ldr, "--ldr".into());
-        if let Some(folder) = &self.scenes {
-            add(true, format!("--scenes {}", quoted(&folder.to_string_lossy())));
-        }
-        options.join(" ")
+        let scenes = self.scenes.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+        let options = [
+            (self.quick, "--quick".into()),
+            (global.seed != DEFAULT_SEED, format!("--seed {}", global.seed)),
+            (self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy()))),
+            (self.options.flip, "--flip".into()),
+            (self.options.ldr, "--ldr".into()),
+            (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
+        ];
+        let given: Vec<String> = options.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag).collect();
+        given.join(" ")
     }
 
     /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.
@@ -148,7 +139,7 @@ impl Reproduce {
             let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
             source = NamedMap { map, ..source };
         } else {
-            map_file::warn_upside_down(&info, &source.name, console);
+            map_file::warn_upside_down(&source, console);
         }
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
         Ok(Inputs { map: source, originals, seed: global.seed, effort })
@@ -165,7 +156,6 @@ fn quoted(path: &str) -> String {
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
 
-/// A table of checks.
 fn human(output: &Output<'_>, folder: &Path) -> String {
     let checks = || output.figures.iter().flat_map(|figure| &figure.checks);
     let name = checks().map(|c| c.name.chars().count()).max().unwrap_or(0);

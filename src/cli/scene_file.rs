@@ -3,7 +3,6 @@
 use super::console::Console;
 use super::map_file::{self, MapOptions};
 use crate::envmap::NamedMap;
-use crate::envmap::info::Info;
 use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
 use crate::scene::{Environment, Material, Request, Scene, builtin};
@@ -71,7 +70,6 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
-    /// Whether `-r` was given.
     pub fn has_size(&self) -> bool {
         self.resolution.is_some()
     }
@@ -92,7 +90,7 @@ impl SceneArgs {
         let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
         let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
         if let Some(source) = environment.as_ref().filter(|_| is_collada) {
-            map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+            map_file::warn_upside_down(source, console);
         }
         let options = SceneOptions {
             resolution: self.resolution(),
@@ -100,7 +98,7 @@ impl SceneArgs {
             environment: environment.map(|source| (source.map, source.name)),
             allow_ldr: self.map_options.ldr,
         };
-        let imported = import::read_scene(path, options)?;
+        let imported = import::read_scene(path, &options)?;
         imported.warnings.iter().for_each(|warning| console.warn(warning));
         Ok(Loaded { scene: imported.scene, request: imported.request, map: imported.map })
     }
@@ -130,7 +128,7 @@ impl SceneArgs {
         let environment = match entry.map_scale() {
             Some(scale) if mesh.is_none() => {
                 let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;
-                map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+                map_file::warn_upside_down(&source, console);
                 Some(Environment::upright(source.map, source.name, scale))
             }
             _ => None,

@@ -26,7 +26,6 @@ struct Output {
 }
 
 impl Scenes {
-    /// Runs the command.
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
         let scenes =
             builtin::scenes().into_iter().map(|scene| Entry { name: scene.name, description: scene.doc }).collect();

@@ -41,7 +41,6 @@ fn ignored() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Installs the handler of Ctrl-C.
 #[cfg(not(unix))]
 pub fn install() -> io::Result<()> {
     use signal_hook::consts::SIGINT;

@@ -8,9 +8,9 @@ use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Work
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
-/// Compare the renderer's functions with exact values over stiff and extreme inputs, in f32 and f64, beside textbook
-/// formulas
+/// Compare the renderer's functions with exact values over stiff and extreme inputs
 #[derive(Args)]
 #[command(
     after_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
@@ -48,7 +48,6 @@ struct Listed {
 }
 
 impl Stability {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.list {
             list(console);
@@ -87,18 +86,14 @@ impl Stability {
 }
 
 fn list(console: &Console) {
-    #[derive(Serialize)]
-    struct List {
-        families: Vec<Listed>,
-    }
     let listed = |e: &stability::Entry| Listed { family: e.name(), about: e.about(), inputs: e.inputs() };
-    let list = List { families: REGISTRY.iter().map(listed).collect() };
-    console.result(&list, || {
+    let list: Vec<Listed> = REGISTRY.iter().map(listed).collect();
+    console.result(&BTreeMap::from([("families", &list)]), || {
         let line = |l: &Listed| match l.inputs {
             [] => format!("{:<16} {}\n", l.family, l.about),
             inputs => format!("{:<16} {} ({})\n", l.family, l.about, inputs.join(", ")),
         };
-        list.families.iter().map(line).collect()
+        list.iter().map(line).collect()
     });
 }
 

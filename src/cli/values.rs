@@ -1,15 +1,30 @@
-//! Values of flags that several subcommands take: formulas and environment-map samplers.
+//! Values of flags: choices among names, and environment-map samplers.
 
 use crate::envmap::samplers::{self, Entry, MapSampling};
-use clap::ValueEnum;
+use crate::errata::Conventions;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Which formulas a command uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    /// The correct ones
-    Exact,
-    /// The reports', errors included
-    Report,
+/// Parses one of a few names; each has a help, which may be empty, and a value.
+pub fn choice<T: Clone + Send + Sync + 'static>(
+    choices: impl IntoIterator<Item = (&'static str, &'static str, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let choices = Vec::from_iter(choices);
+    let named = |&(name, help, _): &(&'static str, &'static str, T)| match help {
+        "" => PossibleValue::new(name),
+        help => PossibleValue::new(name).help(help),
+    };
+    PossibleValuesParser::new(choices.iter().map(named).collect::<Vec<_>>()).try_map(move |text| {
+        let found = choices.iter().find(|(name, ..)| *name == text);
+        found.map(|(.., value)| value.clone()).ok_or("not one of the names")
+    })
+}
+
+/// Parses which formulas to use: the correct ones, or those of the first report.
+pub fn model() -> impl TypedValueParser<Value = Conventions> {
+    choice([
+        ("exact", "The correct ones", Conventions::CORRECT),
+        ("report", "The reports', errors included", Conventions::FIRST_REPORT),
+    ])
 }
 
 /// Reads the name of an environment-map sampler.

@@ -1,7 +1,7 @@
 //! The second report's own scene files, to use instead of the built-in scenes.
 
 use crate::error::Result;
-use crate::import::collada::{self, ColladaOptions};
+use crate::import::{SceneOptions, collada};
 use crate::scene::{Request, Scene};
 use std::path::Path;
 
@@ -22,7 +22,7 @@ impl Originals {
     pub fn read(folder: &Path) -> Result<(Self, Vec<String>)> {
         let mut warnings = Vec::new();
         let mut scene = |name: &str| -> Result<(Scene, Request)> {
-            let options = ColladaOptions { resolution: Some(SIZE), settings: None };
+            let options = SceneOptions { resolution: Some(SIZE), ..SceneOptions::default() };
             let imported = collada::read(&folder.join(name), &options)?;
             warnings.extend(imported.warnings);
             Ok((imported.scene, imported.request))

@@ -1,7 +1,23 @@
-//! What every reader of scene files returns.
+//! What every reader of scene files takes and returns.
 
+use crate::envmap::EnvMap;
 use crate::scene::{Request, Scene};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Options of [`read_scene`](super::read_scene).
+#[derive(Clone, Default)]
+pub struct SceneOptions<'a> {
+    /// Width and height of the image; without it, what the file asks for.
+    pub resolution: Option<[usize; 2]>,
+    /// A file of camera settings in place of the scene's own camera; COLLADA only.
+    pub camera: Option<&'a Path>,
+    /// A map, and what it is called: in place of the one that a pbrt file names, which is then not opened, or with the
+    /// lights of a COLLADA file, its zenith along +y of the world.
+    pub environment: Option<(Arc<EnvMap>, String)>,
+    /// Whether the file's own map may have 8 bits.
+    pub allow_ldr: bool,
+}
 
 /// The content of a scene file.
 #[derive(Debug, Clone)]

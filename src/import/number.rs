@@ -1,8 +1,24 @@
 //! Floating-point numbers in text, decimal or hexadecimal.
 
+use super::place::quote;
+
 /// The number that `word` stands for, decimal or hexadecimal as C's `%a` and Python's `float.hex` write it; NaN included.
 pub fn number(word: &str) -> Option<f64> {
     word.parse().ok().or_else(|| hexadecimal(word))
+}
+
+/// [`number`] without NaN; infinite ones are included.
+pub fn real(word: &str) -> Option<f64> {
+    number(word).filter(|x| !x.is_nan())
+}
+
+/// A finite decimal number.
+///
+/// # Errors
+/// A message that says that `word` is none.
+pub fn finite(word: &str) -> Result<f64, String> {
+    let number = word.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("{} is not a finite number", quote(word)))
 }
 
 /// At most 16 hexadecimal digits. The check also refuses the sign that `from_str_radix` would take.

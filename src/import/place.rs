@@ -17,19 +17,24 @@ impl At {
         Self { path, place: Place::Text { line, column } }
     }
 
-    /// The file as a whole.
     pub fn file(path: Rc<Path>) -> Self {
         Self { path, place: Place::File }
     }
 
-    /// An error for a damaged file.
     pub fn input(&self, message: impl Into<String>) -> Error {
         Error::input(&self.path, message).at(self.place)
     }
 
-    /// An error for a feature that is not implemented.
     pub fn unsupported(&self, message: impl Into<String>) -> Error {
         Error::unsupported(&self.path, message).at(self.place)
+    }
+
+    /// The error for another file, named here, that cannot be opened; other errors are passed on.
+    pub fn cannot_read(&self, error: Error) -> Error {
+        match error {
+            Error::Io { path, source } => self.input(format!("cannot read {}: {source}", path.display())),
+            other => other,
+        }
     }
 
     /// A warning in the same format.

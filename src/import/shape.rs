@@ -1,11 +1,45 @@
-//! Conversion of triangles to the shape that is traced fastest: two that form a rectangle become one.
+//! Spheres in the world; vertices of meshes; triangles as the shape that is traced fastest: two that form a rectangle become one.
 
-use crate::scene::{Mesh, Rectangle, Shape};
-use glam::{Vec2, Vec3};
+use super::place::At;
+use super::transform::{in_range, in_size_range, similarity};
+use crate::error::Result;
+use crate::scene::{Mesh, Rectangle, Shape, Sphere};
+use glam::{DMat4, DVec3, Vec2, Vec3};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Largest distance between a vertex normal and the plane's normal, both unit vectors, for a flat shape.
 const FLAT: f32 = 1e-4;
+
+/// The sphere around the origin, in the world. A mirror image changes nothing.
+pub fn sphere(radius: f64, to_world: &DMat4, at: &At) -> Result<Sphere> {
+    let Some((_, scale)) = similarity(to_world) else {
+        return Err(at
+            .unsupported("a sphere that its transform makes an ellipsoid is not supported")
+            .with_hint("scale all three axes alike"));
+    };
+    let (centre, radius) = (to_world.w_axis.truncate(), radius * scale);
+    if !in_range(centre) || !in_size_range(radius) {
+        return Err(at.input(format!("a sphere of radius {radius} at {centre} is out of range")));
+    }
+    Ok(Sphere { centre: centre.as_vec3(), radius: radius as f32 })
+}
+
+/// A point in single precision; `None` when it is not finite or too far away to render.
+pub fn point(coordinates: [f64; 3]) -> Option<Vec3> {
+    let point = DVec3::from_array(coordinates);
+    in_range(point).then(|| point.as_vec3())
+}
+
+/// Normals of unit length; none, with a warning, when one of them has no direction.
+pub fn unit_normals(path: &Path, normals: &[[f64; 3]], warnings: &mut Vec<String>) -> Vec<Vec3> {
+    let unit: Option<Vec<Vec3>> =
+        normals.iter().map(|&n| Some(DVec3::from_array(n).try_normalize()?.as_vec3())).collect();
+    unit.unwrap_or_else(|| {
+        warnings.push(format!("{}: a normal has no direction: all normals are left out", path.display()));
+        Vec::new()
+    })
+}
 
 /// The triangles of a polygon: a fan around its first corner.
 pub fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {

@@ -10,42 +10,28 @@ use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 /// A clipped format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
-    Png,
-    Jpeg,
-    Pnm,
-}
-
-impl Format {
+pub(super) struct Format {
+    kind: ImageFormat,
     /// For messages.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Format::Png => "PNG",
-            Format::Jpeg => "JPEG",
-            Format::Pnm => "PPM/PGM",
-        }
-    }
-
-    /// Upper bound on the pixels per byte of a file: a PNG of 1 bit a pixel, deflated 1032 to 1; a JPEG
-    /// of two bits for a block of 64; a bitmap.
-    fn pixels_per_byte(self) -> u64 {
-        match self {
-            Format::Png => 8 * 1032,
-            Format::Jpeg => 512,
-            Format::Pnm => 8,
-        }
-    }
+    pub name: &'static str,
+    /// Upper bound on the pixels per byte of a file.
+    pixels_per_byte: u64,
 }
 
 /// Detects a clipped format by its first bytes.
 pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some(Format::Png),
-        [0xff, 0xd8, 0xff, ..] => Some(Format::Jpeg),
-        [b'P', b'1'..=b'6', space, ..] if space.is_ascii_whitespace() || *space == b'#' => Some(Format::Pnm),
-        _ => None,
-    }
+    let (kind, name, pixels_per_byte) = match bytes {
+        // 1 bit a pixel, deflated 1032 to 1.
+        [0x89, b'P', b'N', b'G', ..] => (ImageFormat::Png, "PNG", 8 * 1032),
+        // Two bits for a block of 64.
+        [0xff, 0xd8, 0xff, ..] => (ImageFormat::Jpeg, "JPEG", 512),
+        // A bitmap.
+        [b'P', b'1'..=b'6', space, ..] if space.is_ascii_whitespace() || *space == b'#' => {
+            (ImageFormat::Pnm, "PPM/PGM", 8)
+        }
+        _ => return None,
+    };
+    Some(Format { kind, name, pixels_per_byte })
 }
 
 /// Reads a clipped image; values are taken to be sRGB-encoded and come out linear, in [0, 1].
@@ -55,14 +41,9 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image>
         ImageError::Limits(e) => Error::limit(path, e.to_string()),
         e => Error::input(path, e.to_string()),
     };
-    let kind = match format {
-        Format::Png => ImageFormat::Png,
-        Format::Jpeg => ImageFormat::Jpeg,
-        Format::Pnm => ImageFormat::Pnm,
-    };
-    let decoder = ImageReader::with_format(Cursor::new(bytes), kind).into_decoder().map_err(damaged)?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format.kind).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte())?;
+    check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
     for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {

@@ -91,11 +91,8 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
         if options.allow_ldr {
             return ldr::decode(path, &bytes, format).map(Decoded::from);
         }
-        Err(Error::unsupported(
-            path,
-            format!("a {} file holds no radiance: its values are clipped at 1", format.name()),
-        )
-        .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one all the same"))
+        Err(Error::unsupported(path, format!("a {} file holds no radiance: its values are clipped at 1", format.name))
+            .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one all the same"))
     } else {
         Err(no_image(path, &bytes))
     }

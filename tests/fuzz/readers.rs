@@ -2,7 +2,7 @@
 
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
-use etalon::import::sampler::files::{GridDensity, Row, SampleFile};
+use etalon::import::sampler::files::{GridDensity, SampleFile};
 use etalon::import::sampler::program::{Answer, Client, Connection};
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
@@ -69,14 +69,14 @@ pub fn mesh(path: &Path) -> Result<()> {
 
 /// A scene file, rendered.
 pub fn scene(path: &Path) -> Result<()> {
-    let read = read_scene(path, SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
+    let read = read_scene(path, &SceneOptions { resolution: Some(SIZE), allow_ldr: true, ..SceneOptions::default() })?;
     render_small(&read.scene, &read.request)
 }
 
 /// Camera settings beside a COLLADA scene.
 pub fn settings(path: &Path) -> Result<()> {
     let options = SceneOptions { resolution: Some(SIZE), camera: Some(path), ..SceneOptions::default() };
-    let read = read_scene(&path.with_file_name("scene.dae"), options)?;
+    let read = read_scene(&path.with_file_name("scene.dae"), &options)?;
     render_small(&read.scene, &read.request)
 }
 
@@ -111,7 +111,7 @@ struct Files<'a> {
 impl Visitor for Files<'_> {
     type Output = Result<()>;
 
-    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<()> {
+    fn visit<D: Coordinates>(self, domain: D) -> Result<()> {
         // Too brief for a verdict, but it uses everything that was read.
         let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
         let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
@@ -153,8 +153,8 @@ struct Asked(Client);
 impl Visitor for Asked {
     type Output = Result<()>;
 
-    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, _: D) -> Result<()> {
-        let program = self.0.over::<D::Point>()?;
+    fn visit<D: Coordinates>(self, domain: D) -> Result<()> {
+        let program = self.0.over(domain)?;
         let (mut samples, mut pdfs) = (Vec::new(), Vec::new());
         match program.dimension() {
             0 => program.sample_seeded(4, 1, &mut samples)?,

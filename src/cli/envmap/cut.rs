@@ -1,21 +1,19 @@
 //! `etalon envmap cut`: the regions of a median cut and the lights that stand for them.
 
-use super::options::{LookArgs, MAP_HELP};
+use super::options::{LookArgs, MapArgs};
 use super::outputs::Outputs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use crate::cli::map_file::{self, MapOptions};
+use crate::cli::values::choice;
 use crate::envmap::cut::{SideRule, Split};
-use crate::envmap::info::Info;
 use crate::error::Result;
 use crate::interrupt;
 use crate::output::{self, Written};
 use crate::study::median_cut::{self, Centroid};
 use crate::view::map::Display;
 use crate::view::text::counted;
-use clap::{ArgAction, Args, ValueEnum};
+use clap::{ArgAction, Args};
 use serde::Serialize;
-use std::ffi::OsString;
 
 /// Divide a map by median cut
 #[derive(Args)]
@@ -23,26 +21,27 @@ use std::ffi::OsString;
                         MAP-cut-lights-N.{svg,png,pdf} (the centroids alone, in the colour of their region's flux).\n\n\
                         Example:\n  etalon envmap cut nave -n 2,4,16,64")]
 pub struct Cut {
-    #[arg(help = MAP_HELP)]
-    map: OsString,
     /// Numbers of regions. A power of two is reached level by level, every region cut at every level (Debevec 2005); any
     /// other number by cutting the region with the most energy first
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
     n: Vec<usize>,
     /// Cut where the energy halves, or where the larger variance of the two halves is smallest
-    #[arg(long, value_enum, default_value_t = SplitName::Energy)]
-    split: SplitName,
+    #[arg(long, default_value = "energy",
+          value_parser = choice([("energy", "", Split::Energy), ("variance", "", Split::Variance)]))]
+    split: Split,
     /// Put a region's light at its energy centroid, or at the first report's median pixel
-    #[arg(long, value_enum, default_value_t = CentroidName::Energy)]
-    centroid: CentroidName,
+    #[arg(long, default_value = "energy",
+          value_parser = choice([("energy", "", Centroid::Energy), ("median", "", Centroid::Median)]))]
+    centroid: Centroid,
     /// How the longer side of a region, which the cut divides, is measured: in texels, as in the first report, or on the
     /// sphere, where texels near the poles are narrow
-    #[arg(long, value_enum, default_value_t = SidesName::Texels)]
-    sides: SidesName,
+    #[arg(long, default_value = "texels",
+          value_parser = choice([("texels", "", SideRule::Texels), ("sphere", "", SideRule::Sphere)]))]
+    sides: SideRule,
     #[command(flatten)]
     look: LookArgs,
     #[command(flatten)]
-    options: MapOptions,
+    map: MapArgs,
 }
 
 #[derive(Serialize)]
@@ -57,21 +56,12 @@ struct Output {
 }
 
 impl Cut {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let source = map_file::load(&self.map, self.options, console)?;
-        let info = Info::of(&source.map);
-        map_file::warn_upside_down(&info, &source.name, console);
-        let split = if self.split == SplitName::Energy { Split::Energy } else { Split::Variance };
-        let sides = if self.sides == SidesName::Texels { SideRule::Texels } else { SideRule::Sphere };
-        let centroid = match self.centroid {
-            CentroidName::Energy => Centroid::Energy,
-            CentroidName::Median => Centroid::Median,
-        };
-        let cuts = median_cut::cut(&source.map, &self.n, split, sides, centroid)?;
+        let (source, info) = self.map.load_upright(console)?;
+        let cuts = median_cut::cut(&source.map, &self.n, self.split, self.sides, self.centroid)?;
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
-        let name = map_file::short_name(&self.map);
+        let name = self.map.short_name();
         // Draw the regions over the map, and their lights on black.
         let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<Output> {
             interrupt::check()?;
@@ -99,25 +89,4 @@ impl Cut {
         });
         Ok(outputs.verdict())
     }
-}
-
-/// Names of [`Split`].
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SplitName {
-    Energy,
-    Variance,
-}
-
-/// Names of [`SideRule`].
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SidesName {
-    Texels,
-    Sphere,
-}
-
-/// Names of [`Centroid`].
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum CentroidName {
-    Energy,
-    Median,
 }

@@ -1,29 +1,21 @@
 //! `etalon envmap info`: size, range, flux and contrast of a map.
 
-use super::options::MAP_HELP;
+use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
-use crate::cli::map_file::{self, MapOptions};
-use crate::envmap::info;
 use crate::error::Result;
 use clap::Args;
-use std::ffi::OsString;
 
 /// Print a map's size, range, flux and contrast
 #[derive(Args)]
 pub struct Info {
-    #[arg(help = MAP_HELP)]
-    map: OsString,
     #[command(flatten)]
-    options: MapOptions,
+    map: MapArgs,
 }
 
 impl Info {
-    /// Runs the command.
     pub fn run(&self, console: &Console) -> Result<Verdict> {
-        let source = map_file::load(&self.map, self.options, console)?;
-        let info = info::Info::of(&source.map);
-        map_file::warn_upside_down(&info, &source.name, console);
+        let (_, info) = self.map.load_upright(console)?;
         console.result(&info, || {
             let number = |v: Option<f32>| v.map_or("none".into(), |v| format!("{v:.6e}"));
             let rgb = |v: [f64; 3]| format!("{:.6e} {:.6e} {:.6e}", v[0], v[1], v[2]);

@@ -19,7 +19,6 @@ pub struct Make {
 }
 
 impl Make {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         #[derive(Serialize)]
         struct Output {

@@ -13,23 +13,16 @@ use super::global::{Global, Verdict};
 use crate::error::Result;
 use clap::Subcommand;
 
-/// The subcommands.
 #[derive(Subcommand)]
 pub enum Envmap {
-    /// Print a map's size, range, flux and contrast
     Info(info::Info),
-    /// Show importance samples of a map
     Sample(sample::Sample),
-    /// Divide a map by median cut
     Cut(cut::Cut),
-    /// Compare uniform with Gaussian random numbers for inversion
     Proposal(proposal::Proposal),
-    /// Write a built-in map
     Make(make::Make),
 }
 
 impl Envmap {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match self {
             Envmap::Info(args) => args.run(console),

@@ -1,10 +1,39 @@
 //! Arguments of several `envmap` subcommands: the map, and how it is shown.
 
+use crate::cli::console::Console;
+use crate::cli::map_file::{self, MapOptions};
+use crate::envmap::NamedMap;
+use crate::envmap::info::Info;
+use crate::error::Result;
 use crate::view::map::Look;
 use clap::Args;
+use std::ffi::OsString;
 
-/// What the argument MAP takes.
-pub const MAP_HELP: &str = "A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black";
+/// The map.
+#[derive(Args)]
+pub struct MapArgs {
+    /// A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black
+    map: OsString,
+    #[command(flatten)]
+    options: MapOptions,
+}
+
+impl MapArgs {
+    pub fn load(&self, console: &Console) -> Result<NamedMap> {
+        map_file::load(&self.map, self.options, console)
+    }
+
+    /// [`load`](Self::load) with a warning about a map that is upside-down.
+    pub fn load_upright(&self, console: &Console) -> Result<(NamedMap, Info)> {
+        let source = self.load(console)?;
+        let info = map_file::warn_upside_down(&source, console);
+        Ok((source, info))
+    }
+
+    pub fn short_name(&self) -> String {
+        map_file::short_name(&self.map)
+    }
+}
 
 /// How a map is shown.
 #[derive(Args)]
@@ -21,18 +50,15 @@ pub struct LookArgs {
 }
 
 impl LookArgs {
-    /// The tone mapping by the arguments.
     pub fn look(&self) -> Look {
         Look { exposure: self.exposure, gamma: self.gamma }
     }
 }
 
-/// Reads a number of stops.
 fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
 }
 
-/// Reads the exponent of a power law.
 fn gamma(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
 }

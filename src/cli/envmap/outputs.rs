@@ -7,11 +7,8 @@ use serde::Serialize;
 /// The JSON object: a result for each number.
 #[derive(Serialize)]
 pub struct Outputs<T> {
-    /// The name of the map.
     pub map: String,
-    /// In the order of the numbers.
     pub results: Vec<T>,
-    /// Whether some numbers are missing because of an interruption.
     pub interrupted: bool,
 }
 
@@ -31,7 +28,6 @@ impl<T> Outputs<T> {
         Ok(outputs)
     }
 
-    /// Inconclusive after an interruption.
     pub fn verdict(&self) -> Verdict {
         if self.interrupted { Verdict::Inconclusive } else { Verdict::Good }
     }

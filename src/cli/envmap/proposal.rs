@@ -1,39 +1,34 @@
 //! `etalon envmap proposal`: inversion with uniform and with Gaussian random numbers.
 
-use super::options::MAP_HELP;
+use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use crate::cli::map_file::{self, MapOptions};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::proposal;
 use crate::view::proposal as view;
 use clap::Args;
 use etalon_stats::chi_square::ChiSquare;
-use std::ffi::OsString;
 
 /// Compare uniform with Gaussian random numbers for inversion
 #[derive(Args)]
 #[command(after_help = "Example:\n  etalon envmap proposal nave -n 100000")]
 pub struct Proposal {
-    #[arg(help = MAP_HELP)]
-    map: OsString,
     /// Samples with each kind of random number
     #[arg(short, value_name = "N", default_value_t = 100_000)]
     n: usize,
     #[command(flatten)]
-    options: MapOptions,
+    map: MapArgs,
 }
 
 impl Proposal {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let source = map_file::load(&self.map, self.options, console)?;
+        let source = self.map.load(console)?;
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
         let target = global.target(&["map"]);
-        let stem = target.stem(&format!("{}-proposal", map_file::short_name(&self.map)), "", &output::STUDY)?;
+        let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
         let files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
         console.saved(&result, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {

@@ -1,13 +1,11 @@
 //! `etalon envmap sample`: importance samples of a map, drawn over it and alone.
 
-use super::options::{LookArgs, MAP_HELP};
+use super::options::{LookArgs, MapArgs};
 use super::outputs::Outputs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use crate::cli::map_file::{self, MapOptions};
-use crate::cli::values::{Model, map_samplers, map_sampling};
+use crate::cli::values::{map_samplers, map_sampling, model};
 use crate::envmap::EnvMap;
-use crate::envmap::info::Info;
 use crate::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
 use crate::errata::Conventions;
 use crate::error::Result;
@@ -19,7 +17,6 @@ use crate::view::text::counted;
 use clap::{ArgAction, Args};
 use glam::DVec3;
 use serde::Serialize;
-use std::ffi::OsString;
 use std::sync::Arc;
 
 /// Show importance samples of a map
@@ -28,8 +25,6 @@ use std::sync::Arc;
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
                         etalon envmap sample grace.exr --flip -n 64,256,1024")]
 pub struct Sample {
-    #[arg(help = MAP_HELP)]
-    map: OsString,
     /// Numbers of samples
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
     n: Vec<usize>,
@@ -43,18 +38,17 @@ pub struct Sample {
     compensated: bool,
     /// `report` samples as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
     /// corners, an error of half a texel
-    #[arg(long, value_enum, default_value_t = Model::Exact, conflicts_with = "sampler")]
-    model: Model,
+    #[arg(long, value_parser = model(), default_value = "exact", conflicts_with = "sampler")]
+    model: Conventions,
     #[command(flatten)]
     look: LookArgs,
     #[command(flatten)]
-    options: MapOptions,
+    map: MapArgs,
 }
 
 #[derive(Serialize)]
 struct Output {
     n: usize,
-    /// Samples taken.
     drawn: usize,
     /// (R + G + B)/3; none for densities that leave out a part of the light.
     flux_estimate: Option<f64>,
@@ -65,22 +59,20 @@ struct Output {
 impl Sample {
     /// The sampler, and whether its density is positive wherever the map has light.
     fn sampler(&self, map: &Arc<EnvMap>) -> Result<(Box<dyn SurfaceSampler>, bool)> {
-        if self.model == Model::Report {
+        if self.model != Conventions::CORRECT {
             MapSampling::MAP.request(map)?;
-            return Ok((Box::new(ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT)), true));
+            return Ok((Box::new(ErrataSampler::new(map.clone(), self.model)), true));
         }
         let sampling = if self.compensated { MapSampling::COMPENSATED } else { self.sampler };
         let complete = sampling.entry().complete && !sampling.needs_normal();
         Ok((sampling.sampler(map.clone())?, complete))
     }
 
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let source = map_file::load(&self.map, self.options, console)?;
-        map_file::warn_upside_down(&Info::of(&source.map), &source.name, console);
+        let (source, _) = self.map.load_upright(console)?;
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
-        let name = map_file::short_name(&self.map);
+        let name = self.map.short_name();
         let (sampler, complete) = self.sampler(&source.map)?;
         // Sample before drawing, so that the sampler's tables and the pages of figures are not in memory together.
         let sample = |n: usize| {
@@ -116,7 +108,6 @@ impl Sample {
     }
 }
 
-/// The help of `--sampler`.
 fn sampler_help() -> String {
     format!("How directions are sampled. {}", map_samplers(|sampling| !sampling.has_fixed_lights()))
 }

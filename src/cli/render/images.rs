@@ -1,35 +1,23 @@
 //! The files of a render: images, and the state from which it can be continued.
 
-use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
 use crate::output::{self, Target, Written};
 use crate::raster::{self, ToneMap, WriteOptions};
 use crate::render::film::Part;
-use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// Tone mapping of 8-bit images.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ToneName {
-    /// The sRGB curve, rounded
-    Srgb,
-    /// Half a stop brighter, gamma 2.2, clipped: as in the second report
-    Report,
-}
-
-/// Which files to write.
 pub struct Images {
     target: Target,
     formats: Vec<&'static str>,
-    tone: Option<ToneName>,
+    tone: Option<ToneMap>,
     /// Of a shard: the suffix of its default name; its file has the sums.
     shard: Option<String>,
 }
 
 impl Images {
     /// Files at `target`, by `out`; an error if they cannot have its format.
-    pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneName>, shard: Option<String>) -> Result<Self> {
+    pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneMap>, shard: Option<String>) -> Result<Self> {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
@@ -62,7 +50,8 @@ impl Images {
         for format in formats {
             let path = output::with_extension(&stem, format);
             if *format != "exr" {
-                let options = WriteOptions { tone: self.tone(format), ..WriteOptions::default() };
+                let usual = if *format == "ppm" { ToneMap::LinearMax } else { ToneMap::default() };
+                let options = WriteOptions { tone: self.tone.unwrap_or(usual), ..WriteOptions::default() };
                 raster::write_with(&path, &image, &part.metadata, options)?;
             } else if state.is_some_and(|state| cut || is_same_file(state, &path)) {
                 continue;
@@ -89,13 +78,5 @@ impl Images {
         let shard = self.shard.as_deref().filter(|_| !self.target.is_named()).unwrap_or("");
         // An interrupted render is saved in an EXR file, for any formats.
         self.target.stem(&output::file_name(name), shard, &[&self.formats[..], &["exr", "png"]].concat())
-    }
-
-    fn tone(&self, format: &str) -> ToneMap {
-        match self.tone {
-            Some(ToneName::Report) => ToneMap::By(Conventions::SECOND_REPORT),
-            None if format == "ppm" => ToneMap::LinearMax,
-            None | Some(ToneName::Srgb) => ToneMap::default(),
-        }
     }
 }

@@ -10,25 +10,25 @@ use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::values::{map_samplers, map_sampling};
+use super::values::{choice, map_samplers, map_sampling};
 use crate::envmap::samplers::MapSampling;
+use crate::errata::Conventions;
 use crate::error::{Error, Result};
-use crate::raster::Metadata;
+use crate::raster::{Metadata, ToneMap};
 use crate::render::film::{Part, shard};
 use crate::render::{Job, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
 use crate::view::text::counted;
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
-use images::{Images, ToneName};
+use clap::Args;
+use images::Images;
 use model::ModelArgs;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 use summary::Summary;
 
-/// Render a scene: a built-in one, or a .pbrt or .dae file
+/// Render a scene
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Render {
@@ -48,7 +48,8 @@ pub struct Render {
     file: Option<PathBuf>,
     /// How directions towards the light are sampled. A diffuse surface needs no BSDF samples where the light density contains
     /// the cosine
-    #[arg(long, value_enum, default_value_t = Sampling::default())]
+    #[arg(long, default_value = Sampling::default().name(),
+          value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Sampling,
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
@@ -56,13 +57,18 @@ pub struct Render {
     #[arg(long, value_name = "NAME", help = density_help(), default_value = "cosine", value_parser = map_sampling)]
     light_density: MapSampling,
     /// Owen-scrambled Sobol' or independent random numbers
-    #[arg(long, value_enum, default_value_t = StreamName::Sobol)]
-    stream: StreamName,
+    #[arg(long, default_value = "sobol",
+          value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
+    stream: StreamKind,
     #[command(flatten)]
     model: ModelArgs,
     /// Tone mapping of PNG and PPM (default: PNG as srgb, PPM linear, scaled by its maximum)
-    #[arg(long, value_enum)]
-    tone: Option<ToneName>,
+    #[arg(long, value_parser = choice([
+        ("srgb", "The sRGB curve, rounded", ToneMap::default()),
+        ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
+         ToneMap::By(Conventions::SECOND_REPORT)),
+    ]))]
+    tone: Option<ToneMap>,
     /// Write the light of each path class (LDE, LSDE, ...) up to N scatterings as a layer of the EXR file
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           value_parser = clap::value_parser!(u32).range(0..=6))]
@@ -102,22 +108,6 @@ Examples:
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
 
-impl ValueEnum for Sampling {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()).help(self.about()))
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum StreamName {
-    Sobol,
-    Independent,
-}
-
 /// Which share of the samples to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Shard {
@@ -139,7 +129,6 @@ impl FromStr for Shard {
 }
 
 impl Render {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let settings = self.settings(global.seed)?;
         let images = self.images(global)?;
@@ -235,10 +224,7 @@ impl Render {
         Ok(Settings {
             sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling },
             density: self.light_density,
-            stream: match self.stream {
-                StreamName::Sobol => StreamKind::Sobol,
-                StreamName::Independent => StreamKind::Independent,
-            },
+            stream: self.stream,
             seed,
             model: self.model.model()?,
             paths: self.paths,

@@ -1,92 +1,83 @@
 //! Flags for the scattering model: the correct formulas, approximations, the reports' conventions.
 
 use crate::bsdf::{DielectricFresnel, NormalSampling};
+use crate::cli::values::choice;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::scene::ScatterModel;
-use clap::{ArgAction, Args, ValueEnum};
+use clap::{ArgAction, Args};
 
 /// Which formulas to use.
 #[derive(Args)]
 pub struct ModelArgs {
     /// Reflectance of glass: the Fresnel equations, or Schlick's approximation with the cosine on the less dense side
-    #[arg(long, value_enum)]
-    fresnel: Option<FresnelName>,
+    #[arg(long, value_parser = choice([
+        ("exact", "", DielectricFresnel::Exact),
+        ("schlick", "", DielectricFresnel::Schlick),
+    ]))]
+    fresnel: Option<DielectricFresnel>,
     /// How rough metal samples directions: by the visible normals (VNDF), by all normals (NDF), or uniformly over the
     /// hemisphere
-    #[arg(long, value_enum)]
-    normals: Option<NormalsName>,
+    #[arg(long, value_parser = choice(NormalSampling::ALL.map(|normals| (normals.name(), "", normals))))]
+    normals: Option<NormalSampling>,
     /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
     /// them, with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact")]
-    model: Vec<ModelName>,
+    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact",
+          value_parser = choice(MODELS.into_iter().enumerate().map(|(i, model)| (model.0, model.1, i))))]
+    model: Vec<usize>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FresnelName {
-    Exact,
-    Schlick,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum NormalsName {
-    Visible,
-    All,
-    Hemisphere,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ModelName {
-    /// The correct formulas
-    Exact,
-    /// All conventions below together
-    Report,
-    /// Metal: reflectance at the angle with the shading normal, not the microfacet normal; f(wo, wi) and f(wi, wo) then
-    /// differ by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)
-    FresnelAtNormal,
-    /// Metal: a reflectance that drops a term, with an error below 0.007 for gold and copper
-    ApproximateFresnel,
-    /// Glass: Schlick's approximation with the cosine on the ray's own side; inside glass of 1.5 at 40 degrees it
-    /// reflects 0.041 instead of 0.245, and 0.573 instead of 0.596 of uniform light from inside
-    SingleCosineSchlick,
-    /// Metal: pi instead of its root in Lambda, which is then wrong by a factor of up to 1.77 (grazing), so that G exceeds 1
-    /// (up to 1.051)
-    LambdaPi,
-    /// Radiance from rectangular area lights divided by the distance, not its square: 0.9 to 1.8 times the light in the
-    /// report's Cornell box
-    InverseDistance,
-}
+/// Values of `--model`: name, help and conventions.
+const MODELS: [(&str, &str, Conventions); 7] = [
+    ("exact", "The correct formulas", Conventions::CORRECT),
+    ("report", "All conventions below together", Conventions { truncated_tone: false, ..Conventions::SECOND_REPORT }),
+    (
+        "fresnel-at-normal",
+        "Metal: reflectance at the angle with the shading normal, not the microfacet normal; f(wo, wi) and f(wi, wo) then \
+         differ by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)",
+        Conventions { fresnel_at_normal: true, ..Conventions::CORRECT },
+    ),
+    (
+        "approximate-fresnel",
+        "Metal: a reflectance that drops a term, with an error below 0.007 for gold and copper",
+        Conventions { approximate_fresnel: true, ..Conventions::CORRECT },
+    ),
+    (
+        "single-cosine-schlick",
+        "Glass: Schlick's approximation with the cosine on the ray's own side; inside glass of 1.5 at 40 degrees it \
+         reflects 0.041 instead of 0.245, and 0.573 instead of 0.596 of uniform light from inside",
+        Conventions { single_cosine_schlick: true, ..Conventions::CORRECT },
+    ),
+    (
+        "lambda-pi",
+        "Metal: pi instead of its root in Lambda, which is then wrong by a factor of up to 1.77 (grazing), so that G exceeds 1 \
+         (up to 1.051)",
+        Conventions { lambda_with_pi: true, ..Conventions::CORRECT },
+    ),
+    (
+        "inverse-distance",
+        "Radiance from rectangular area lights divided by the distance, not its square: 0.9 to 1.8 times the light in the \
+         report's Cornell box",
+        Conventions { inverse_distance: true, ..Conventions::CORRECT },
+    ),
+];
 
 impl ModelArgs {
     /// The model that the flags select; an error where two of them exclude each other.
     pub fn model(&self) -> Result<ScatterModel> {
-        let mut model = ScatterModel {
-            normals: match self.normals.unwrap_or(NormalsName::Visible) {
-                NormalsName::Visible => NormalSampling::Vndf,
-                NormalsName::All => NormalSampling::Ndf,
-                NormalsName::Hemisphere => NormalSampling::Hemisphere,
-            },
-            dielectric: match self.fresnel.unwrap_or(FresnelName::Exact) {
-                FresnelName::Exact => DielectricFresnel::Exact,
-                FresnelName::Schlick => DielectricFresnel::Schlick,
-            },
-            ..ScatterModel::default()
-        };
-        if self.model.contains(&ModelName::Exact) && self.model.iter().any(|name| *name != ModelName::Exact) {
+        if self.model.len() > 1 && self.model.iter().any(|&i| MODELS[i].2 == Conventions::CORRECT) {
             return Err(Error::parameter("model", "exact excludes the reports' conventions"));
         }
-        let all = self.model.contains(&ModelName::Report);
-        let has = |name| all || self.model.contains(&name);
+        let has = |flag: fn(&Conventions) -> bool| self.model.iter().any(|&i| flag(&MODELS[i].2));
         let conventions = Conventions {
-            fresnel_at_normal: has(ModelName::FresnelAtNormal),
-            approximate_fresnel: has(ModelName::ApproximateFresnel),
-            single_cosine_schlick: has(ModelName::SingleCosineSchlick),
-            lambda_with_pi: has(ModelName::LambdaPi),
-            inverse_distance: has(ModelName::InverseDistance),
+            fresnel_at_normal: has(|c| c.fresnel_at_normal),
+            approximate_fresnel: has(|c| c.approximate_fresnel),
+            single_cosine_schlick: has(|c| c.single_cosine_schlick),
+            lambda_with_pi: has(|c| c.lambda_with_pi),
+            inverse_distance: has(|c| c.inverse_distance),
             ..Conventions::CORRECT
         };
-        model.conventions = conventions;
-        if conventions.change_metal() && !matches!(self.normals, None | Some(NormalsName::All)) {
+        if conventions.change_metal() && !matches!(self.normals, None | Some(NormalSampling::Ndf)) {
             return Err(Error::parameter("normals", "the report's metal samples directions by all normals")
                 .with_hint("omit `normals`, or the conventions for metal"));
         }
@@ -94,12 +85,15 @@ impl ModelArgs {
             return Err(Error::parameter("fresnel", "the report's glass has its own reflectance")
                 .with_hint("omit `fresnel`, or single-cosine-schlick"));
         }
-        Ok(model)
+        Ok(ScatterModel {
+            normals: self.normals.unwrap_or_default(),
+            dielectric: self.fresnel.unwrap_or_default(),
+            conventions,
+            ..ScatterModel::default()
+        })
     }
 
-    /// The names of the model, for the image's metadata.
     pub fn names(&self) -> String {
-        let name = |value: &ModelName| value.to_possible_value().map(|v| v.get_name().to_owned());
-        self.model.iter().filter_map(name).collect::<Vec<_>>().join(",")
+        self.model.iter().map(|&i| MODELS[i].0).collect::<Vec<_>>().join(",")
     }
 }

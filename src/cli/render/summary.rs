@@ -1,5 +1,6 @@
 //! The summary of a render as JSON and as text: mean, standard error, time, memory, path classes.
 
+use crate::memory;
 use crate::output::Written;
 use crate::raster::Image;
 use crate::render::Dropped;
@@ -12,7 +13,6 @@ use serde::Serialize;
 /// The summary of a render. Field names are JSON keys.
 #[derive(Serialize)]
 pub struct Summary<'a> {
-    /// The scene's name.
     pub scene: &'a str,
     width: usize,
     height: usize,
@@ -35,10 +35,8 @@ pub struct Summary<'a> {
     pub dropped: Dropped,
     /// Features that the kernel leaves out.
     pub left_out: Vec<&'static str>,
-    /// Whether samples are missing.
     pub interrupted: bool,
     #[serde(flatten)]
-    /// Files.
     pub written: Written,
 }
 
@@ -71,7 +69,7 @@ impl<'a> Summary<'a> {
             max_depth: request.max_depth,
             seconds,
             samples_per_second: done as f64 / seconds,
-            peak_memory_bytes: peak_memory(),
+            peak_memory_bytes: memory::of_process("VmHWM:"),
             mean_rgb: mean.to_array(),
             standard_error_mean_rgb: square.to_array().map(f64::sqrt),
             paths: classes.collect(),
@@ -82,7 +80,6 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// The same as text.
     pub fn text(&self) -> String {
         let rgb = |v: [f64; 3]| {
             if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }
@@ -116,11 +113,4 @@ fn mean(image: &Image, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
 
 fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
-/// The most memory that the process has held so far, from Linux's /proc.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }

@@ -12,7 +12,6 @@ use std::time::{Duration, Instant};
 /// Time between two saves of the state; longer where saving takes more than a tenth of it.
 const PAUSE: Duration = Duration::from_secs(60);
 
-/// Writes the state down.
 pub type Save<'a> = &'a dyn Fn(&mut Part) -> Result<()>;
 
 /// Renders those of the samples that `part` does not have yet, until all are there or an interruption. `save` is

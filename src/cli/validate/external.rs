@@ -2,7 +2,7 @@
 
 use crate::cli::console::Console;
 use crate::error::{Error, Result};
-use crate::import::sampler::files::{GridDensity, Row, SampleFile};
+use crate::import::sampler::files::{GridDensity, SampleFile};
 use crate::import::sampler::program::Client;
 use crate::import::sampler::{Coordinates, Space, Visitor};
 use crate::study::validation::Case;
@@ -31,7 +31,6 @@ pub struct ExternalSampler {
     pdf: Option<PathBuf>,
 }
 
-/// The value of `--samples`: their number, or the file with them.
 #[derive(Debug, Clone)]
 pub enum SampleSource {
     /// As many from a sampler.
@@ -47,7 +46,6 @@ impl From<&OsStr> for SampleSource {
 }
 
 impl ExternalSampler {
-    /// The test of the external sampler, if there is one.
     pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
@@ -85,15 +83,14 @@ impl ExternalSampler {
     }
 }
 
-/// The test of a program.
 struct ProgramCase(Client);
 
 impl Visitor for ProgramCase {
     type Output = Result<Case>;
 
-    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+    fn visit<D: Coordinates>(self, domain: D) -> Result<Case> {
         let name = self.0.name().to_owned();
-        let program = self.0.over::<D::Point>()?;
+        let program = self.0.over(domain)?;
         Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &program, &program, protocol, round)?)))
     }
 }
@@ -125,12 +122,12 @@ struct TableCase<'a> {
 impl Visitor for TableCase<'_> {
     type Output = Result<Case>;
 
-    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Result<Case> {
+    fn visit<D: Coordinates>(self, domain: D) -> Result<Case> {
         of_files(self.samples, GridDensity::read_csv(domain, self.pdf)?)
     }
 }
 
-fn of_files<D: Row + Send + 'static>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
+fn of_files<D: Coordinates>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
     let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
     let (domain, density) = (density.domain(), Arc::new(density));
     let sampler = SampleFile::open(samples, Arc::clone(&density))?;

@@ -16,11 +16,11 @@ use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
 use etalon_stats::{Protocol, SampleCount};
 use external::{ExternalSampler, SampleSource};
-use serde::Serialize;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Test every sampler of this program against its pdf
+/// Test samplers against their pdfs
 #[derive(Args)]
 #[command(
     after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
@@ -67,7 +67,6 @@ pub struct Validate {
 }
 
 impl Validate {
-    /// Runs the command.
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
             return planted::run(&self.protocol(global), global, console);
@@ -142,10 +141,6 @@ fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>>
 }
 
 fn list(cases: &[Case], console: &Console) {
-    #[derive(Serialize)]
-    struct List<'a> {
-        tests: Vec<&'a str>,
-    }
     let tests: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-    console.result(&List { tests: tests.clone() }, || tests.join("\n"));
+    console.result(&BTreeMap::from([("tests", &tests)]), || tests.join("\n"));
 }

@@ -8,7 +8,6 @@ use etalon_stats::Verdict;
 /// More tests than these are summarized by family.
 const FEW: usize = 40;
 
-/// The results of `validation` as text.
 pub fn text(validation: &Validation) -> String {
     let tests = &validation.tests;
     let mut text = String::new();

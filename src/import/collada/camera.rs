@@ -2,6 +2,7 @@
 
 use super::document::{Document, Element, find};
 use crate::error::Result;
+use crate::import::rule::{ANGLE, Rule};
 use crate::import::transform::in_range;
 use crate::scene::{Camera, Projection};
 use glam::{DMat4, DVec3};
@@ -9,8 +10,8 @@ use glam::{DMat4, DVec3};
 /// The window that fields of view are fitted to before the image's size is known, in pixels.
 pub const WINDOW: [usize; 2] = [800, 600];
 const DEFAULT_XFOV: f64 = 50.0;
+const ASPECT: Rule = Rule(|x| (1e-6..=1e6).contains(&x), "from 1e-6 to 1e6");
 
-/// The camera of a file.
 pub struct View<'a> {
     node: Element<'a>,
     /// From the world's origin to the point one unit ahead of the camera.
@@ -27,7 +28,7 @@ impl<'a> View<'a> {
             return Err(document.at(technique).unsupported("only <perspective> cameras are supported"));
         };
         let tan_half_of = |node| -> Result<f64> {
-            let [degrees] = document.exactly(node, |x| x > 0.0 && x < 180.0, "between 0 and 180")?;
+            let [degrees] = document.exactly(node, &ANGLE)?;
             Ok((f64::to_radians(degrees) * 0.5).tan())
         };
         let x = find(lens, "xfov").map_or(Ok((DEFAULT_XFOV.to_radians() * 0.5).tan()), tan_half_of)?;
@@ -35,7 +36,7 @@ impl<'a> View<'a> {
             Some(node) => tan_half_of(node)?,
             None => {
                 let node = document.require(lens, "aspect_ratio")?;
-                let [aspect] = document.exactly(node, |x| (1e-6..=1e6).contains(&x), "from 1e-6 to 1e6")?;
+                let [aspect] = document.exactly(node, &ASPECT)?;
                 x / aspect
             }
         };

@@ -1,7 +1,9 @@
 //! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
 
 use crate::error::{Error, Result};
+use crate::import::number::finite;
 use crate::import::place::{At, quote};
+use crate::import::rule::Rule;
 use crate::math::Rgb;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
 use std::cell::{Cell, RefCell};
@@ -17,13 +19,10 @@ const MAX_ATTRIBUTES: usize = 64;
 const MAX_NAMESPACES: usize = 64;
 /// Most bytes of elements that links lead to, each counted as often as it is reached: what an instance costs in time.
 const MAX_LINKED_BYTES: usize = 1 << 30;
-/// Most warnings that are kept.
 const MAX_WARNINGS: usize = 100;
 
-/// An element.
 pub type Element<'a> = Node<'a, 'a>;
 
-/// A file that is XML.
 pub struct Document<'a> {
     xml: &'a Xml<'a>,
     path: Rc<Path>,
@@ -80,17 +79,14 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The outermost element.
     pub fn root(&self) -> Element<'a> {
         self.xml.root_element()
     }
 
-    /// The place of an element.
     pub fn at(&self, node: Element) -> At {
         self.place(node.range().start)
     }
@@ -111,7 +107,6 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The notes.
     pub fn into_warnings(self) -> Vec<String> {
         self.warnings.into_inner()
     }
@@ -155,48 +150,28 @@ impl<'a> Document<'a> {
 
     /// All finite numbers in an element.
     pub fn numbers(&self, node: Element<'a>) -> Result<Vec<f64>> {
-        let number = |(word, offset): (&str, usize)| {
-            let value = word.parse().ok().filter(|value: &f64| value.is_finite());
-            value.ok_or_else(|| self.place(offset).input(format!("{} is not a finite number", quote(word))))
-        };
-        self.words(node).map(number).collect()
+        self.words(node).map(|(word, offset)| finite(word).map_err(|wrong| self.place(offset).input(wrong))).collect()
     }
 
     /// All whole numbers in an element, from 0 on.
     pub fn indices(&self, node: Element<'a>) -> Result<Vec<u32>> {
-        let index = |(word, offset): (&str, usize)| {
-            word.parse()
-                .map_err(|_| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word))))
-        };
-        self.words(node).map(index).collect()
+        let wrong = |word, offset| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word)));
+        self.words(node).map(|(word, offset)| word.parse().map_err(|_| wrong(word, offset))).collect()
     }
 
-    /// The colour in an element: red, green and blue, each of which `valid` accepts, and perhaps an alpha, which is not
-    /// used.
-    pub fn colour(&self, node: Element<'a>, valid: impl Fn(f64) -> bool, rule: &str) -> Result<Rgb> {
+    /// The colour in an element: red, green and blue by the rule, and perhaps an alpha, which is not used.
+    pub fn colour(&self, node: Element<'a>, rule: &Rule) -> Result<Rgb> {
         let channels = match self.words(node).count() {
-            4 => self.exactly::<4>(node, valid, rule).map(|[r, g, b, _]| [r, g, b])?,
-            _ => self.exactly(node, valid, rule)?,
+            4 => self.exactly::<4>(node, rule).map(|[r, g, b, _]| [r, g, b])?,
+            _ => self.exactly(node, rule)?,
         };
         Ok(Rgb::from_array(channels.map(|channel| channel as f32)))
     }
 
-    /// The `N` numbers of an element, each of which `valid` accepts; `rule` says what it accepts.
-    pub fn exactly<const N: usize>(
-        &self,
-        node: Element<'a>,
-        valid: impl Fn(f64) -> bool,
-        rule: &str,
-    ) -> Result<[f64; N]> {
-        let (numbers, tag) = (self.numbers(node)?, node.tag_name().name());
-        let Ok(numbers) = <[f64; N]>::try_from(numbers.as_slice()) else {
-            let message = format!("<{tag}> needs {N} number{}, not {}", if N == 1 { "" } else { "s" }, numbers.len());
-            return Err(self.at(node).input(message));
-        };
-        match numbers.iter().find(|&&number| !valid(number)) {
-            Some(bad) => Err(self.at(node).input(format!("<{tag}> must be {rule}, not {bad}"))),
-            None => Ok(numbers),
-        }
+    /// The `N` numbers of an element, which must keep a rule.
+    pub fn exactly<const N: usize>(&self, node: Element<'a>, rule: &Rule) -> Result<[f64; N]> {
+        let wrong = |what| self.at(node).input(format!("<{}> {what}", node.tag_name().name()));
+        rule.check(&self.numbers(node)?).map_err(wrong)
     }
 }
 

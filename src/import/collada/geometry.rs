@@ -2,9 +2,10 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::Result;
-use crate::import::shape::{fan, simplest};
-use crate::import::transform::{in_range, in_size_range, similarity};
-use crate::scene::{Mesh, Shape, Sphere};
+use crate::import::rule::POSITIVE;
+use crate::import::shape::{fan, simplest, sphere};
+use crate::import::transform::in_range;
+use crate::scene::{Mesh, Shape};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -13,8 +14,9 @@ pub const MAX_TRIANGLES: usize = 1 << 25;
 
 /// The shape of a `<geometry>` element in a node. `budget` is the number of vertices and triangles that the scene may still have.
 pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, budget: &mut usize) -> Result<Shape> {
-    if let Some(sphere) = course_profile(node).and_then(|profile| find(profile, "sphere")) {
-        return self::sphere(document, sphere, to_world);
+    if let Some(node) = course_profile(node).and_then(|profile| find(profile, "sphere")) {
+        let [radius] = document.exactly(document.require(node, "radius")?, &POSITIVE)?;
+        return sphere(radius, to_world, &document.at(node)).map(Shape::Sphere);
     }
     let mesh = mesh(document, document.require(node, "mesh")?, to_world)?;
     *budget = budget.checked_sub(mesh.positions.len() + mesh.triangles.len()).ok_or_else(|| {
@@ -28,18 +30,6 @@ pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, b
         }
         flat => flat,
     })
-}
-
-fn sphere<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -> Result<Shape> {
-    let [radius] = document.exactly(document.require(node, "radius")?, |x| x > 0.0, "positive")?;
-    let Some((_, scale)) = similarity(to_world) else {
-        return Err(document.at(node).unsupported("a sphere that its transform makes an ellipsoid is not supported"));
-    };
-    let (centre, radius) = (to_world.w_axis.truncate(), radius * scale);
-    if !in_range(centre) || !in_size_range(radius) {
-        return Err(document.at(node).input(format!("a sphere of radius {radius} at {centre} is out of range")));
-    }
-    Ok(Shape::Sphere(Sphere { centre: centre.as_vec3(), radius: radius as f32 }))
 }
 
 /// The first polygons of a mesh. Their normals and texture coordinates are not read: the course's renderer makes its

@@ -2,6 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
+use crate::import::rule::LIGHT;
 use crate::import::transform::in_range;
 use crate::math::Rgb;
 use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Material, Object, Rectangle, Shape};
@@ -19,10 +20,7 @@ pub fn light<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -
         None => document.require(node, "technique_common")?,
     };
     let kind = elements(technique).next().ok_or_else(|| document.at(technique).input("this light has no kind"))?;
-    let colour = || {
-        let node = document.require(kind, "color")?;
-        document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")
-    };
+    let colour = || document.colour(document.require(kind, "color")?, &LIGHT);
     let origin = to_world.w_axis.truncate();
     if !in_range(origin) {
         return Err(document.at(node).input(format!("a light at {origin} is out of range")));

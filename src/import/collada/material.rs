@@ -2,6 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
+use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
 use crate::math::Rgb;
 use crate::scene::{Conductor, Distribution, Emission, EmitterVisibility, Material};
 
@@ -31,23 +32,23 @@ pub fn surface<'a>(document: &Document<'a>, instance: Element<'a>) -> Result<Sur
         document.warn(effect, "no phong/diffuse/color: grey (0.5) is taken");
         return Ok(GREY);
     };
-    Ok((Material::Diffuse { albedo: document.colour(colour, fraction, FRACTION)? }, None))
+    Ok((Material::Diffuse { albedo: document.colour(colour, &FRACTION)? }, None))
 }
 
 /// The course's own elements; the last one that is known counts.
 fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<Surface> {
     let mut found = None;
     for node in elements(profile) {
-        let colour = |name| document.colour(document.require(node, name)?, fraction, FRACTION);
-        let indices = |name| document.colour(document.require(node, name)?, index, INDEX);
+        let colour = |name| document.colour(document.require(node, name)?, &FRACTION);
+        let indices = |name| document.colour(document.require(node, name)?, &INDEX);
         let dielectric = |name| {
-            let [eta] = document.exactly(document.require(node, name)?, dielectric_index, DIELECTRIC_INDEX)?;
+            let [eta] = document.exactly(document.require(node, name)?, &DIELECTRIC_INDEX)?;
             Ok::<_, Error>(eta as f32)
         };
         let material = match node.tag_name().name() {
             "emission" => {
                 let node = document.require(node, "radiance")?;
-                let radiance = document.colour(node, |x| (0.0..=1e30).contains(&x), "from 0 to 1e30")?;
+                let radiance = document.colour(node, &LIGHT)?;
                 // Visible only: in this dialect only lights illuminate.
                 let emission = Emission { radiance, two_sided: true, visibility: EmitterVisibility::CameraOnly };
                 found = Some((Material::Diffuse { albedo: Rgb::ZERO }, Some(emission)));
@@ -61,7 +62,7 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
                 eta: dielectric("ior")?,
             },
             "microfacet" => {
-                let alpha = document.exactly(document.require(node, "alpha")?, fraction, FRACTION)?;
+                let alpha = document.exactly(document.require(node, "alpha")?, &FRACTION)?;
                 let (eta, k, [alpha]) = (indices("eta")?, indices("k")?, alpha.map(|alpha| alpha as f32));
                 let distribution = Distribution::Beckmann;
                 Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false })
@@ -72,7 +73,7 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
             }
         };
         if let Some(roughness) = find(node, "roughness")
-            && document.exactly(roughness, |_| true, "")? != [0.0]
+            && document.exactly(roughness, &ANY)? != [0.0]
         {
             document.warn(roughness, "<roughness> has no effect: this surface is smooth, as in the reference");
         }
@@ -84,22 +85,5 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
     }))
 }
 
-const FRACTION: &str = "from 0 to 1";
-
-fn fraction(x: f64) -> bool {
-    (0.0..=1.0).contains(&x)
-}
-
-/// Index of refraction of a dielectric; squares of larger ones could leave single precision.
-const DIELECTRIC_INDEX: &str = "from 0.001 to 1000";
-
-fn dielectric_index(x: f64) -> bool {
-    (1e-3..=1e3).contains(&x)
-}
-
 /// The parts of a metal's complex index.
-const INDEX: &str = "above 0 and at most 1000";
-
-fn index(x: f64) -> bool {
-    x > 0.0 && x <= 1000.0
-}
+const INDEX: Rule = Rule(|x| x > 0.0 && x <= 1000.0, "above 0 and at most 1000");

@@ -23,40 +23,29 @@ mod settings;
 mod transform;
 mod walk;
 
-use super::Imported;
+use super::{Imported, SceneOptions};
 use crate::error::{Error, Place, Result};
-use crate::files::read_bounded;
-use crate::scene::{Request, Scene};
+use crate::files::{read_bounded, without_bom};
+use crate::scene::{Environment, Request, Scene};
 use document::Document;
 use std::path::Path;
 
 /// Most bytes in a file.
 const MAX_BYTES: u64 = 128 << 20;
 
-/// Options of [`read`].
-#[derive(Debug, Clone, Copy, Default)]
-pub struct ColladaOptions<'a> {
-    /// Width and height of the image, on which the field of view depends. Without it: the settings file's window,
-    /// else 800 x 600.
-    pub resolution: Option<[usize; 2]>,
-    /// A file of camera settings, in place of the scene's own camera.
-    pub settings: Option<&'a Path>,
-}
-
 /// Reads the scene at `path`. The file asks for no samples or depth: the request has the course renderer's defaults,
 /// one of each. The camera fits the request's size only.
 ///
 /// # Errors
 /// What is wrong or not supported in the file or in the settings, with its place.
-pub fn read(path: &Path, options: &ColladaOptions) -> Result<Imported> {
+pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
     let bytes = read_bounded(path, MAX_BYTES)?;
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    let text = std::str::from_utf8(bytes)
+    let text = std::str::from_utf8(without_bom(&bytes))
         .map_err(|e| Error::input(path, "not UTF-8").at(Place::Byte(e.valid_up_to() as u64)))?;
     let xml = document::parse(text, path)?;
     let document = Document::new(&xml, path);
     let mut found = walk::walk(&document)?;
-    let (camera, size) = match options.settings {
+    let (camera, size) = match options.camera {
         Some(path) => settings::read(path).map(|(camera, window)| (camera, options.resolution.unwrap_or(window)))?,
         None => {
             let size = options.resolution.unwrap_or(camera::WINDOW);
@@ -68,8 +57,9 @@ pub fn read(path: &Path, options: &ColladaOptions) -> Result<Imported> {
         }
     };
     let lights = light::show_area_lights(found.lights, &mut found.objects);
+    let environment = options.environment.clone().map(|(map, name)| Environment::upright(map, name, 1.0));
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let scene = Scene { name, camera, objects: found.objects, lights, environment: None };
+    let scene = Scene { name, camera, objects: found.objects, lights, environment };
     let request = Request { width: size[0], height: size[1], spp: 1, light_samples: 1, max_depth: 1 };
     Ok(Imported { scene, request, output: None, warnings: document.into_warnings(), map: None })
 }

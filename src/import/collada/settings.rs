@@ -13,7 +13,8 @@
 
 use crate::error::Result;
 use crate::files::{read_bounded, without_bom};
-use crate::import::place::{At, quote};
+use crate::import::number::finite;
+use crate::import::place::At;
 use crate::import::transform::in_range;
 use crate::scene::{Camera, Projection};
 use glam::{DMat3, DVec3};
@@ -36,9 +37,7 @@ pub fn read(path: &Path) -> Result<(Camera, [usize; 2])> {
     for (i, line) in text.lines().enumerate() {
         for word in line.split_ascii_whitespace() {
             let column = line[..word.as_ptr() as usize - line.as_ptr() as usize].chars().count() + 1;
-            let value = word.parse().ok().filter(|value: &f64| value.is_finite());
-            let at = At::new(path.into(), i + 1, column);
-            numbers.push(value.ok_or_else(|| at.input(format!("{} is not a finite number", quote(word))))?);
+            numbers.push(finite(word).map_err(|wrong| At::new(path.into(), i + 1, column).input(wrong))?);
         }
     }
     let Ok(numbers) = <[f64; 30]>::try_from(numbers.as_slice()) else {

@@ -3,6 +3,7 @@
 use super::document::{Document, Element, elements, find};
 use crate::error::Result;
 use crate::import::place::quote;
+use crate::import::rule::ANY;
 use crate::import::transform::{affine, rotate};
 use glam::{DMat3, DMat4, DVec3};
 
@@ -29,10 +30,10 @@ pub fn local<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
     let mut product = DMat4::IDENTITY;
     for child in elements(node) {
         let step = match child.tag_name().name() {
-            "translate" => DMat4::from_translation(DVec3::from_array(document.exactly(child, any, "")?)),
-            "scale" => DMat4::from_scale(DVec3::from_array(document.exactly(child, any, "")?)),
+            "translate" => DMat4::from_translation(DVec3::from_array(document.exactly(child, &ANY)?)),
+            "scale" => DMat4::from_scale(DVec3::from_array(document.exactly(child, &ANY)?)),
             "rotate" => {
-                let [x, y, z, degrees] = document.exactly(child, any, "")?;
+                let [x, y, z, degrees] = document.exactly(child, &ANY)?;
                 rotate(degrees, DVec3::new(x, y, z))
                     .ok_or_else(|| document.at(child).input("<rotate> needs an axis that is not 0 0 0"))?
             }
@@ -44,10 +45,6 @@ pub fn local<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
         product = affine(product * step, &document.at(child))?;
     }
     Ok(product)
-}
-
-fn any(_: f64) -> bool {
-    true
 }
 
 /// 16 numbers row by row, for column vectors.

@@ -12,14 +12,10 @@ use glam::{DMat4, DVec3};
 const MAX_DEPTH: usize = 256;
 const MAX_NODES: usize = 1 << 18;
 
-/// The content of the scene.
 #[derive(Default)]
 pub struct Found<'a> {
-    /// The last camera.
     pub view: Option<View<'a>>,
-    /// Lights without a visible surface, area lights included.
     pub lights: Vec<Light>,
-    /// Shapes with their materials.
     pub objects: Vec<Object>,
 }
 

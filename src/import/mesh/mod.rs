@@ -16,7 +16,6 @@
 mod obj;
 mod ply;
 mod ply_header;
-mod vertex;
 
 use crate::error::{Error, Result};
 use crate::files::{read_bounded, without_bom};

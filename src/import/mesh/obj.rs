@@ -1,9 +1,9 @@
 //! OBJ: the text format of Wavefront's Advanced Visualizer, as far as polygons go.
 
-use super::vertex::{point, unit_normals};
 use crate::error::{Error, Result};
+use crate::import::number::finite;
 use crate::import::place::{At, quote};
-use crate::import::shape::{corner_uv, fan};
+use crate::import::shape::{corner_uv, fan, point, unit_normals};
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, HashMap};
@@ -48,8 +48,7 @@ impl Word<'_> {
     }
 
     fn number(&self) -> Result<f64> {
-        let number = self.text.parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| self.error(format!("{} is not a finite number", quote(self.text))))
+        finite(self.text).map_err(|wrong| self.error(wrong))
     }
 
     /// A place in a list of `count`: counted from 1, or back from the end.

@@ -1,10 +1,9 @@
 //! PLY: the polygon format of Greg Turk (Stanford, 1994), as text or binary.
 
 use super::ply_header::{Element, Encoding, Header, Scalar};
-use super::vertex::{point, unit_normals};
 use crate::error::{Error, Place, Result};
 use crate::import::place::{At, quote};
-use crate::import::shape::{corner_uv, fan};
+use crate::import::shape::{corner_uv, fan, point, unit_normals};
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3};
 use std::path::Path;
@@ -160,25 +159,14 @@ impl Body<'_> {
     }
 
     fn binary(&mut self, scalar: Scalar, big: bool) -> Result<f64> {
-        let end = self.position + scalar.size();
-        let bytes = self.bytes.get(self.position..end).ok_or_else(|| self.cut_off())?;
-        self.position = end;
+        let bytes = self.bytes.get(self.position..self.position + scalar.size).ok_or_else(|| self.cut_off())?;
+        self.position += scalar.size;
         let mut number = [0; 8];
-        let number = &mut number[..bytes.len()];
-        number.copy_from_slice(bytes);
+        number[..scalar.size].copy_from_slice(bytes);
         if big {
-            number.reverse();
+            number[..scalar.size].reverse();
         }
-        Ok(match (scalar, &*number) {
-            (Scalar::I8, &[a]) => f64::from(a as i8),
-            (Scalar::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
-            (Scalar::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
-            (Scalar::I32, &[a, b, c, d]) => f64::from(i32::from_le_bytes([a, b, c, d])),
-            (Scalar::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
-            (Scalar::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
-            (_, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
-            (_, rest) => f64::from(rest[0]),
-        })
+        Ok((scalar.number)(number))
     }
 
     fn cut_off(&self) -> Error {

@@ -15,18 +15,24 @@ pub enum Encoding {
     BigEndian,
 }
 
-/// A type of number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
+/// A type of number: its size in a binary file in bytes, and the number from so many of them, the lowest first.
+#[derive(Debug, Clone, Copy)]
+pub struct Scalar {
+    pub size: usize,
+    pub number: fn([u8; 8]) -> f64,
 }
+
+/// The types by their names.
+const SCALARS: [([&str; 2], usize, fn([u8; 8]) -> f64); 8] = [
+    (["char", "int8"], 1, |b| f64::from(b[0] as i8)),
+    (["uchar", "uint8"], 1, |b| f64::from(b[0])),
+    (["short", "int16"], 2, |b| f64::from(i16::from_le_bytes([b[0], b[1]]))),
+    (["ushort", "uint16"], 2, |b| f64::from(u16::from_le_bytes([b[0], b[1]]))),
+    (["int", "int32"], 4, |b| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+    (["uint", "uint32"], 4, |b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+    (["float", "float32"], 4, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+    (["double", "float64"], 8, f64::from_le_bytes),
+];
 
 /// One number of an element, or a list of them.
 pub struct Property {
@@ -48,9 +54,7 @@ pub struct Element {
     pub properties: Vec<Property>,
 }
 
-/// A header.
 pub struct Header {
-    /// ASCII or binary.
     pub encoding: Encoding,
     /// In the order of the file.
     pub elements: Vec<Element>,
@@ -59,35 +63,16 @@ pub struct Header {
 }
 
 impl Scalar {
-    /// Size in a binary file, in bytes.
-    pub fn size(self) -> usize {
-        match self {
-            Scalar::I8 | Scalar::U8 => 1,
-            Scalar::I16 | Scalar::U16 => 2,
-            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
-            Scalar::F64 => 8,
-        }
-    }
-
     fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Scalar::I8,
-            "uchar" | "uint8" => Scalar::U8,
-            "short" | "int16" => Scalar::I16,
-            "ushort" | "uint16" => Scalar::U16,
-            "int" | "int32" => Scalar::I32,
-            "uint" | "uint32" => Scalar::U32,
-            "float" | "float32" => Scalar::F32,
-            "double" | "float64" => Scalar::F64,
-            _ => return None,
-        })
+        let (_, size, number) = SCALARS.into_iter().find(|(names, ..)| names.contains(&name))?;
+        Some(Self { size, number })
     }
 }
 
 impl Element {
     /// Fewest bytes that a row takes. In text each number has a digit and, but for the last one in the file, a space.
     pub fn least_bytes(&self, encoding: Encoding) -> usize {
-        let size = |p: &Property| if encoding == Encoding::Ascii { 2 } else { p.length.unwrap_or(p.scalar).size() };
+        let size = |p: &Property| if encoding == Encoding::Ascii { 2 } else { p.length.unwrap_or(p.scalar).size };
         self.properties.iter().map(size).sum()
     }
 }

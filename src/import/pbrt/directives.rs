@@ -3,78 +3,104 @@
 use super::lexer::Lexer;
 use super::params::Params;
 use super::reader::{Reader, Stage};
-use super::shape::Setting;
-use super::{light, material, shape};
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::transform;
-use crate::scene::{Material, Object};
 use glam::{DMat4, DVec3};
+
+/// Directives that belong before `WorldBegin`, and after it; those of neither list are allowed anywhere.
+const OPTIONS: &str = "Camera Film Sampler PixelFilter SurfaceIntegrator Integrator Accelerator VolumeIntegrator Renderer \
+                       WorldBegin";
+const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Shape LightSource \
+                       AreaLightSource";
 
 impl Reader<'_> {
     /// Executes the directive `name` at `at`; its arguments come from `lexer`.
     pub(super) fn directive(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
-        if self.stage == Stage::Done {
-            return Err(at
-                .unsupported(format!("{} after WorldEnd: only one image per file is supported", quote(name)))
-                .with_hint("split the file at its WorldEnd"));
+        let is_one_of = |names: &str| names.split(' ').any(|known| known == name);
+        match self.stage {
+            Stage::Done => {
+                return Err(at
+                    .unsupported(format!("{} after WorldEnd: only one image per file is supported", quote(name)))
+                    .with_hint("split the file at its WorldEnd"));
+            }
+            Stage::World if is_one_of(OPTIONS) => {
+                return Err(at.input(format!("{name} belongs before WorldBegin")));
+            }
+            Stage::Options if is_one_of(CONTENT) => {
+                return Err(at.input(format!("{name} belongs after WorldBegin")));
+            }
+            _ => {}
         }
         match name {
             "Include" | "Import" => {
                 let file = lexer.text(name, &at, "a file name")?;
-                self.include(name, &file, &at)
+                self.include(name, &file, &at)?;
             }
-            "Camera" | "Film" | "Sampler" | "PixelFilter" | "SurfaceIntegrator" | "Integrator" | "Accelerator"
-            | "VolumeIntegrator" | "Renderer" | "ColorSpace" | "WorldBegin" => {
-                // A colour space may change inside the world, too.
-                if self.stage == Stage::World && name != "ColorSpace" {
-                    return Err(at.input(format!("{name} belongs before WorldBegin")));
-                }
-                self.option(name, at, lexer)
-            }
-            "WorldEnd" | "AttributeBegin" | "AttributeEnd" | "Material" | "MakeNamedMaterial" | "NamedMaterial"
-            | "Shape" | "LightSource" | "AreaLightSource" => {
-                if self.stage == Stage::Options {
-                    return Err(at.input(format!("{name} belongs after WorldBegin")));
-                }
-                self.content(name, at, lexer)
-            }
-            _ => self.transform(name, at, lexer),
-        }
-    }
-
-    /// Directives before `WorldBegin`.
-    fn option(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
-        match name {
             "WorldBegin" => {
                 self.state.transform = DMat4::IDENTITY;
                 self.systems.insert("world".into(), DMat4::IDENTITY);
                 self.stage = Stage::World;
-                return Ok(());
+            }
+            "WorldEnd" => {
+                self.all_closed()?;
+                self.stage = Stage::Done;
+            }
+            "AttributeBegin" => self.begin("AttributeBegin", at)?,
+            "AttributeEnd" => self.state = self.end("AttributeBegin", name, &at)?,
+            "TransformBegin" => self.begin("TransformBegin", at)?,
+            "TransformEnd" => self.state.transform = self.end("TransformBegin", name, &at)?.transform,
+            "ReverseOrientation" => self.state.reversed = !self.state.reversed,
+            "CoordinateSystem" => {
+                let system = lexer.text(name, &at, "a name")?;
+                self.systems.insert(system, self.state.transform);
             }
             "ColorSpace" => {
                 let space = lexer.text(name, &at, "a name")?;
-                return match space.as_str() {
-                    "srgb" => Ok(()),
-                    _ => Err(at.unsupported(format!("ColorSpace {} is not supported, only srgb", quote(&space)))),
-                };
+                if space != "srgb" {
+                    return Err(at.unsupported(format!("ColorSpace {} is not supported, only srgb", quote(&space))));
+                }
             }
-            _ => {}
+            "NamedMaterial" => {
+                let wanted = lexer.text(name, &at, "a name")?;
+                let known = self.materials.get(&wanted).cloned();
+                self.state.material = known.ok_or_else(|| at.input(format!("no material named {}", quote(&wanted))))?;
+            }
+            _ if is_one_of(OPTIONS) || is_one_of(CONTENT) => {
+                self.with_parameters(name, Params::read(lexer, name, at)?)?;
+            }
+            _ => self.state.transform = transform::checked(self.transform(name, &at, lexer)?, &at)?,
         }
-        let params = Params::read(lexer, name, at)?;
+        Ok(())
+    }
+
+    fn with_parameters(&mut self, name: &str, mut params: Params) -> Result<()> {
         let warnings = &mut self.warnings;
         match name {
             "Camera" => {
                 let to_world = self.state.transform.inverse();
                 self.systems.insert("camera".into(), to_world);
-                self.setup.camera(params, to_world, warnings)
+                self.setup.camera(&params, to_world, warnings)
             }
-            "Film" => self.setup.film(params, warnings),
-            "Sampler" => self.setup.sampler(params, warnings),
-            "PixelFilter" => self.setup.filter(params, warnings),
-            "SurfaceIntegrator" => self.setup.integrator(params, true, warnings),
-            "Integrator" => self.setup.integrator(params, false, warnings),
+            "Film" => self.setup.film(&params, warnings),
+            "Sampler" => self.setup.sampler(&params, warnings),
+            "PixelFilter" => self.setup.filter(&params, warnings),
+            "SurfaceIntegrator" => self.setup.integrator(&params, true, warnings),
+            "Integrator" => self.setup.integrator(&params, false, warnings),
             "Renderer" if params.kind != "sampler" => Err(params.unsupported_kind("sampler")),
+            "Material" => self.material(&params).map(|material| self.state.material = material),
+            "MakeNamedMaterial" => {
+                let kind = params.text("type")?.map(str::to_owned);
+                let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
+                params.owner = format!("{} of type {}", params.owner, quote(&kind));
+                let material_name = std::mem::replace(&mut params.kind, kind);
+                let material = self.material(&params)?;
+                self.materials.insert(material_name, material);
+                Ok(())
+            }
+            "Shape" => self.shape(&params),
+            "AreaLightSource" => self.area_light(&params),
+            "LightSource" => self.light(&params),
             _ => {
                 warnings.push(params.at.warning(&format!("{} cannot change this image: left out", params.owner)));
                 Ok(())
@@ -82,120 +108,36 @@ impl Reader<'_> {
         }
     }
 
-    /// Directives after `WorldBegin`.
-    fn content(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
-        match name {
-            "WorldEnd" => {
-                self.all_closed()?;
-                self.stage = Stage::Done;
-                return Ok(());
-            }
-            "AttributeBegin" => return self.begin("AttributeBegin", at),
-            "AttributeEnd" => {
-                self.state = self.end("AttributeBegin", name, &at)?;
-                return Ok(());
-            }
-            "NamedMaterial" => {
-                let wanted = lexer.text(name, &at, "a name")?;
-                let known = self.materials.get(&wanted).cloned();
-                self.state.material = known.ok_or_else(|| at.input(format!("no material named {}", quote(&wanted))))?;
-                return Ok(());
-            }
-            _ => {}
-        }
-        let mut params = Params::read(lexer, name, at)?;
-        let (warnings, v2) = (&mut self.warnings, self.setup.v2);
-        match name {
-            "Material" => self.state.material = material::material(params, v2, warnings)?,
-            "MakeNamedMaterial" => {
-                let kind = params.text("type")?;
-                let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
-                params.owner = format!("{} of type {}", params.owner, quote(&kind));
-                let material_name = std::mem::replace(&mut params.kind, kind);
-                self.materials.insert(material_name, material::material(params, v2, warnings)?);
-            }
-            "Shape" => {
-                let (material, emission) = (self.state.material, self.state.emission);
-                // Only emission and glass depend on the orientation.
-                let depends = emission.is_some() || matches!(material, Material::Glass { .. });
-                let setting = Setting {
-                    to_world: &self.state.transform,
-                    reversed: self.state.reversed && depends,
-                    folder: &self.folder,
-                    mesh_bytes: &mut self.mesh_bytes,
-                };
-                let shape = shape::shape(params, setting, warnings)?;
-                self.objects.push(Object { shape, material, emission });
-            }
-            "AreaLightSource" => {
-                let at = params.at.clone();
-                let (emission, samples) = light::area(params, warnings)?;
-                self.state.emission = Some(emission);
-                self.ask_for_samples(samples, &at);
-            }
-            _ => {
-                let (at, owner) = (params.at.clone(), params.owner.clone());
-                match light::source(params, &self.state.transform, &self.folder, self.options, warnings)? {
-                    light::Source::Simple(light) => self.lights.push(light),
-                    light::Source::Infinite(..) if self.environment.is_some() => {
-                        return Err(at.unsupported(format!("{owner}: a second light from infinity is not supported")));
-                    }
-                    light::Source::Infinite(environment, samples) => {
-                        self.environment = Some(environment);
-                        self.ask_for_samples(samples, &at);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Directives that are allowed anywhere: the current transform is multiplied from the right, as in pbrt.
-    fn transform(&mut self, name: &str, at: At, lexer: &mut Lexer) -> Result<()> {
-        let matrix = match name {
-            "TransformBegin" => return self.begin("TransformBegin", at),
-            "TransformEnd" => {
-                self.state.transform = self.end("TransformBegin", name, &at)?.transform;
-                return Ok(());
-            }
-            "ReverseOrientation" => {
-                self.state.reversed = !self.state.reversed;
-                return Ok(());
-            }
-            "CoordinateSystem" => {
-                let system = lexer.text(name, &at, "a name")?;
-                self.systems.insert(system, self.state.transform);
-                return Ok(());
-            }
+    /// The current transform after a directive, which multiplies it from the right, as in pbrt.
+    fn transform(&self, name: &str, at: &At, lexer: &mut Lexer) -> Result<DMat4> {
+        let step = match name {
+            "Identity" => return Ok(DMat4::IDENTITY),
+            "Transform" => return Ok(DMat4::from_cols_array(&lexer.numbers(name, at)?)),
             "CoordSysTransform" => {
-                let system = lexer.text(name, &at, "a name")?;
+                let system = lexer.text(name, at, "a name")?;
                 let known = self.systems.get(&system).copied();
-                known.ok_or_else(|| at.input(format!("no coordinate system named {}", quote(&system))))?
+                return known.ok_or_else(|| at.input(format!("no coordinate system named {}", quote(&system))));
             }
-            "Identity" => DMat4::IDENTITY,
-            "Transform" => DMat4::from_cols_array(&lexer.numbers(name, &at)?),
-            "ConcatTransform" => self.state.transform * DMat4::from_cols_array(&lexer.numbers(name, &at)?),
-            "Translate" => self.state.transform * DMat4::from_translation(DVec3::from_array(lexer.numbers(name, &at)?)),
-            "Scale" => self.state.transform * DMat4::from_scale(DVec3::from_array(lexer.numbers(name, &at)?)),
+            "ConcatTransform" => DMat4::from_cols_array(&lexer.numbers(name, at)?),
+            "Translate" => DMat4::from_translation(DVec3::from_array(lexer.numbers(name, at)?)),
+            "Scale" => DMat4::from_scale(DVec3::from_array(lexer.numbers(name, at)?)),
             "Rotate" => {
-                let [degrees, x, y, z] = lexer.numbers(name, &at)?;
+                let [degrees, x, y, z] = lexer.numbers(name, at)?;
                 let rotation = transform::rotate(degrees, DVec3::new(x, y, z));
-                self.state.transform * rotation.ok_or_else(|| at.input("Rotate needs an axis that is not 0 0 0"))?
+                rotation.ok_or_else(|| at.input("Rotate needs an axis that is not 0 0 0"))?
             }
             "LookAt" => {
-                let [ex, ey, ez, tx, ty, tz, ux, uy, uz] = lexer.numbers(name, &at)?;
+                let [ex, ey, ez, tx, ty, tz, ux, uy, uz] = lexer.numbers(name, at)?;
                 let (eye, target, up) = (DVec3::new(ex, ey, ez), DVec3::new(tx, ty, tz), DVec3::new(ux, uy, uz));
-                let view = transform::look_at(eye, target, up).ok_or_else(|| {
+                transform::look_at(eye, target, up).ok_or_else(|| {
                     at.input(
                         "LookAt needs an eye, a target apart from it, and an up that does not point along the view",
                     )
-                })?;
-                self.state.transform * view
+                })?
             }
-            _ => return Err(unknown(name, &at)),
+            _ => return Err(unknown(name, at)),
         };
-        self.state.transform = transform::checked(matrix, &at)?;
-        Ok(())
+        Ok(self.state.transform * step)
     }
 }
 

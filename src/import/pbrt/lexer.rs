@@ -9,21 +9,18 @@ use crate::import::place::{At, quote};
 use std::path::Path;
 use std::rc::Rc;
 
-/// A piece of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Token<'a> {
     /// A directive, `true` or `false`.
     Word(&'a str),
     /// A quoted string, its escapes resolved.
     Text(String),
-    /// A finite number.
     Number(f64),
     Open,
     Close,
 }
 
 impl Token<'_> {
-    /// What the token is, for a message.
     pub fn describe(&self) -> String {
         match self {
             Token::Word(word) => quote(word),
@@ -46,7 +43,6 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
-    /// A lexer for the text of the file at `path`.
     pub fn new(bytes: &'a [u8], path: Rc<Path>) -> Self {
         Self { bytes: without_bom(bytes), position: 0, line: 1, column: 1, path, ahead: None }
     }

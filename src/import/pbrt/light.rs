@@ -1,64 +1,131 @@
 //! Lights: environment maps, directional, point and area lights.
 
-use super::PbrtOptions;
 use super::params::Params;
+use super::reader::Reader;
 use super::setup::MAX_SAMPLES;
 use crate::envmap::{EnvMap, MAX_RADIANCE, check_range};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::import::place::{At, quote};
+use crate::import::rule::{ANY, LIGHT};
 use crate::import::transform::{self, in_range};
 use crate::math::Rgb;
-use crate::raster::Image;
+use crate::raster::{Image, ReadOptions, read_lat_long};
 use crate::scene::{Emission, EmitterVisibility, Environment, Falloff, Light};
 use glam::{DMat3, DMat4, DVec3};
-use std::path::Path;
 use std::sync::Arc;
 
 /// Takes directions of an upright map (row 0 at +y) to pbrt's light space, where row 0 is at +z and u runs from +x to
 /// +y: (sin θ cos φ, cos θ, sin θ sin φ) → (sin θ cos φ, sin θ sin φ, cos θ).
 const MAP_TO_LIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
-/// The light of a `LightSource`.
-pub enum Source {
-    /// An environment, and the number of light samples at each hit.
-    Infinite(Environment, u32),
-    /// A delta light.
-    Simple(Light),
-}
-
-/// `LightSource`. A map's name is relative to `folder`.
-pub fn source(
-    mut p: Params,
-    to_world: &DMat4,
-    folder: &Path,
-    options: &PbrtOptions,
-    warnings: &mut Vec<String>,
-) -> Result<Source> {
-    let light = match p.kind.as_str() {
-        "infinite" => return infinite(p, to_world, folder, options, warnings),
-        "distant" => distant(&mut p, to_world)?,
-        "point" => point(&mut p, to_world)?,
-        _ => return Err(p.unsupported_kind("infinite, distant, point")),
-    };
-    p.finish(&["nsamples", "samples"], warnings)?;
-    Ok(Source::Simple(light))
-}
-
-/// `AreaLightSource`: the emission of shapes, and the number of light samples at each hit.
-pub fn area(mut p: Params, warnings: &mut Vec<String>) -> Result<(Emission, u32)> {
-    // pbrt-v2 also calls it "area".
-    if p.kind != "diffuse" && p.kind != "area" {
-        return Err(p.unsupported_kind("diffuse"));
+impl Reader<'_> {
+    pub(super) fn light(&mut self, p: &Params) -> Result<()> {
+        let light = match p.kind.as_str() {
+            "infinite" => return self.infinite(p),
+            "distant" => distant(p, &self.state.transform)?,
+            "point" => point(p, &self.state.transform)?,
+            _ => return Err(p.unsupported_kind("infinite, distant, point")),
+        };
+        self.lights.push(light);
+        p.finish(&["nsamples", "samples"], &mut self.warnings)
     }
-    let radiance = scaled(&mut p, "L")?;
-    let two_sided = p.flag("twosided")?.unwrap_or(false);
-    let samples = samples(&mut p)?;
-    p.finish(&[], warnings)?;
-    Ok((Emission { radiance, two_sided, visibility: EmitterVisibility::Sampled }, samples))
+
+    /// `AreaLightSource`: the emission of shapes.
+    pub(super) fn area_light(&mut self, p: &Params) -> Result<()> {
+        // pbrt-v2 also calls it "area".
+        if p.kind != "diffuse" && p.kind != "area" {
+            return Err(p.unsupported_kind("diffuse"));
+        }
+        let (radiance, two_sided) = (scaled(p, "L")?, p.flag("twosided")?.unwrap_or(false));
+        self.state.emission = Some(Emission { radiance, two_sided, visibility: EmitterVisibility::Sampled });
+        self.ask_for_samples(p)?;
+        p.finish(&[], &mut self.warnings)
+    }
+
+    fn infinite(&mut self, p: &Params) -> Result<()> {
+        if self.environment.is_some() {
+            return Err(p.at.unsupported(format!("{}: a second light from infinity is not supported", p.owner)));
+        }
+        let Some((rotation, _)) = transform::similarity(&self.state.transform) else {
+            return Err(p.at.unsupported("a light that its transform distorts is not supported"));
+        };
+        let scale = scaled(p, "L")?;
+        self.ask_for_samples(p)?;
+        let (map, source) = match (map_name(p)?, &self.options.environment) {
+            (Some(_), Some((map, source))) => (map.clone(), source.clone()),
+            (Some((parameter, name)), None) => {
+                (Arc::new(EnvMap::new(self.map(name, parameter, p.place(parameter))?)), name.into())
+            }
+            (None, given) => {
+                if given.is_some() {
+                    self.warnings.push(p.at.warning("this light has no map: the given environment is not used"));
+                }
+                (Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into())
+            }
+        };
+        let largest = map.found().max * scale.max_element();
+        if largest > MAX_RADIANCE {
+            return Err(p
+                .at
+                .input(format!("L times scale and the map reaches {largest:e}, more than {MAX_RADIANCE:e}")));
+        }
+        self.environment = Some(Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT });
+        p.finish(&[], &mut self.warnings)
+    }
+
+    /// The map that `parameter` names.
+    fn map(&mut self, name: &str, parameter: &str, at: &At) -> Result<Image> {
+        let path = self.folder.join(name);
+        let read = read_lat_long(&path, ReadOptions { allow_ldr: self.options.allow_ldr });
+        let (image, notes) =
+            read.map_err(|e| at.cannot_read(e).with_hint("`environment` stands in for the map that the scene names"))?;
+        self.warnings.extend(notes);
+        if parameter == EQUAL_AREA {
+            let (width, height) = (image.width(), image.height());
+            if width != 2 * height {
+                let what = format!("the map {} ({width} x {height}) is not lat-long", quote(name));
+                return Err(at
+                    .unsupported(format!("{what}: equal-area is not supported"))
+                    .with_hint("give a lat-long map as \"string mapname\", or in place of the file's"));
+            }
+            self.warnings.push(at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
+        }
+        check_range(&path, &image)?;
+        self.map = Some(path);
+        Ok(image)
+    }
+
+    /// Notes how many samples a light asks for ("samples" is pbrt-v3's word): all lights get as many as the one that asks
+    /// for most.
+    fn ask_for_samples(&mut self, p: &Params) -> Result<()> {
+        let older = p.integer("nsamples", 1..=MAX_SAMPLES)?;
+        let samples = p.integer("samples", 1..=MAX_SAMPLES)?.or(older).unwrap_or(1);
+        let before = self.light_samples.unwrap_or(samples);
+        let most = before.max(samples);
+        if before != samples {
+            self.warnings.push(p.at.warning(&format!("lights ask for {before} and {samples} samples: all get {most}")));
+        }
+        self.light_samples = Some(most);
+        Ok(())
+    }
+}
+
+/// pbrt-v4's own parameter for a map, which is equal-area and square; `mapname` is lat-long in every version.
+const EQUAL_AREA: &str = "filename";
+
+/// The parameter that names the map of an environment light, and the name.
+fn map_name(p: &Params) -> Result<Option<(&'static str, &str)>> {
+    match (p.text("mapname")?, p.text(EQUAL_AREA)?) {
+        (Some(_), Some(_)) => Err(p.place(EQUAL_AREA).input(format!("{} has both a mapname and a filename", p.owner))),
+        (lat_long, equal_area) => {
+            let named = lat_long.map(|name| ("mapname", name)).or(equal_area.map(|name| (EQUAL_AREA, name)));
+            Ok(named.filter(|(_, name)| !name.is_empty()))
+        }
+    }
 }
 
 /// Light along `from` → `to`. What pbrt calls its radiance L is the irradiance of a surface that faces it.
-fn distant(p: &mut Params, to_world: &DMat4) -> Result<Light> {
+fn distant(p: &Params, to_world: &DMat4) -> Result<Light> {
     let irradiance = scaled(p, "L")?;
     let [from, to] = [corner(p, "from")?.unwrap_or(DVec3::ZERO), corner(p, "to")?.unwrap_or(DVec3::Z)];
     let direction = to_world.transform_vector3(to - from).try_normalize();
@@ -66,127 +133,36 @@ fn distant(p: &mut Params, to_world: &DMat4) -> Result<Light> {
     Ok(Light::Directional { direction: direction.as_vec3(), irradiance })
 }
 
-fn point(p: &mut Params, to_world: &DMat4) -> Result<Light> {
+fn point(p: &Params, to_world: &DMat4) -> Result<Light> {
     let intensity = scaled(p, "I")?;
-    let at = p.place("from");
     let from = corner(p, "from")?.unwrap_or(DVec3::ZERO);
     // pbrt-v2 and v3 add the point to the transform's place in the world; v4 transforms it.
     let (added, transformed) = (to_world.w_axis.truncate() + from, to_world.transform_point3(from));
     if !added.abs_diff_eq(transformed, 1e-6 * from.length()) {
-        return Err(at
+        return Err(p
+            .place("from")
             .unsupported("a point that the transform turns or scales lies elsewhere in pbrt-v3 than in v4")
             .with_hint("write the place as a Translate, without from"));
     }
     if !in_range(transformed) {
-        return Err(at.input(format!("a light at {transformed} is out of range")));
+        return Err(p.place("from").input(format!("a light at {transformed} is out of range")));
     }
     let position = transformed.as_vec3();
     Ok(Light::Point { position, intensity, falloff: Falloff::InverseSquare })
 }
 
-fn corner(p: &mut Params, name: &'static str) -> Result<Option<DVec3>> {
-    Ok(p.numbers::<3>(name, &["point", "point3"], |_| true, "a number")?.map(DVec3::from_array))
+fn corner(p: &Params, name: &'static str) -> Result<Option<DVec3>> {
+    Ok(p.numbers::<3>(name, &["point", "point3"], &ANY)?.map(DVec3::from_array))
 }
 
 /// A colour of light, white unless the file says otherwise, times `scale`: a colour in pbrt-v2 and v3, a number in v4.
-fn scaled(p: &mut Params, name: &'static str) -> Result<Rgb> {
-    let (valid, rule) = (|x: f64| (0.0..=1e30).contains(&x), "from 0 to 1e30");
-    let colour = p.rgb(name, valid, rule)?.unwrap_or(Rgb::ONE);
+fn scaled(p: &Params, name: &'static str) -> Result<Rgb> {
+    let colour = p.rgb(name, &LIGHT)?.unwrap_or(Rgb::ONE);
     let scale = if p.has_type("scale", "float") {
-        p.float("scale", valid, rule)?.map(|x| Rgb::splat(x as f32))
+        p.float("scale", &LIGHT)?.map(|x| Rgb::splat(x as f32))
     } else {
-        p.rgb("scale", valid, rule)?
+        p.rgb("scale", &LIGHT)?
     };
     let product = colour * scale.unwrap_or(Rgb::ONE);
     if product.is_finite() { Ok(product) } else { Err(p.at.input(format!("{name} times scale is out of range"))) }
-}
-
-/// pbrt-v3 calls it "samples", and takes the older name too.
-fn samples(p: &mut Params) -> Result<u32> {
-    let samples = p.integer("nsamples", 1..=MAX_SAMPLES)?;
-    Ok(p.integer("samples", 1..=MAX_SAMPLES)?.or(samples).unwrap_or(1))
-}
-
-fn infinite(
-    mut p: Params,
-    to_world: &DMat4,
-    folder: &Path,
-    options: &PbrtOptions,
-    warnings: &mut Vec<String>,
-) -> Result<Source> {
-    let Some((rotation, _)) = transform::similarity(to_world) else {
-        return Err(p.at.unsupported("a light that its transform distorts is not supported"));
-    };
-    let scale = scaled(&mut p, "L")?;
-    let samples = samples(&mut p)?;
-    let file = MapFile::named_by(&mut p)?;
-    let at = p.at.clone();
-    p.finish(&[], warnings)?;
-    let (map, source) = match (file, &options.environment) {
-        (Some(_), Some((map, source))) => (map.clone(), source.clone()),
-        (Some(file), None) => {
-            let image = file.load(folder, options, warnings)?;
-            check_range(&folder.join(&file.name), &image)?;
-            (Arc::new(EnvMap::new(image)), file.name)
-        }
-        (None, given) => {
-            if given.is_some() {
-                warnings.push(at.warning("this light has no map: the given environment is not used"));
-            }
-            (Arc::new(EnvMap::new(Image::from_pixels(1, 1, vec![Rgb::ONE]))), "constant".into())
-        }
-    };
-    let largest = map.found().max * scale.max_element();
-    if largest > MAX_RADIANCE {
-        return Err(at.input(format!("L times scale and the map reaches {largest:e}, more than {MAX_RADIANCE:e}")));
-    }
-    Ok(Source::Infinite(Environment { map, source, scale, to_world: rotation * MAP_TO_LIGHT }, samples))
-}
-
-/// The image file of an environment light.
-struct MapFile {
-    name: String,
-    /// Where it is named.
-    at: At,
-    /// Whether pbrt would take it as equal-area.
-    equal_area: bool,
-}
-
-impl MapFile {
-    /// `mapname` is lat-long in every version; `filename` is pbrt-v4's own, equal-area and square.
-    fn named_by(p: &mut Params) -> Result<Option<Self>> {
-        let (lat_long_at, equal_area_at) = (p.place("mapname"), p.place("filename"));
-        let (lat_long, equal_area) = (p.text("mapname")?, p.text("filename")?);
-        Ok(match (lat_long, equal_area) {
-            (Some(_), Some(_)) => {
-                return Err(equal_area_at.input(format!("{} has both a mapname and a filename", p.owner)));
-            }
-            (Some(name), None) if !name.is_empty() => Some(Self { name, at: lat_long_at, equal_area: false }),
-            (None, Some(name)) if !name.is_empty() => Some(Self { name, at: equal_area_at, equal_area: true }),
-            _ => None,
-        })
-    }
-
-    fn load(&self, folder: &Path, options: &PbrtOptions, warnings: &mut Vec<String>) -> Result<Image> {
-        let image = (options.load_map)(&folder.join(&self.name)).map_err(|e| match e {
-            Error::Io { path, source } => self
-                .at
-                .input(format!("cannot read the map {}: {source}", path.display()))
-                .with_hint("put the map there, or give another one in its place"),
-            other => other,
-        })?;
-        if self.equal_area && image.width() != 2 * image.height() {
-            let (name, width, height) = (quote(&self.name), image.width(), image.height());
-            return Err(self
-                .at
-                .unsupported(format!(
-                    "the map {name} ({width} x {height}) is not lat-long: equal-area is not supported"
-                ))
-                .with_hint("give a lat-long map as \"string mapname\", or in place of the file's"));
-        }
-        if self.equal_area {
-            warnings.push(self.at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
-        }
-        Ok(image)
-    }
 }

@@ -1,96 +1,81 @@
 //! Materials: diffuse surfaces, mirrors, smooth glass and metals.
 
 use super::params::Params;
-use crate::error::Result;
+use super::reader::{GREY, Reader};
+use crate::error::{Error, Result};
 use crate::import::place::quote;
+use crate::import::rule::{DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::math::Rgb;
 use crate::optics::metals;
 use crate::scene::{Conductor, Distribution, Material};
 
-/// The material of shapes before the file sets one.
-pub const DEFAULT: Material = Material::Diffuse { albedo: Rgb::splat(0.5) };
-
-/// A material. `v2` says that pbrt-v2 wrote the file, whose metals are of another kind.
-pub fn material(mut p: Params, v2: bool, warnings: &mut Vec<String>) -> Result<Material> {
-    let material = match p.kind.as_str() {
-        "matte" => {
-            p.only_float("sigma", |x| x == 0.0, "0 (Lambert's law)")?;
-            reflectance(&mut p, "Kd")?.map_or(DEFAULT, |albedo| Material::Diffuse { albedo })
-        }
-        "diffuse" => reflectance(&mut p, "reflectance")?.map_or(DEFAULT, |albedo| Material::Diffuse { albedo }),
-        "mirror" => Material::Mirror { reflectance: reflectance(&mut p, "Kr")?.unwrap_or(Rgb::splat(0.9)) },
-        "glass" => {
-            let [reflectance, transmittance] =
-                [reflectance(&mut p, "Kr")?, reflectance(&mut p, "Kt")?].map(|colour| colour.unwrap_or(Rgb::ONE));
-            let index = p.float("index", is_index, INDEX)?;
-            let eta = glass_index(&mut p)?.or(index).unwrap_or(1.5) as f32;
-            Material::Glass { reflectance, transmittance, eta }
-        }
-        "dielectric" => {
-            let eta = glass_index(&mut p)?.unwrap_or(1.5) as f32;
-            Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta }
-        }
-        "metal" if v2 => {
-            return Err(p
-                .at
-                .unsupported("Material \"metal\" of pbrt-v2 is not supported: its microfacets are Blinn's")
-                .with_hint("write Integrator in place of SurfaceIntegrator to have it read as pbrt-v3's"));
-        }
-        "metal" | "conductor" => Material::Conductor(conductor(&mut p, warnings)?),
-        _ => return Err(p.unsupported_kind("matte, diffuse, mirror, glass, dielectric, metal, conductor")),
-    };
-    // Where nothing is rough, there is nothing to remap.
-    p.finish(&["remaproughness"], warnings)?;
-    Ok(material)
-}
-
-fn reflectance(p: &mut Params, name: &'static str) -> Result<Option<Rgb>> {
-    p.rgb(name, |x| (0.0..=1.0).contains(&x), "from 0 to 1")
-}
-
-/// Of refraction of a dielectric; beyond this there is no matter, and squares might leave single precision.
-const INDEX: &str = "from 0.001 to 1000";
-
-fn is_index(x: f64) -> bool {
-    (1e-3..=1e3).contains(&x)
+impl Reader<'_> {
+    pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
+        let reflectance = |name, missing| Ok::<_, Error>(p.rgb(name, &FRACTION)?.unwrap_or(missing));
+        let material = match p.kind.as_str() {
+            "matte" => {
+                p.only_float("sigma", |x| x == 0.0, "0 (Lambert's law)")?;
+                Material::Diffuse { albedo: reflectance("Kd", GREY)? }
+            }
+            "diffuse" => Material::Diffuse { albedo: reflectance("reflectance", GREY)? },
+            "mirror" => Material::Mirror { reflectance: reflectance("Kr", Rgb::splat(0.9))? },
+            "glass" => {
+                let (reflectance, transmittance) = (reflectance("Kr", Rgb::ONE)?, reflectance("Kt", Rgb::ONE)?);
+                let index = p.float("index", &DIELECTRIC_INDEX)?;
+                let eta = glass_index(p)?.or(index).unwrap_or(1.5) as f32;
+                Material::Glass { reflectance, transmittance, eta }
+            }
+            "dielectric" => {
+                let eta = glass_index(p)?.unwrap_or(1.5) as f32;
+                Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta }
+            }
+            "metal" if self.setup.v2 => {
+                return Err(p
+                    .at
+                    .unsupported("Material \"metal\" of pbrt-v2 is not supported: its microfacets are Blinn's")
+                    .with_hint("write Integrator in place of SurfaceIntegrator to have it read as pbrt-v3's"));
+            }
+            "metal" | "conductor" => Material::Conductor(conductor(p, &mut self.warnings)?),
+            _ => return Err(p.unsupported_kind("matte, diffuse, mirror, glass, dielectric, metal, conductor")),
+        };
+        // Where nothing is rough, there is nothing to remap.
+        p.finish(&["remaproughness"], &mut self.warnings)?;
+        Ok(material)
+    }
 }
 
 /// The index of refraction of a dielectric, whose surface must be smooth.
-fn glass_index(p: &mut Params) -> Result<Option<f64>> {
+fn glass_index(p: &Params) -> Result<Option<f64>> {
     for name in ["roughness", "uroughness", "vroughness"] {
         p.only_float(name, |x| x == 0.0, "0 (smooth)")?;
     }
-    p.float("eta", is_index, INDEX)
+    p.float("eta", &DIELECTRIC_INDEX)
 }
 
 /// pbrt-v3's `metal` and pbrt-v4's `conductor`. Their microfacets are GGX's (Trowbridge and Reitz); `"string
 /// distribution" "beckmann"` is this program's own addition.
-fn conductor(p: &mut Params, warnings: &mut Vec<String>) -> Result<Conductor> {
+fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
     let eta = index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?;
     let k = index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?;
     let v3 = p.kind == "metal";
-    let is_roughness = |x: f64| (0.0..=1.0).contains(&x);
-    let both = p.float("roughness", is_roughness, "from 0 to 1")?.unwrap_or(if v3 { 0.01 } else { 0.0 });
-    let place = p.place("vroughness");
-    let u = p.float("uroughness", is_roughness, "from 0 to 1")?.unwrap_or(both);
-    let v = p.float("vroughness", is_roughness, "from 0 to 1")?.unwrap_or(both);
+    let both = p.float("roughness", &FRACTION)?.unwrap_or(if v3 { 0.01 } else { 0.0 });
+    let u = p.float("uroughness", &FRACTION)?.unwrap_or(both);
+    let v = p.float("vroughness", &FRACTION)?.unwrap_or(both);
     if u != v {
-        return Err(place.unsupported(format!("{}: roughnesses that differ are not supported: {u} and {v}", p.owner)));
+        let message = format!("{}: roughnesses that differ are not supported: {u} and {v}", p.owner);
+        return Err(p.place("vroughness").unsupported(message));
     }
-    let remap = p.flag("remaproughness")?.unwrap_or(true);
-    let alpha = if !remap {
-        u
-    } else if v3 {
-        remapped_v3(u)
-    } else {
-        u.sqrt()
+    let alpha = match p.flag("remaproughness")? {
+        Some(false) => u,
+        _ if v3 => remapped_v3(u),
+        _ => u.sqrt(),
     };
-    let place = p.place("distribution");
-    let distribution = match p.text("distribution")?.as_deref() {
+    let distribution = match p.text("distribution")? {
         None | Some("ggx") => Distribution::Ggx,
         Some("beckmann") => Distribution::Beckmann,
         Some(other) => {
-            return Err(place.unsupported(format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other))));
+            let message = format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other));
+            return Err(p.place("distribution").unsupported(message));
         }
     };
     Ok(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: true })
@@ -104,19 +89,19 @@ fn remapped_v3(roughness: f64) -> f64 {
 
 /// `eta` or `k`: three numbers, or a metal's spectrum by name, like `metal-Au-eta`. Without it: copper's, as in pbrt.
 fn index_spectrum(
-    p: &mut Params,
+    p: &Params,
     name: &'static str,
     of: impl Fn(&metals::Metal) -> Rgb,
     warnings: &mut Vec<String>,
 ) -> Result<Rgb> {
-    let at = p.place(name);
-    let spectrum = p.spectrum(name)?;
+    const INDEX: Rule = Rule(|x| (0.0..=1000.0).contains(&x), "from 0 to 1000");
+    let (at, spectrum) = (p.place(name), p.spectrum(name)?);
     if spectrum.is_none()
-        && let Some(rgb) = p.rgb(name, |x| (0.0..=1000.0).contains(&x), "from 0 to 1000")?
+        && let Some(rgb) = p.rgb(name, &INDEX)?
     {
         return Ok(rgb);
     }
-    let spectrum = spectrum.unwrap_or_else(|| format!("metal-Cu-{name}"));
+    let spectrum = spectrum.map_or_else(|| format!("metal-Cu-{name}"), str::to_owned);
     let symbol = spectrum.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(name)?.strip_suffix('-'));
     let metal = symbol.and_then(|symbol| metals::METALS.iter().find(|metal| metal.symbol == symbol));
     let Some(metal) = metal else {

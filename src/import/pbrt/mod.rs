@@ -22,23 +22,29 @@ mod directives;
 mod lexer;
 mod light;
 mod material;
-mod options;
 mod params;
 mod reader;
 mod setup;
 mod shape;
 
-pub use options::PbrtOptions;
-
-use super::Imported;
-use crate::error::Result;
+use super::{Imported, SceneOptions};
+use crate::error::{Error, Result};
 use std::path::Path;
 
 /// Reads the scene at `path`.
 ///
 /// # Errors
-/// What is wrong or not supported in the file or in those that it includes, with its place; whatever `load_map` reports
-/// (but a map that cannot be opened is reported where the file names it).
-pub fn read(path: &Path, options: &PbrtOptions) -> Result<Imported> {
-    reader::Reader::scene(path, options)
+/// What is wrong or not supported in the file or in those that it includes, with its place (a map that cannot be opened is
+/// reported where the file names it); [`Error::Parameter`] for camera settings, which are for COLLADA.
+pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
+    if options.camera.is_some() {
+        return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
+            .with_hint("a .pbrt file has its camera in itself"));
+    }
+    let Imported { scene, request, output, warnings, map } = reader::Reader::scene(path, options)?;
+    let (scene, request) = match options.resolution {
+        Some(size) => scene.resized(request, size),
+        None => (scene, request),
+    };
+    Ok(Imported { scene, request, output, warnings, map })
 }

@@ -1,13 +1,12 @@
 //! Walks through a pbrt file and those that it includes, and keeps what their directives set until the scene is whole.
 
-use super::PbrtOptions;
 use super::lexer::{Lexer, Token};
 use super::setup::Setup;
-use super::{material, shape};
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::import::Imported;
 use crate::import::place::At;
+use crate::import::{Imported, SceneOptions};
+use crate::math::Rgb;
 use crate::scene::{Emission, Environment, Light, Material, Object, Scene};
 use glam::DMat4;
 use std::collections::HashMap;
@@ -19,11 +18,14 @@ const MAX_BYTES: u64 = 64 << 20;
 /// Deepest chain of files that include one another, and deepest nesting of blocks.
 const MAX_FILES_DEEP: usize = 32;
 const MAX_BLOCKS_DEEP: usize = 1024;
+/// Most bytes in a scene's mesh files, all together (a file counts each time it is named).
+pub const MAX_MESH_BYTES: u64 = 512 << 20;
 
-/// The state while a scene is read.
+/// The albedo of shapes before the file sets a material.
+pub const GREY: Rgb = Rgb::splat(0.5);
+
 pub struct Reader<'a> {
-    /// Of the caller.
-    pub(super) options: &'a PbrtOptions<'a>,
+    pub(super) options: &'a SceneOptions<'a>,
     /// Where the first file lies: names in all files are relative to it, as in pbrt.
     pub(super) folder: PathBuf,
     /// The files being read now, each included by the one before it.
@@ -31,37 +33,28 @@ pub struct Reader<'a> {
     bytes: u64,
     /// Before, in or after the world block.
     pub(super) stage: Stage,
-    /// Current transform, material and emission.
     pub(super) state: State,
     blocks: Vec<Block>,
-    /// Named coordinate systems.
     pub(super) systems: HashMap<String, DMat4>,
-    /// Named materials.
     pub(super) materials: HashMap<String, Material>,
-    /// Camera, film, sampler and integrator.
     pub(super) setup: Setup,
-    /// Shapes so far.
     pub(super) objects: Vec<Object>,
     /// Lights so far, without those at infinity.
     pub(super) lights: Vec<Light>,
-    /// The light at infinity.
     pub(super) environment: Option<Environment>,
     /// The most samples that a light asks for at each hit.
-    light_samples: Option<u32>,
+    pub(super) light_samples: Option<u32>,
+    /// The file of the map.
+    pub(super) map: Option<PathBuf>,
     /// How many more bytes of mesh files may be read.
     pub(super) mesh_bytes: u64,
-    /// So far.
     pub(super) warnings: Vec<String>,
 }
 
-/// Part of the file that is being read.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Stage {
-    /// Before `WorldBegin`.
     Options,
-    /// After it.
     World,
-    /// After `WorldEnd`.
     Done,
 }
 
@@ -70,11 +63,9 @@ pub(super) enum Stage {
 pub(super) struct State {
     /// Object to world.
     pub(super) transform: DMat4,
-    /// Of the shapes that follow.
     pub(super) material: Material,
     /// Emission of the shapes that follow.
     pub(super) emission: Option<Emission>,
-    /// Whether `ReverseOrientation` holds.
     pub(super) reversed: bool,
 }
 
@@ -87,14 +78,19 @@ struct Block {
 
 impl<'a> Reader<'a> {
     /// Reads the scene at `path`.
-    pub fn scene(path: &Path, options: &'a PbrtOptions<'a>) -> Result<Imported> {
+    pub fn scene(path: &Path, options: &'a SceneOptions<'a>) -> Result<Imported> {
         let mut reader = Self {
             options,
             folder: path.parent().unwrap_or(Path::new("")).into(),
             open: Vec::new(),
             bytes: 0,
             stage: Stage::Options,
-            state: State { transform: DMat4::IDENTITY, material: material::DEFAULT, emission: None, reversed: false },
+            state: State {
+                transform: DMat4::IDENTITY,
+                material: Material::Diffuse { albedo: GREY },
+                emission: None,
+                reversed: false,
+            },
             blocks: Vec::new(),
             systems: HashMap::new(),
             materials: HashMap::new(),
@@ -102,8 +98,9 @@ impl<'a> Reader<'a> {
             objects: Vec::new(),
             lights: Vec::new(),
             environment: None,
+            map: None,
             light_samples: None,
-            mesh_bytes: shape::MAX_MESH_BYTES,
+            mesh_bytes: MAX_MESH_BYTES,
             warnings: Vec::new(),
         };
         reader.file(path, None)?;
@@ -124,14 +121,14 @@ impl<'a> Reader<'a> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let (objects, lights, environment) = (self.objects, self.lights, self.environment);
         let scene = Scene { name, camera, objects, lights, environment };
-        Ok(Imported { scene, request, output, warnings: self.warnings, map: None })
+        Ok(Imported { scene, request, output, warnings: self.warnings, map: self.map })
     }
 
     /// Reads one file; `from` is the directive that names it, if any.
     fn file(&mut self, path: &Path, from: Option<&At>) -> Result<()> {
-        let bytes = read_bounded(path, MAX_BYTES).map_err(|e| match (e, from) {
-            (Error::Io { source, .. }, Some(at)) => at.input(format!("cannot read {}: {source}", path.display())),
-            (other, _) => other,
+        let bytes = read_bounded(path, MAX_BYTES).map_err(|e| match from {
+            Some(at) => at.cannot_read(e),
+            None => e,
         })?;
         self.bytes += bytes.len() as u64;
         if self.bytes > MAX_BYTES {
@@ -168,16 +165,6 @@ impl<'a> Reader<'a> {
         self.all_closed()?;
         (self.state, self.blocks) = (state, blocks);
         Ok(())
-    }
-
-    /// Notes how many samples a light asks for: all lights get as many as the one that asks for most.
-    pub(super) fn ask_for_samples(&mut self, samples: u32, at: &At) {
-        let before = self.light_samples.unwrap_or(samples);
-        if before != samples {
-            let most = before.max(samples);
-            self.warnings.push(at.warning(&format!("lights ask for {before} and {samples} samples: all get {most}")));
-        }
-        self.light_samples = Some(before.max(samples));
     }
 
     /// Opens a block: what the directives set will come back at its end.

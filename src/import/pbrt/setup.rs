@@ -3,6 +3,7 @@
 use super::params::Params;
 use crate::error::Result;
 use crate::import::place::At;
+use crate::import::rule::{ANGLE, ANY, POSITIVE, Rule};
 use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Camera, Projection, Request};
 use glam::DMat4;
@@ -21,8 +22,10 @@ pub struct Setup {
     camera: Option<View>,
     film: Option<Film>,
     has_filter: bool,
-    sampler: Option<Sampler>,
-    integrator: Option<Integrator>,
+    /// Samples per pixel, and whether such numbers are rounded up to powers of two.
+    sampler: Option<(u32, bool)>,
+    /// Depth, and whether each hit takes as many light samples as the light asks for, or one.
+    integrator: Option<(u32, bool)>,
     /// Whether pbrt-v2 wrote the file: only it has a `SurfaceIntegrator`.
     pub v2: bool,
 }
@@ -30,16 +33,11 @@ pub struct Setup {
 struct View {
     at: At,
     to_world: DMat4,
-    kind: Kind,
+    /// The tangent of half the field of view; none: orthographic.
+    tan: Option<f64>,
     aspect: Option<f64>,
     /// x from, x to, y from, y to on the screen.
     window: Option<[f64; 4]>,
-}
-
-enum Kind {
-    Orthographic,
-    /// With the tangent of half the field of view.
-    Perspective(f64),
 }
 
 struct Film {
@@ -51,44 +49,30 @@ struct Film {
     filename: Option<PathBuf>,
 }
 
-struct Sampler {
-    samples: u32,
-    powers_of_two: bool,
-}
-
-struct Integrator {
-    max_depth: u32,
-    /// Whether each hit takes as many light samples as the light asks for, or one.
-    all_lights: bool,
-}
-
 impl Setup {
     /// `Camera`, where the current transform takes the world to the camera.
-    pub fn camera(&mut self, mut p: Params, to_world: DMat4, warnings: &mut Vec<String>) -> Result<()> {
-        let positive = |x: f64| x > 0.0;
-        let kind = match p.kind.as_str() {
-            "orthographic" => Kind::Orthographic,
+    pub fn camera(&mut self, p: &Params, to_world: DMat4, warnings: &mut Vec<String>) -> Result<()> {
+        const HALF: Rule = Rule(|x| x > 0.0 && x < 90.0, "between 0 and 90 degrees");
+        let tan = match p.kind.as_str() {
+            "orthographic" => None,
             "perspective" => {
-                let angle = |x: f64| x > 0.0 && x < 180.0;
-                let fov = p.float("fov", angle, "between 0 and 180 degrees")?.unwrap_or(90.0);
-                let half = p.float("halffov", |x| x > 0.0 && x < 90.0, "between 0 and 90 degrees")?;
-                Kind::Perspective(half.unwrap_or(fov / 2.0).to_radians().tan())
+                let fov = p.float("fov", &ANGLE)?.unwrap_or(90.0);
+                Some(p.float("halffov", &HALF)?.unwrap_or(fov / 2.0).to_radians().tan())
             }
             _ => return Err(p.unsupported_kind("orthographic, perspective")),
         };
         p.only_float("lensradius", |x| x == 0.0, "0 (a pinhole)")?;
-        let aspect = p.float("frameaspectratio", positive, "positive")?;
-        let place = p.place("screenwindow");
-        let window = p.numbers::<4>("screenwindow", &["float"], |_| true, "a number")?;
+        let aspect = p.float("frameaspectratio", &POSITIVE)?;
+        let window = p.numbers("screenwindow", &["float"], &ANY)?;
         if window.is_some_and(|[x0, x1, y0, y1]| x0 >= x1 || y0 >= y1) {
-            return Err(place.input("screenwindow must be [left right bottom top] with left < right and bottom < top"));
+            let message = "screenwindow must be [left right bottom top] with left < right and bottom < top";
+            return Err(p.place("screenwindow").input(message));
         }
-        self.camera = Some(View { at: p.at.clone(), to_world, kind, aspect, window });
+        self.camera = Some(View { at: p.at.clone(), to_world, tan, aspect, window });
         p.finish(&["focaldistance", "shutteropen", "shutterclose"], warnings)
     }
 
-    /// `Film`.
-    pub fn film(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+    pub fn film(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         let (v4, width, height) = match p.kind.as_str() {
             "image" => (false, 640, 480),
             "rgb" => (true, 1280, 720),
@@ -102,10 +86,9 @@ impl Setup {
         for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
             p.only_float(name, |x| x == neutral, &neutral.to_string())?;
         }
-        let place = p.place("cropwindow");
-        let crop = p.numbers::<4>("cropwindow", &["float"], |_| true, "a number")?;
+        let crop = p.numbers("cropwindow", &["float"], &ANY)?;
         if crop.is_some_and(|crop| crop != [0.0, 1.0, 0.0, 1.0]) {
-            return Err(place.unsupported("a crop window is not supported"));
+            return Err(p.place("cropwindow").unsupported("a crop window is not supported"));
         }
         let filename = p.text("filename")?.map(PathBuf::from);
         self.film = Some(Film { at: p.at.clone(), v4, width, height, filename });
@@ -113,7 +96,7 @@ impl Setup {
     }
 
     /// `PixelFilter`: the image is the plain mean over each pixel, so any other filter would change it.
-    pub fn filter(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+    pub fn filter(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         if p.kind != "box" {
             return Err(p
                 .unsupported_kind("box")
@@ -127,7 +110,7 @@ impl Setup {
     }
 
     /// `Sampler`. The samples are those of this program; the count is the file's, rounded as its sampler would.
-    pub fn sampler(&mut self, mut p: Params, warnings: &mut Vec<String>) -> Result<()> {
+    pub fn sampler(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         let per_side = 1..=1 << 12;
         let powers_of_two = matches!(p.kind.as_str(), "lowdiscrepancy" | "02sequence" | "maxmindist");
         let samples = match p.kind.as_str() {
@@ -148,7 +131,7 @@ impl Setup {
             warnings.push(p.at.warning(&format!("{} sets no number of samples: {DEFAULT_SAMPLES} per pixel", p.owner)));
         }
         p.only_false("samplepixelcenter")?;
-        self.sampler = Some(Sampler { samples: samples.unwrap_or(DEFAULT_SAMPLES), powers_of_two });
+        self.sampler = Some((samples.unwrap_or(DEFAULT_SAMPLES), powers_of_two));
         p.finish(&["seed", "randomization", "jitter", "dimensions"], warnings)
     }
 
@@ -156,20 +139,19 @@ impl Setup {
     ///
     /// Their depths differ: path tracing to `maxdepth` N ends with the N-th surface's direct light in pbrt-v3 and v4, and
     /// with that of the surface after it in v2. Direct lighting follows only mirrors and glass beyond the first surface.
-    pub fn integrator(&mut self, mut p: Params, v2: bool, warnings: &mut Vec<String>) -> Result<()> {
+    pub fn integrator(&mut self, p: &Params, v2: bool, warnings: &mut Vec<String>) -> Result<()> {
         self.v2 = v2;
         let depth = p.integer("maxdepth", 0..=MAX_DEPTH)?.unwrap_or(DEFAULT_DEPTH);
         self.integrator = Some(match p.kind.as_str() {
             "directlighting" => {
-                let place = p.place("strategy");
-                let all_lights = match p.text("strategy")?.as_deref() {
+                let all_lights = match p.text("strategy")? {
                     None | Some("all") => true,
                     Some("one") => false,
-                    _ => return Err(place.unsupported("strategy must be \"all\" or \"one\"")),
+                    _ => return Err(p.place("strategy").unsupported("strategy must be \"all\" or \"one\"")),
                 };
-                Integrator { max_depth: 1, all_lights }
+                (1, all_lights)
             }
-            "path" | "volpath" => Integrator { max_depth: depth + u32::from(v2), all_lights: false },
+            "path" | "volpath" => (depth + u32::from(v2), false),
             _ => return Err(p.unsupported_kind("directlighting, path, volpath")),
         });
         p.only_false("regularize")?;
@@ -194,21 +176,21 @@ impl Setup {
             missing("Film", "640 x 480 pixels, as in pbrt-v2 and v3");
             Film { at: file.clone(), v4: false, width: 640, height: 480, filename: None }
         });
-        let sampler = self.sampler.unwrap_or_else(|| {
+        let (samples, powers_of_two) = self.sampler.unwrap_or_else(|| {
             missing("Sampler", &format!("{DEFAULT_SAMPLES} samples per pixel"));
-            Sampler { samples: DEFAULT_SAMPLES, powers_of_two: false }
+            (DEFAULT_SAMPLES, false)
         });
-        let integrator = self.integrator.unwrap_or_else(|| {
+        let (max_depth, all_lights) = self.integrator.unwrap_or_else(|| {
             missing("Integrator", &format!("path tracing to depth {DEFAULT_DEPTH}, as in pbrt-v3 and v4"));
-            Integrator { max_depth: DEFAULT_DEPTH, all_lights: false }
+            (DEFAULT_DEPTH, false)
         });
-        let round = |n: u32| if sampler.powers_of_two { n.next_power_of_two() } else { n };
+        let round = |n: u32| if powers_of_two { n.next_power_of_two() } else { n };
         let request = Request {
             width: film.width as usize,
             height: film.height as usize,
-            spp: round(sampler.samples),
-            light_samples: if integrator.all_lights { round(light_samples) } else { 1 },
-            max_depth: integrator.max_depth,
+            spp: round(samples),
+            light_samples: if all_lights { round(light_samples) } else { 1 },
+            max_depth,
         };
         Ok((view.camera(f64::from(film.width) / f64::from(film.height))?, request, film.filename))
     }
@@ -229,28 +211,22 @@ impl View {
         let aspect = self.aspect.unwrap_or(film_aspect);
         let (w, h) = if aspect > 1.0 { (aspect, 1.0) } else { (1.0, 1.0 / aspect) };
         let [x0, x1, y0, y1] = self.window.unwrap_or([-w, w, -h, h]);
-        let (half_width, half_height) = (0.5 * (x1 - x0) * scales.x, 0.5 * (y1 - y0) * scales.y);
-        let (off_x, off_y) = (0.5 * (x0 + x1) * scales.x, 0.5 * (y0 + y1) * scales.y);
+        let tan = self.tan.map(|tan| tan / scales.z);
+        let half = [0.5 * (x1 - x0) * scales.x, 0.5 * (y1 - y0) * scales.y].map(|half| half * tan.unwrap_or(1.0));
+        let off = [0.5 * (x0 + x1) * scales.x, 0.5 * (y0 + y1) * scales.y];
         let (right, up, forward) = (frame.x_axis, frame.y_axis, frame.z_axis);
         let mut position = self.to_world.w_axis.truncate();
-        let projection = match self.kind {
-            Kind::Orthographic => {
-                position += off_x * right + off_y * up;
-                Projection::Orthographic { half_width, half_height }
+        let projection = match tan {
+            None => {
+                position += off[0] * right + off[1] * up;
+                Projection::Orthographic { half_width: half[0], half_height: half[1] }
             }
-            Kind::Perspective(tan) => {
-                if off_x != 0.0 || off_y != 0.0 {
-                    return Err(self.at.unsupported("a perspective screenwindow must be symmetric"));
-                }
-                let tan = tan / scales.z;
-                Projection::Perspective { tan_half_width: half_width * tan, tan_half_height: half_height * tan }
+            Some(_) if off != [0.0; 2] => {
+                return Err(self.at.unsupported("a perspective screenwindow must be symmetric"));
             }
+            Some(_) => Projection::Perspective { tan_half_width: half[0], tan_half_height: half[1] },
         };
-        let sizes = match projection {
-            Projection::Orthographic { half_width, half_height } => [half_width, half_height],
-            Projection::Perspective { tan_half_width, tan_half_height } => [tan_half_width, tan_half_height],
-        };
-        if !in_range(position) || !sizes.into_iter().all(in_size_range) {
+        if !in_range(position) || !half.into_iter().all(in_size_range) {
             return Err(self.at.input("the camera's place or window is out of range"));
         }
         Ok(Camera { position, right, up, forward, projection })

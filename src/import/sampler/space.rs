@@ -1,7 +1,6 @@
 //! Domains by name.
 
 use super::Coordinates;
-use super::files::Row;
 use crate::error::Error;
 use etalon_stats::{Directions, Discrete, Line, Pole, Square};
 use std::fmt;
@@ -28,7 +27,7 @@ pub trait Visitor {
     type Output;
 
     /// Runs the computation over `domain`.
-    fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Self::Output;
+    fn visit<D: Coordinates>(self, domain: D) -> Self::Output;
 }
 
 impl Space {
@@ -70,13 +69,13 @@ impl FromStr for Space {
 
 impl fmt::Display for Space {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Sphere => f.write_str("sphere"),
-            Self::Hemisphere => f.write_str("hemisphere"),
-            Self::Square => f.write_str("square"),
-            Self::Line => f.write_str("line"),
-            Self::Discrete(count) => write!(f, "discrete:{count}"),
-        }
+        f.write_str(match self {
+            Self::Sphere => "sphere",
+            Self::Hemisphere => "hemisphere",
+            Self::Square => "square",
+            Self::Line => "line",
+            Self::Discrete(count) => return write!(f, "discrete:{count}"),
+        })
     }
 }
 
@@ -90,7 +89,7 @@ mod tests {
         impl Visitor for Measure {
             type Output = (f64, bool, Option<usize>);
 
-            fn visit<D: Row<Point: Coordinates> + Send + 'static>(self, domain: D) -> Self::Output {
+            fn visit<D: Coordinates>(self, domain: D) -> Self::Output {
                 (domain.measure(), domain.is_plane(), domain.outcomes())
             }
         }

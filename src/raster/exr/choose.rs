@@ -11,16 +11,13 @@ use std::path::Path;
 pub(super) struct Channel {
     /// Bytes of the channels before it, per pixel.
     pub before: usize,
-    /// Sample type.
     pub kind: SampleType,
 }
 
 /// The layer that is the image, and the part that it is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
-    /// Index of the part.
     pub part: usize,
-    /// Its layer.
     pub layer: Shown,
 }
 

@@ -16,13 +16,10 @@ pub(super) struct Block<'a> {
     pub x: usize,
     /// Row of the first pixel in the data window.
     pub y: usize,
-    /// In pixels.
     pub width: usize,
-    /// In pixels.
     pub height: usize,
     /// Where the chunk stands in the file.
     pub offset: usize,
-    /// Compressed bytes.
     pub data: &'a [u8],
 }
 

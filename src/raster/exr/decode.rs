@@ -1,6 +1,6 @@
 //! Reading an OpenEXR file: the header, the blocks of the full resolution, the display window.
 
-use super::choose::{Channel, Fit, choose, notes};
+use super::choose::{Channel, Fit, Shown, choose, notes};
 use super::chunks::Block;
 use super::file::Exr;
 use crate::error::{Error, Result};
@@ -13,6 +13,9 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::path::Path;
 
+/// More pixels than these, all layers together, are refused: 3 GiB in memory.
+const MAX_PIXELS: usize = 1 << 28;
+
 /// Reads the image of an OpenEXR file; which channels that is, see [`choose`].
 ///
 /// The image is the display window: data outside it are dropped, pixels of it without data are black.
@@ -21,16 +24,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let choice = choose(path, file.headers())?;
     let mut notes = notes(path, file.headers(), &choice)?;
     let header = &file.headers()[choice.part];
-    let (data, window) = (header.data_window(), header.shared_attributes.display_window);
-    check_window(path, data, window, bytes.len())?;
-    let blocks = file.blocks(choice.part)?;
-
-    let mut image = blank(path, window.size.0, window.size.1)?;
-    let place = Placement::of(header);
-    blocks.read(
-        |block, bytes| pixels(header, &choice.layer.rgb, block, &bytes),
-        |block, pixels| place.copy(&mut image, block, &pixels),
-    )?;
+    let image = read_layers(&file, choice.part, std::slice::from_ref(&choice.layer))?.swap_remove(0);
     if matches!(choice.layer.fit, Fit::Colour | Fit::SomeColour) {
         let found = header.shared_attributes.chromaticities;
         notes.extend(found.and_then(|Chromaticities { red, green, blue, white }| {
@@ -41,26 +35,33 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     Ok(Decoded { image, notes, is_cube })
 }
 
-/// Where the data window lies in the image, which is the display window.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Placement {
-    left: i64,
-    top: i64,
-}
-
-impl Placement {
-    /// The placement that a header describes.
-    pub fn of(header: &Header) -> Self {
-        let (data, window) = (header.data_window().position, header.shared_attributes.display_window.position);
-        Self { left: i64::from(data.0) - i64::from(window.0), top: i64::from(data.1) - i64::from(window.1) }
+/// The images of some layers of a part.
+pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<Vec<Image>> {
+    let (path, header) = (&file.path, &file.headers()[part]);
+    let (data, window) = (header.data_window(), header.shared_attributes.display_window);
+    check_window(path, data, window, file.bytes.len())?;
+    let all = (window.size.0 * window.size.1).saturating_mul(layers.len());
+    if all > MAX_PIXELS {
+        return Err(Error::limit(path, format!("{} layers of {all} pixels in all", layers.len()))
+            .with_hint("at most 2^28 pixels are read, all layers together"));
     }
-
-    /// Copies the pixels of a block to their place.
-    pub fn copy(self, image: &mut Image, block: &Block<'_>, pixels: &[Rgb]) {
-        for (y, row) in (block.y as i64 + self.top..).zip(pixels.chunks_exact(block.width)) {
-            copy_row(image, block.x as i64 + self.left, y, row);
-        }
-    }
+    let blocks = file.blocks(part)?;
+    let mut images: Vec<Image> =
+        layers.iter().map(|_| blank(path, window.size.0, window.size.1)).collect::<Result<_>>()?;
+    // Where the data window lies in the image, which is the display window.
+    let left = i64::from(data.position.0) - i64::from(window.position.0);
+    let top = i64::from(data.position.1) - i64::from(window.position.1);
+    blocks.read(
+        |block, bytes| layers.iter().map(|layer| pixels(header, &layer.rgb, block, &bytes)).collect::<Vec<_>>(),
+        |block, layers| {
+            for (image, pixels) in images.iter_mut().zip(layers) {
+                for (y, row) in (block.y as i64 + top..).zip(pixels.chunks_exact(block.width)) {
+                    copy_row(image, block.x as i64 + left, y, row);
+                }
+            }
+        },
+    )?;
+    Ok(images)
 }
 
 /// Refuses windows beyond the limits, and a display window that has next to nothing to do with the data.
@@ -97,7 +98,7 @@ fn copy_row(image: &mut Image, x: i64, y: i64, row: &[Rgb]) {
 }
 
 /// The image, or a layer, in the bytes of a block.
-pub(super) fn pixels(header: &Header, rgb: &[Option<Channel>; 3], block: &Block<'_>, bytes: &[u8]) -> Vec<Rgb> {
+fn pixels(header: &Header, rgb: &[Option<Channel>; 3], block: &Block<'_>, bytes: &[u8]) -> Vec<Rgb> {
     let stride = block.width * header.channels.bytes_per_pixel;
     let mut pixels = vec![Rgb::ZERO; block.width * block.height];
     let mut samples = vec![0.0; block.width];

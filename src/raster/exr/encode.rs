@@ -1,7 +1,7 @@
 //! Writing OpenEXR: scan lines, ZIP compression, one part, channels of any type, layers as prefixes of their names.
 //!
-//! The `exr` crate compresses the blocks; header and table of blocks are written here. The crate's own writer keeps custom
-//! attributes in a hash map, so their order, and the bytes of the file, would differ from run to run.
+//! The `exr` crate makes the header and compresses the blocks; text attributes and the table of blocks are written here. The
+//! crate keeps custom attributes in a hash map, so their order, and the bytes of the file, would differ from run to run.
 
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
@@ -9,7 +9,7 @@ use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use exr::compression::Compression;
 use exr::meta::BlockDescription;
-use exr::meta::attribute::{ChannelDescription, IntegerBounds, LineOrder, SampleType, Text};
+use exr::meta::attribute::{self, AttributeValue, ChannelDescription, IntegerBounds, LineOrder, SampleType, Text};
 use exr::meta::header::Header;
 use half::f16;
 use rayon::prelude::*;
@@ -97,11 +97,14 @@ pub fn write_exr_channels(
     check_names(metadata)?;
     let descriptions =
         channels.iter().map(|c| ChannelDescription::new(text(&c.name), c.samples.kind(), false)).collect();
-    let header = Header::new(Text::from("image"), (width, height), descriptions).with_encoding(
+    let mut header = Header::new(Text::from("image"), (width, height), descriptions).with_encoding(
         Compression::ZIP16,
         BlockDescription::ScanLines,
         LineOrder::Increasing,
     );
+    header.own_attributes.layer_name = None;
+    let foreign = |e: exr::error::Error| Error::io(path, std::io::Error::other(e.to_string()));
+    let head = head(&header, metadata).map_err(foreign)?;
     // Compress the blocks in parallel.
     let starts: Vec<usize> = (0..height).step_by(LINES).collect();
     let blocks: Vec<Vec<u8>> = starts
@@ -116,10 +119,9 @@ pub fn write_exr_channels(
             header.compression.compress_image_section_to_le(&header, raw, section)
         })
         .collect::<std::result::Result<_, _>>()
-        .map_err(|e| Error::io(path, std::io::Error::other(e.to_string())))?;
+        .map_err(foreign)?;
 
     // Write header, table of offsets and blocks.
-    let head = head((width, height), &channels, metadata);
     write_atomic(path, |out| {
         let mut offset = head.len() + 8 * blocks.len();
         let mut table = Vec::with_capacity(8 * blocks.len());
@@ -241,46 +243,16 @@ fn text(name: &str) -> Text {
     Text::from_slice_unchecked(name.as_bytes())
 }
 
-/// The magic number, the version and the header.
-fn head((width, height): (usize, usize), channels: &[Channel<'_>], metadata: &Metadata) -> Vec<u8> {
-    let mut list = Vec::new();
-    for channel in channels {
-        list.extend(channel.name.bytes());
-        list.push(0);
-        let kind: i32 = match channel.samples.kind() {
-            SampleType::U32 => 0,
-            SampleType::F16 => 1,
-            SampleType::F32 => 2,
-        };
-        list.extend(kind.to_le_bytes());
-        list.extend([0; 4]);
-        list.extend([1_i32, 1].map(i32::to_le_bytes).as_flattened());
-    }
-    list.push(0);
-    let window = [0, 0, width as i32 - 1, height as i32 - 1].map(i32::to_le_bytes);
-
-    // The magic number, then version 2 without any flag.
+/// The magic number, version 2 without any flag, and the header with the metadata.
+fn head(header: &Header, metadata: &Metadata) -> exr::error::Result<Vec<u8>> {
     let mut head = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
-    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
-        for text in [name, kind] {
-            head.extend(text.bytes());
-            head.push(0);
-        }
-        head.extend((value.len() as i32).to_le_bytes());
-        head.extend(value);
-    };
-    attribute("channels", "chlist", &list);
-    attribute("compression", "compression", &[3]);
-    attribute("dataWindow", "box2i", window.as_flattened());
-    attribute("displayWindow", "box2i", window.as_flattened());
-    attribute("lineOrder", "lineOrder", &[0]);
-    attribute("pixelAspectRatio", "float", &1.0_f32.to_le_bytes());
-    attribute("screenWindowCenter", "v2f", &[0; 8]);
-    attribute("screenWindowWidth", "float", &1.0_f32.to_le_bytes());
-    attribute("software", "string", SOFTWARE.as_bytes());
-    for (name, value) in metadata.entries() {
-        attribute(name, "string", value.as_bytes());
+    header.write(&mut head)?;
+    // Texts of our own go before the byte that ends the header.
+    head.pop();
+    let software = ("software".to_owned(), SOFTWARE.to_owned());
+    for (name, value) in std::iter::once(&software).chain(metadata.entries()) {
+        attribute::write(text(name).as_slice(), &AttributeValue::Text(text(value)), &mut head)?;
     }
     head.push(0);
-    head
+    Ok(head)
 }

@@ -8,9 +8,10 @@ use exr::meta::MetaData;
 use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Blocks are decompressed in groups of about this many bytes, to bound the memory besides the result.
 const BYTES_AT_ONCE: usize = 1 << 26;
@@ -22,9 +23,10 @@ const MAX_CHANNELS: usize = 4096;
 const MAX_TEXTS: usize = 1024;
 
 /// A file whose headers make sense; nothing is known of its blocks.
+#[derive(Debug, Clone)]
 pub(super) struct Exr<'a> {
-    path: &'a Path,
-    bytes: &'a [u8],
+    pub path: PathBuf,
+    pub bytes: Cow<'a, [u8]>,
     meta: MetaData,
     /// Where the tables of blocks begin.
     table: usize,
@@ -32,18 +34,19 @@ pub(super) struct Exr<'a> {
 
 impl<'a> Exr<'a> {
     /// Reads the headers of all parts.
-    pub fn parse(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
-        let mut cursor = Cursor::new(bytes);
+    pub fn parse(path: &Path, bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self> {
+        let bytes = bytes.into();
+        let mut cursor = Cursor::new(&*bytes);
         // Not pedantic: damaged attributes that the image does not need are passed over.
         let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|e| {
-            let method = compression_method(bytes).filter(|m| *m > KNOWN_METHODS);
+            let method = compression_method(&bytes).filter(|m| *m > KNOWN_METHODS);
             method.map_or_else(|| foreign(path, &e), |m| unknown_method(path, m))
         })?;
         if let Some(crowded) = meta.headers.iter().map(|h| h.channels.list.len()).find(|n| *n > MAX_CHANNELS) {
             return Err(Error::limit(path, format!("{crowded} channels in one part are more than are read"))
                 .with_hint(format!("at most {MAX_CHANNELS}; the file is damaged, or split it")));
         }
-        Ok(Self { path, bytes, table: cursor.position() as usize, meta })
+        Ok(Self { path: path.into(), table: cursor.position() as usize, bytes, meta })
     }
 
     /// One header per part.
@@ -75,16 +78,16 @@ impl<'a> Exr<'a> {
             _ => None,
         };
         if let Some(name) = unread {
-            return Err(unread_compression(self.path, name));
+            return Err(unread_compression(&self.path, name));
         }
-        let blocks = locate(self.path, self.bytes, &self.meta, part, self.table)?;
+        let blocks = locate(&self.path, &self.bytes, &self.meta, part, self.table)?;
         let pixels = blocks.iter().map(|b| b.width * b.height).max().unwrap_or(1);
         let largest = pixels.saturating_mul(header.channels.bytes_per_pixel);
         if largest > MAX_BLOCK_BYTES {
-            return Err(Error::limit(self.path, format!("a block of {} MiB is more than is read", largest >> 20))
+            return Err(Error::limit(&self.path, format!("a block of {} MiB is more than is read", largest >> 20))
                 .with_hint("save the image with smaller tiles or fewer channels"));
         }
-        Ok(Blocks { path: self.path, header, blocks, at_once: (BYTES_AT_ONCE / largest.max(1)).max(1) })
+        Ok(Blocks { path: &self.path, header, blocks, at_once: (BYTES_AT_ONCE / largest.max(1)).max(1) })
     }
 }
 

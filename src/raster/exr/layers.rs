@@ -1,29 +1,25 @@
 //! All layers of an OpenEXR file, its text attributes, and channels that hold counts instead of light.
 
 use super::choose::{Shown, choose, layers};
-use super::decode::{Placement, check_window, pixels};
+use super::decode::{check_window, read_layers};
 use super::encode::is_free_name;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::raster::decoded::blank;
 use crate::raster::{Image, Metadata};
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Larger files are refused unread.
 const MAX_FILE_BYTES: u64 = 1 << 33;
-/// More pixels than these, all layers together, are refused: 3 GiB in memory.
-const MAX_PIXELS: usize = 1 << 28;
 /// Pixels whose integers are set together.
 const RUN: usize = 16;
 
 /// An OpenEXR file whose header has been read.
 #[derive(Debug, Clone)]
 pub struct ExrFile {
-    path: PathBuf,
-    bytes: Vec<u8>,
+    file: Exr<'static>,
     metadata: Metadata,
 }
 
@@ -41,13 +37,14 @@ impl ExrFile {
         if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             return Err(Error::input(path, "this is not an OpenEXR file"));
         }
+        let file = Exr::parse(path, bytes)?;
         let mut metadata = Metadata::default();
-        for (name, value) in Exr::parse(path, &bytes)?.texts() {
+        for (name, value) in file.texts() {
             if is_free_name(&name) && metadata.get(&name).is_none() {
                 metadata = metadata.with(name, value);
             }
         }
-        Ok(Self { path: path.into(), bytes, metadata })
+        Ok(Self { file, metadata })
     }
 
     /// The text attributes to which the format gives no meaning of its own, in their order: what
@@ -64,28 +61,10 @@ impl ExrFile {
     /// # Errors
     /// Those of [`read`](crate::raster::read()), and [`Error::Limit`] when the layers have more than 2^28 pixels in all.
     pub fn layers(&self) -> Result<Vec<(String, Image)>> {
-        let (path, file) = (&self.path, Exr::parse(&self.path, &self.bytes)?);
-        let part = choose(path, file.headers())?.part;
-        let header = &file.headers()[part];
+        let part = choose(&self.file.path, self.file.headers())?.part;
         let is_light = |layer: &Shown| layer.rgb.iter().flatten().any(|c| c.kind != SampleType::U32);
-        let layers: Vec<Shown> = layers(header).into_iter().filter(is_light).collect();
-        let window = header.shared_attributes.display_window;
-        check_window(path, header.data_window(), window, self.bytes.len())?;
-        let all = (window.size.0 * window.size.1).saturating_mul(layers.len());
-        if all > MAX_PIXELS {
-            return Err(Error::limit(path, format!("{} layers of {all} pixels in all", layers.len()))
-                .with_hint("at most 2^28 pixels are read, all layers together"));
-        }
-        let blocks = file.blocks(part)?;
-        let images = layers.iter().map(|_| blank(path, window.size.0, window.size.1));
-        let mut images: Vec<Image> = images.collect::<Result<_>>()?;
-        let place = Placement::of(header);
-        blocks.read(
-            |block, bytes| layers.iter().map(|layer| pixels(header, &layer.rgb, block, &bytes)).collect::<Vec<_>>(),
-            |block, layers| {
-                images.iter_mut().zip(&layers).for_each(|(image, pixels)| place.copy(image, block, pixels));
-            },
-        )?;
+        let layers: Vec<Shown> = layers(&self.file.headers()[part]).into_iter().filter(is_light).collect();
+        let images = read_layers(&self.file, part, &layers)?;
         Ok(layers.into_iter().map(|layer| layer.name).zip(images).collect())
     }
 
@@ -95,26 +74,25 @@ impl ExrFile {
     /// [`Error::Limit`] as in [`read`](crate::raster::read()); [`Error::Unsupported`] for a cropped, deep or subsampled
     /// image.
     pub fn size(&self) -> Result<(usize, usize)> {
-        let file = Exr::parse(&self.path, &self.bytes)?;
-        let header = &file.headers()[0];
+        let header = &self.file.headers()[0];
         let (data, window) = (header.data_window(), header.shared_attributes.display_window);
-        check_window(&self.path, data, window, self.bytes.len())?;
+        check_window(&self.file.path, data, window, self.file.bytes.len())?;
         let plain = header.channels.list.iter().all(|c| c.sampling == Vec2(1, 1)) && !header.deep;
         if data != window || !plain {
-            return Err(Error::unsupported(&self.path, "cropped, deep or subsampled OpenEXR data are not read here")
-                .with_hint("take the file as it was written, not as another program saved it"));
+            return Err(Error::unsupported(
+                &self.file.path,
+                "cropped, deep or subsampled OpenEXR data are not read here",
+            )
+            .with_hint("take the file as it was written, not as another program saved it"));
         }
         Ok(window.size.into())
     }
 
     /// Whether the first part of the file has a channel of unsigned integers with this name.
-    ///
-    /// # Errors
-    /// [`Error::Input`] for a damaged header.
-    pub fn counts(&self, name: &str) -> Result<bool> {
-        let file = Exr::parse(&self.path, &self.bytes)?;
-        let mut channels = file.headers()[0].channels.list.iter();
-        Ok(channels.any(|channel| channel.sample_type == SampleType::U32 && channel.name == *name))
+    #[must_use]
+    pub fn counts(&self, name: &str) -> bool {
+        let mut channels = self.file.headers()[0].channels.list.iter();
+        channels.any(|channel| channel.sample_type == SampleType::U32 && channel.name == *name)
     }
 
     /// Reads channels of unsigned integers from the first part of the file. When they are known to be there, `start`
@@ -129,8 +107,7 @@ impl ExrFile {
         mut set: impl FnMut(&mut T, usize, usize, u32),
     ) -> Result<T> {
         let (width, _) = self.size()?;
-        let file = Exr::parse(&self.path, &self.bytes)?;
-        let header = &file.headers()[0];
+        let header = &self.file.headers()[0];
         // Bytes of a pixel before each channel.
         let mut before = std::collections::HashMap::new();
         let mut sum = 0;
@@ -142,7 +119,7 @@ impl ExrFile {
         }
         let find = |name: &String| before.get(name).copied().ok_or_else(|| self.missing(name));
         let places: Vec<usize> = names.iter().map(find).collect::<Result<_>>()?;
-        let blocks = file.blocks(0)?;
+        let blocks = self.file.blocks(0)?;
         let mut result = start()?;
         blocks.read(
             |_, bytes| bytes,
@@ -166,6 +143,6 @@ impl ExrFile {
     }
 
     fn missing(&self, name: &str) -> Error {
-        Error::input(&self.path, format!("there is no channel {name:?} of unsigned integers"))
+        Error::input(&self.file.path, format!("there is no channel {name:?} of unsigned integers"))
     }
 }

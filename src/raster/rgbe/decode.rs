@@ -116,7 +116,6 @@ fn axis(name: &str, length: &str) -> Option<Axis> {
     Some(Axis { vertical, reversed, length: length.parse::<u32>().ok()? as usize })
 }
 
-/// The scan lines while they are being read.
 struct Input<'a> {
     path: &'a Path,
     bytes: &'a [u8],

@@ -93,9 +93,9 @@ impl Part {
             Some(names) => Some(PathClasses::parse(names).ok_or_else(|| wrong(PATHS))?),
             None => None,
         };
-        let splats = file.counts("splats.sums.R0")?;
+        let splats = file.counts("splats.sums.R0");
         let (names, slots): (Vec<String>, Vec<_>) = slots(classes, splats).into_iter().unzip();
-        if ranges.is_complete() && !file.counts(&names[0])? {
+        if ranges.is_complete() && !file.counts(&names[0]) {
             return Err(Error::input(path, format!("the render is complete: all {} samples are there", ranges.spp()))
                 .with_hint("a complete image has no sums, unless it was rendered with `resume`"));
         }

@@ -6,8 +6,8 @@ mod place;
 mod real;
 mod surface;
 
-use etalon::import::Imported;
-use etalon::import::collada::{ColladaOptions, read};
+use etalon::import::collada::read;
+use etalon::import::{Imported, SceneOptions};
 use etalon::math::Rgb;
 use etalon::scene::{
     Conductor, Distribution, Emission, EmitterVisibility, Falloff, Light, Material, Object, Projection, Rectangle,
@@ -32,7 +32,7 @@ fn read_text(text: &str) -> Result<Imported> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.dae");
     std::fs::write(&path, text).unwrap();
-    read(&path, &ColladaOptions::default())
+    read(&path, &SceneOptions::default())
 }
 
 #[track_caller]
@@ -136,12 +136,12 @@ fn broken_xml_is_refused_with_its_place() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.dae");
     std::fs::write(&path, b"<a>\xe9</a>").unwrap();
-    let error = read(&path, &ColladaOptions::default()).unwrap_err();
+    let error = read(&path, &SceneOptions::default()).unwrap_err();
     assert!(error.to_string().contains("s.dae, byte 3: not UTF-8"), "{error}");
     let dos = format!("\u{feff}{}", whole.replace('\n', "\r\n"));
     assert_eq!(read_text(&dos).unwrap().scene.objects[0].shape, read_text(&whole).unwrap().scene.objects[0].shape);
     fails(&dos.replacen("1 1 0", "1 ! 0", 1), "s.dae:7:63: \"!\" is not a finite number");
-    assert!(matches!(read(Path::new("no/such.dae"), &ColladaOptions::default()), Err(Error::Io { .. })));
+    assert!(matches!(read(Path::new("no/such.dae"), &SceneOptions::default()), Err(Error::Io { .. })));
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn the_camera_stands_where_the_course_puts_it() {
     let camera = read_text(&more("", second)).unwrap().scene.camera;
     assert!(camera.position.abs_diff_eq(DVec3::new(-1.5 * 5f64.sqrt(), 0.5, 0.0), 1e-12), "{}", camera.position);
     fails(&more("", "").replace(aspect, ""), "<perspective> has no aspect_ratio");
-    fails(&more("", "").replace(">60<", ">180<"), "s.dae:4:60: <xfov> must be between 0 and 180, not 180");
+    fails(&more("", "").replace(">60<", ">180<"), "s.dae:4:60: <xfov> must be between 0 and 180 degrees, not 180");
     fails(&more("", "").replace("perspective", "orthographic"), "only <perspective> cameras");
     fails(&scene("Y_UP", "", QUAD), "the scene has no camera");
     fails(&scene("Y_UP", "", CAMERA), "the scene has nothing to look at");
@@ -111,7 +111,7 @@ fn a_settings_file_is_taken_as_it_stands() {
     std::fs::write(&path, scene("Y_UP", "", QUAD)).unwrap();
     let with = |text: &str, resolution| {
         std::fs::write(&settings, text).unwrap();
-        read(&path, &ColladaOptions { resolution, settings: Some(&settings) })
+        read(&path, &SceneOptions { resolution, camera: Some(&settings), ..SceneOptions::default() })
     };
     let imported = with(SETTINGS, None).unwrap();
     let camera = imported.scene.camera;

@@ -12,7 +12,7 @@ fn asset(name: &str) -> Option<PathBuf> {
 }
 
 fn sized(path: &Path, resolution: [usize; 2]) -> Imported {
-    read(path, &ColladaOptions { resolution: Some(resolution), settings: None }).unwrap()
+    read(path, &SceneOptions { resolution: Some(resolution), ..SceneOptions::default() }).unwrap()
 }
 
 fn counts(imported: &Imported) -> [usize; 3] {
@@ -46,7 +46,7 @@ fn the_courses_boxes_have_their_known_cameras() {
                 Request { width: resolution[0], height: resolution[1], spp: 1, light_samples: 1, max_depth: 1 };
             assert_eq!(imported.request, request);
         }
-        let imported = read(&path, &ColladaOptions::default()).unwrap();
+        let imported = read(&path, &SceneOptions::default()).unwrap();
         assert_eq!((imported.request.width, imported.request.height), (800, 600));
         assert_eq!(imported.warnings, [""; 0], "{name}");
     }
@@ -147,7 +147,7 @@ fn mesh_of(object: &Object) -> Option<(&etalon::scene::Mesh, Material)> {
 #[test]
 fn a_file_cut_off_in_its_numbers_says_so() {
     let Some(path) = asset("hostile/other/dragon_TRUNCATED_midarray.dae") else { return };
-    let error = read(&path, &ColladaOptions::default()).unwrap_err();
+    let error = read(&path, &SceneOptions::default()).unwrap_err();
     assert!(matches!(error, Error::Input { .. }) && error.hint().is_some(), "{error:?}");
     assert!(error.to_string().contains("the file ends in the middle"), "{error}");
 }

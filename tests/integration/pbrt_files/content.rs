@@ -6,7 +6,7 @@ use glam::Vec2;
 #[test]
 fn lights_lie_as_pbrt_lays_them() {
     let light = |transform: &str| {
-        let text = in_world(&format!("{transform} LightSource \"infinite\" \"string mapname\" \"m\""));
+        let text = in_world(&format!("{transform} LightSource \"infinite\" \"string mapname\" \"m.exr\""));
         read(&text).unwrap().scene.environment.unwrap()
     };
     // pbrt's light space: row 0 at +z, u = 0 at +x, u = 1/4 at +y.

@@ -4,9 +4,9 @@ mod content;
 mod refusals;
 
 use etalon::envmap::EnvMap;
-use etalon::import::{Imported, pbrt};
+use etalon::import::{Imported, SceneOptions, pbrt};
 use etalon::math::Rgb;
-use etalon::raster::Image;
+use etalon::raster::{Image, Metadata};
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
 use etalon::scene::{
     Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Object,
@@ -14,24 +14,34 @@ use etalon::scene::{
 };
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Every texel of the test map has its own colour.
-fn stub(_: &Path) -> Result<Image> {
-    Ok(Image::from_fn(16, 8, |x, y| Rgb::new(x as f32, y as f32, 1.0)))
+fn map() -> Image {
+    Image::from_fn(16, 8, |x, y| Rgb::new(x as f32, y as f32, 1.0))
+}
+
+fn write_map(path: &Path, map: &Image) {
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    etalon::raster::write(path, map, &Metadata::default()).unwrap();
 }
 
 fn read_file(path: &Path) -> Result<Imported> {
-    pbrt::read(path, &pbrt::PbrtOptions { environment: None, load_map: &stub })
+    pbrt::read(path, &SceneOptions::default())
 }
 
-/// Reads the first of `files` from a folder that holds them all.
+/// Reads the first of `files` from a folder that holds them all, and the test map, if it is named.
 fn read_files(files: &[(&str, &[u8])]) -> Result<Imported> {
     let dir = tempfile::tempdir().unwrap();
     for (name, bytes) in files {
         std::fs::create_dir_all(dir.path().join(name).parent().unwrap()).unwrap();
         std::fs::write(dir.path().join(name), bytes).unwrap();
+    }
+    for name in ["m.exr", "maps/m.exr"] {
+        if files.iter().any(|(_, bytes)| String::from_utf8_lossy(bytes).contains(&format!("\"{name}\""))) {
+            write_map(&dir.path().join(name), &map());
+        }
     }
     read_file(&dir.path().join(files[0].0))
 }
@@ -98,14 +108,14 @@ fn the_first_reports_file_is_its_built_in_scene() {
         println!("skipped: {} is missing", path.display());
         return;
     }
-    let asked = std::cell::RefCell::new(PathBuf::new());
-    let load = |path: &Path| {
-        *asked.borrow_mut() = path.into();
-        stub(path)
-    };
-    let found = pbrt::read(&path, &pbrt::PbrtOptions { environment: None, load_map: &load }).unwrap();
-    assert_eq!(*asked.borrow(), path.with_file_name("textures/grace_latlong.exr"));
-    let map = Arc::new(EnvMap::new(stub(&path).unwrap()));
+    let dir = tempfile::tempdir().unwrap();
+    let scene = dir.path().join("simple_sphere.pbrt");
+    std::fs::copy(path, &scene).unwrap();
+    let file = dir.path().join("textures/grace_latlong.exr");
+    write_map(&file, &map());
+    let found = read_file(&scene).unwrap();
+    assert_eq!(found.map, Some(file));
+    let map = Arc::new(EnvMap::new(map()));
     let (scene, request) = sphere_env(Environment::upright(map, "", SPHERE_ENV_SCALE));
     assert_eq!(found.scene.camera, scene.camera);
     assert_eq!(found.request, Request { spp: 4, ..request });
@@ -148,22 +158,24 @@ fn a_small_scene_is_read_whole() {
 fn maps_are_loaded_or_stood_in_for() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.pbrt");
-    let load = |text: &str, load_map: &dyn Fn(&Path) -> Result<Image>| {
+    let file = dir.path().join("m.exr");
+    let load = |text: &str| {
         std::fs::write(&path, in_world(text)).unwrap();
-        pbrt::read(&path, &pbrt::PbrtOptions { environment: None, load_map })
+        read_file(&path)
     };
+    write_map(&file, &Image::new(4, 4));
     let v4 = "LightSource \"infinite\" \"string filename\" \"m.exr\"";
-    let error = fails(load(v4, &|_| Ok(Image::new(4, 4))), "s.pbrt:7:24: the map \"m.exr\" (4 x 4) is not lat-long");
+    let error = fails(load(v4), "s.pbrt:7:24: the map \"m.exr\" (4 x 4) is not lat-long");
     assert!(matches!(error, Error::Unsupported { .. }) && error.hint().is_some());
     // A missing map is reported where the file names it, other trouble where it is.
     let light = "LightSource \"infinite\"\n\"string mapname\" \"m.exr\"";
-    let missing = load(light, &|path| Err(Error::io(path, std::io::ErrorKind::NotFound.into())));
-    assert!(fails(missing, "s.pbrt:8:1: cannot read the map").hint().is_some());
-    fails(load(light, &|path| Err(Error::input(path, "broken"))), "m.exr: broken");
+    std::fs::write(&file, b"broken").unwrap();
+    fails(load(light), "m.exr: this is a text file");
+    std::fs::remove_file(&file).unwrap();
+    assert!(fails(load(light), "s.pbrt:8:1: cannot read").hint().is_some());
     // A map that is given stands in for the file's, which is not opened.
-    let refuse = |_: &Path| -> Result<Image> { panic!("opened") };
     let given = Some((Arc::new(EnvMap::new(Image::new(3, 3))), "given".to_owned()));
-    let options = pbrt::PbrtOptions { environment: given, load_map: &refuse };
+    let options = SceneOptions { environment: given, ..SceneOptions::default() };
     let environment = pbrt::read(&path, &options).unwrap().scene.environment.unwrap();
     assert_eq!((environment.source.as_str(), environment.map.geometry().width()), ("given", 3));
     std::fs::write(&path, in_world("LightSource \"infinite\"")).unwrap();

@@ -115,6 +115,22 @@ fn what_is_wrong_is_refused_with_its_place() {
         ("Camera \"perspective\"", ":7:1: Camera belongs before WorldBegin"),
         ("  [", ":7:3: expected a directive, not \"[\""),
         ("Shape \"sphere\" \"float radius\" [0]", ":7:16: Shape \"sphere\": \"float radius\" must be positive"),
+        ("Shape \"sphere\" \"float radius\" [1 2]", "needs 1 number, not 2"),
+        ("Shape \"sphere\" \"float radius\" \"1\"", "has values of another type"),
+        ("Shape \"sphere\" \"float radius\" [1 \"a\"]", ":7:34: "),
+        ("Shape \"sphere\" \"float radius\" [1 [2]]", ":7:34: "),
+        ("Shape \"sphere\" \"float radius\" []", ":7:32: "),
+        ("Shape \"sphere\" \"float radius\" ]", ":7:31: "),
+        ("Shape \"sphere\" \"float radius\" Shape", ":7:31: "),
+        ("Shape \"sphere\" \"integer radius\" 1", "is not of type float"),
+        ("Shape \"sphere\" \"float\" 1", "is not a type and a name"),
+        ("Shape \"sphere\" \"float r r\" 1", "is not a type and a name"),
+        ("Shape \"sphere\" \"double r\" 1", "unknown type"),
+        ("Shape \"sphere\" \"float a\" 1 \"integer a\" 1", ":7:28: Shape \"sphere\" already has the parameter"),
+        ("Shape sphere", ":7:7: Shape needs its kind in double quotes, not \"sphere\""),
+        ("Shape \"plymesh\" \"string filename\" [\"a\" \"b\"]", "needs one string"),
+        ("AreaLightSource \"diffuse\" \"bool twosided\" \"yes\"", "needs true or false"),
+        ("LightSource \"infinite\" \"integer nsamples\" 2.5", "must be a whole number from 1"),
         ("Shape \"sphere\" \"float radius\" nan", "needs a value, not \"nan\""),
         ("Shape \"sphere\" \"float radius\" 1e30", "out of range"),
         ("Translate 1e30 0 0 Shape \"sphere\"", "out of range"),
@@ -166,6 +182,9 @@ fn what_is_wrong_is_refused_with_its_place() {
     ] {
         fails(with_options(text), message);
     }
+    fails(read("Film"), ":1:1: the file ends where Film needs its kind");
+    fails(read("Film \"rgb\" \"float r\""), ":1:12: the file ends where Film \"rgb\": \"float r\" needs a value");
+    fails(read("Film \"rgb\" \"float r\" ["), ":1:22: Film \"rgb\": \"float r\": this bracket is never closed");
     fails(read(""), "scene.pbrt: the file has no WorldBegin");
     fails(read("WorldBegin WorldEnd"), "scene.pbrt: the file sets no camera");
     assert!(matches!(read_file(Path::new("no/such.pbrt")), Err(Error::Io { .. })));
@@ -208,6 +227,7 @@ fn token_soup_breaks_nothing() {
     };
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("soup.pbrt");
+    write_map(&dir.path().join("maps/m.exr"), &map());
     let mut whole = 0;
     for round in 0..3000 {
         let soup: Vec<&str> = if round % 2 == 0 {

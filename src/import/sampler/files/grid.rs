@@ -3,15 +3,12 @@
 use super::lines::Lines;
 use crate::envmap::LatLong;
 use crate::error::{Error, Result};
-use crate::import::place::quote;
-use crate::import::sampler::number::number;
+use crate::import::sampler::Coordinates;
 use crate::memory;
 use crate::raster::{self, ReadOptions};
-use etalon_stats::{Density, Directions, Discrete, Domain, Line, Pole, Square};
-use std::f64::consts::PI;
+use etalon_stats::{Density, Directions, Pole};
 use std::path::Path;
 
-/// Most values of a table.
 const VALUES: usize = 1 << 24;
 
 /// Values on rectangles of a domain's chart; its mass is declared to be 1.
@@ -24,59 +21,15 @@ pub struct GridDensity<D> {
     values: Vec<f64>,
 }
 
-/// A table of numbers, row by row.
-#[derive(Debug)]
-struct Table {
-    rows: usize,
-    columns: usize,
-    values: Vec<f64>,
-}
-
-/// How the cells of a table lie in the chart of a domain.
-pub trait Gridded: Domain + Copy {
-    /// Whether a row of the table is a step along the chart's second axis.
-    const TRANSPOSED: bool;
-
-    /// Where on the chart's first axis the share `t` of the table's extent is.
-    fn first(&self, t: f64) -> f64 {
-        t
-    }
-}
-
-/// Rows: equal steps of θ from the pole; columns: equal steps of φ from +x towards +y. Values per sr.
-impl Gridded for Directions {
-    const TRANSPOSED: bool = false;
-
-    fn first(&self, t: f64) -> f64 {
-        // 1 − cos θ without the subtraction.
-        if self.half { 2.0 * (0.25 * PI * t).sin().powi(2) } else { (0.5 * PI * t).sin().powi(2) }
-    }
-}
-
-/// Rows: equal steps of y; columns: equal steps of x.
-impl Gridded for Square {
-    const TRANSPOSED: bool = true;
-}
-
-/// A row or a column of equal steps.
-impl Gridded for Line {
-    const TRANSPOSED: bool = false;
-}
-
-/// A row or a column of the probabilities.
-impl Gridded for Discrete {
-    const TRANSPOSED: bool = false;
-}
-
 /// Lines that divide 0 to 1 into `n` equal parts.
 fn divide(n: usize) -> impl Iterator<Item = f64> {
     (1..n).map(move |i| i as f64 / n as f64)
 }
 
-impl<D: Gridded> GridDensity<D> {
+impl<D: Coordinates> GridDensity<D> {
     /// Reads a table of numbers without a header: rows of equal length, with commas.
     pub fn read_csv(domain: D, path: &Path) -> Result<Self> {
-        let Table { mut rows, mut columns, values } = Table::read(path)?;
+        let (mut rows, mut columns, values) = read_table(path)?;
         if !domain.is_plane() {
             if rows > 1 && columns > 1 {
                 return Err(Error::input(path, format!("{rows} × {columns} values where a row or a column belongs")));
@@ -146,7 +99,7 @@ impl GridDensity<Directions> {
     }
 }
 
-impl<D: Gridded> Density<D::Point> for GridDensity<D> {
+impl<D: Coordinates> Density<D::Point> for GridDensity<D> {
     fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         out.extend(points.iter().map(|&point| self.value(point)));
         Ok(())
@@ -157,34 +110,19 @@ impl<D: Gridded> Density<D::Point> for GridDensity<D> {
     }
 }
 
-impl Table {
-    fn read(path: &Path) -> Result<Self> {
-        let mut lines = Lines::open(path)?;
-        let (mut rows, mut columns, mut values) = (0, 0, Vec::new());
-        while let Some(line) = lines.next()? {
-            let before = values.len();
-            let wrong = line.split(',').find_map(|word| match number(word.trim()) {
-                Some(value) if !value.is_nan() => {
-                    values.push(value);
-                    None
-                }
-                _ => Some(format!("{} is not a number", quote(word.trim()))),
-            });
-            if let Some(message) = wrong {
-                return Err(lines.error(message));
-            }
-            let length = values.len() - before;
-            if rows > 0 && length != columns {
-                return Err(lines.error(format!("{length} numbers in a row, {columns} in those before")));
-            }
-            if values.len() > VALUES {
-                return Err(Error::limit(path, format!("more than {VALUES} values")));
-            }
-            (rows, columns) = (rows + 1, length);
+/// A table without a header: the number of its rows and columns, and the values row by row.
+fn read_table(path: &Path) -> Result<(usize, usize, Vec<f64>)> {
+    let mut lines = Lines::open(path)?;
+    let (mut rows, mut columns, mut values) = (0, 0, Vec::new());
+    while let Some(row) = lines.numbers()? {
+        if rows > 0 && row.len() != columns {
+            return Err(lines.error(format!("{} numbers in a row, {columns} in those before", row.len())));
         }
-        if values.is_empty() {
-            return Err(Error::input(path, "the file is empty"));
+        (rows, columns) = (rows + 1, row.len());
+        values.extend(row);
+        if values.len() > VALUES {
+            return Err(Error::limit(path, format!("more than {VALUES} values")));
         }
-        Ok(Self { rows, columns, values })
     }
+    if values.is_empty() { Err(Error::input(path, "the file is empty")) } else { Ok((rows, columns, values)) }
 }

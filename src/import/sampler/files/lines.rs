@@ -2,6 +2,8 @@
 
 use crate::error::{Error, Place, Result};
 use crate::files::without_bom;
+use crate::import::number::real;
+use crate::import::place::quote;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -9,7 +11,6 @@ use std::path::{Path, PathBuf};
 /// Longest line, in bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// A text file that is being read.
 pub struct Lines {
     path: PathBuf,
     file: BufReader<File>,
@@ -30,7 +31,6 @@ impl Lines {
         Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -61,5 +61,13 @@ impl Lines {
         }
         let text = std::str::from_utf8(&self.line).map_err(|_| self.error("the line is not UTF-8"))?;
         Ok(Some(text.trim()))
+    }
+
+    /// The numbers of the next line that is not empty, with commas between them; none of them is NaN.
+    pub fn numbers(&mut self) -> Result<Option<Vec<f64>>> {
+        let Some(line) = self.next()? else { return Ok(None) };
+        let number = |word: &str| real(word.trim()).ok_or_else(|| format!("{} is not a number", quote(word.trim())));
+        let numbers: std::result::Result<Vec<f64>, String> = line.split(',').map(number).collect();
+        numbers.map(Some).map_err(|message| self.error(message))
     }
 }

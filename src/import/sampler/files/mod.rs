@@ -1,11 +1,11 @@
 //! Samples and a pdf from files, for samplers that cannot be called.
 //!
-//! Samples: CSV with a header, one point a row (see [`Row`]) and perhaps its pdf in a column `pdf`. The pdf: a grid of
+//! Samples: CSV with a header, one point a row (see [`Coordinates`](super::Coordinates)) and perhaps its pdf in a column `pdf`. The pdf: a grid of
 //! values, each constant over its part of the domain (see [`GridDensity`]).
 
 mod grid;
 mod lines;
 mod samples;
 
-pub use grid::{GridDensity, Gridded};
-pub use samples::{Row, SampleFile};
+pub use grid::GridDensity;
+pub use samples::SampleFile;

@@ -1,65 +1,13 @@
 //! Samples from a file: a sampler of finitely many.
 
-use super::grid::{GridDensity, Gridded};
+use super::grid::GridDensity;
 use super::lines::Lines;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
-use crate::import::sampler::number::number;
-use etalon_stats::{Directions, Discrete, Line, Pole, Sample, Sampler, Square};
+use crate::import::sampler::Coordinates;
+use etalon_stats::{Sample, Sampler};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// A domain whose points can be rows of a table.
-pub trait Row: Gridded {
-    /// The headers that say what the columns are.
-    const HEADERS: &'static [&'static [&'static str]];
-
-    /// The point of a row under header number `header`; `None` if no point can have these numbers.
-    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<Self::Point>;
-}
-
-/// Unit vectors, or angles in radians: θ from the pole, and φ.
-impl Row for Directions {
-    const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y", "z"], &["theta", "phi"]];
-
-    fn point_of(&self, header: usize, numbers: &[f64]) -> Option<[f64; 3]> {
-        if header == 0 {
-            return Some([numbers[0], numbers[1], numbers[2]]);
-        }
-        let (sin, cos) = numbers[0].sin_cos();
-        let (sin_phi, cos_phi) = numbers[1].sin_cos();
-        // φ of a lat-long image goes from +x towards +z.
-        Some(match self.pole {
-            Pole::Z => [sin * cos_phi, sin * sin_phi, cos],
-            Pole::Y => [sin * cos_phi, cos, sin * sin_phi],
-        })
-    }
-}
-
-impl Row for Square {
-    const HEADERS: &'static [&'static [&'static str]] = &[&["x", "y"]];
-
-    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<[f64; 2]> {
-        Some([numbers[0], numbers[1]])
-    }
-}
-
-impl Row for Line {
-    const HEADERS: &'static [&'static [&'static str]] = &[&["x"]];
-
-    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<f64> {
-        Some(numbers[0])
-    }
-}
-
-impl Row for Discrete {
-    const HEADERS: &'static [&'static [&'static str]] = &[&["i"]];
-
-    fn point_of(&self, _: usize, numbers: &[f64]) -> Option<usize> {
-        let whole = numbers[0] >= 0.0 && numbers[0].fract() == 0.0 && numbers[0] < 2f64.powi(53);
-        whole.then_some(numbers[0] as usize)
-    }
-}
 
 /// A file of samples that is read once, from the beginning to the end.
 ///
@@ -76,11 +24,10 @@ struct Reader {
     pdf: Option<usize>,
     header: usize,
     left: u64,
-    /// The numbers of a row.
     row: Vec<f64>,
 }
 
-impl<D: Row> SampleFile<D> {
+impl<D: Coordinates> SampleFile<D> {
     /// Opens the file at `path`, which should hold samples of `density`, and counts its rows.
     pub fn open(path: &Path, density: Arc<GridDensity<D>>) -> Result<Self> {
         let mut counted = Lines::open(path)?;
@@ -92,18 +39,18 @@ impl<D: Row> SampleFile<D> {
         let Some(line) = lines.next()? else { return Err(Error::input(path, "the file is empty")) };
         let names: Vec<String> = line.split(',').map(|name| name.trim().to_lowercase()).collect();
         let find = |name: &str| names.iter().position(|other| other == name);
-        let found = D::HEADERS.iter().enumerate().find_map(|(header, wanted)| {
+        let found = D::NAMES.iter().enumerate().find_map(|(header, wanted)| {
             Some((header, wanted.iter().map(|name| find(name)).collect::<Option<Vec<usize>>>()?))
         });
         let Some((header, columns)) = found else {
-            let wanted: Vec<String> = D::HEADERS.iter().map(|header| header.join(",")).collect();
+            let wanted: Vec<String> = D::NAMES.iter().map(|header| header.join(",")).collect();
             let message = format!("the header {} has no columns {}", quote(&names.join(",")), wanted.join(" or "));
             return Err(lines.error(message));
         };
         let pdf = find("pdf");
         // A column that nobody asked for, or for the second time.
         if let Some(i) = (0..names.len()).find(|i| !columns.contains(i) && pdf != Some(*i)) {
-            let (name, wanted) = (quote(&names[i]), D::HEADERS[header].join(","));
+            let (name, wanted) = (quote(&names[i]), D::NAMES[header].join(","));
             return Err(lines.error(format!("the column {name} has no meaning beside {wanted} and pdf")));
         }
         let reader = Reader { lines, columns, pdf, header, left: rows - 1, row: Vec::new() };
@@ -120,14 +67,8 @@ impl Reader {
     /// Reads the next row: the numbers of the point, and the pdf if there is one.
     fn next(&mut self) -> Result<Option<f64>> {
         self.left = self.left.saturating_sub(1);
-        let Some(line) = self.lines.next()? else {
+        let Some(numbers) = self.lines.numbers()? else {
             return Err(Error::input(self.lines.path(), "the file ends early: it was changed"));
-        };
-        let numbers: Option<Vec<f64>> =
-            line.split(',').map(|word| number(word.trim()).filter(|x| !x.is_nan())).collect();
-        let Some(numbers) = numbers else {
-            let message = format!("{} is not a row of numbers as the header says", quote(line));
-            return Err(self.lines.error(message));
         };
         let (found, columns) = (numbers.len(), self.columns.len() + usize::from(self.pdf.is_some()));
         if found != columns {
@@ -139,7 +80,7 @@ impl Reader {
     }
 }
 
-impl<D: Row + Send> Sampler<D::Point> for SampleFile<D> {
+impl<D: Coordinates> Sampler<D::Point> for SampleFile<D> {
     /// The random numbers only count the samples.
     fn dimension(&self) -> usize {
         1
@@ -149,7 +90,7 @@ impl<D: Row + Send> Sampler<D::Point> for SampleFile<D> {
         let mut reader = self.reader();
         for _ in u {
             let claimed = reader.next()?;
-            let Some(point) = self.density.domain().point_of(reader.header, &reader.row) else {
+            let Some(point) = self.density.domain().point(reader.header, &reader.row) else {
                 return Err(reader.lines.error("no point of the domain has such numbers").into());
             };
             let agreed = |claimed: f64| match self.density.agrees(point, claimed) {

@@ -2,23 +2,20 @@
 
 use super::connection::{Connection, violation};
 use crate::error::Result;
+use crate::import::number::number;
 use crate::import::place::quote;
-use crate::import::sampler::number::number;
 use crate::import::sampler::space::Space;
 use etalon_stats::Mass;
 use std::collections::HashSet;
 
-/// The version of the protocol.
 const VERSION: &str = "1";
 /// Most random numbers of one sample.
 const DIMENSIONS: usize = 64;
-/// Most atoms.
 const ATOMS: usize = 4096;
 
 /// A program's description of its sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Handshake {
-    /// For messages and reports.
     pub name: String,
     /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
     pub dimension: usize,

@@ -24,10 +24,10 @@ mod process;
 pub use answer::Answer;
 pub use connection::Connection;
 
-use super::coordinates::{Coordinates, write_numbers};
-use super::number::Words;
+use super::domain::{Coordinates, write_numbers};
 use super::space::Space;
 use crate::error::{Error, Result};
+use crate::import::number::real;
 use crate::import::place::quote;
 use connection::violation;
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
@@ -85,97 +85,97 @@ impl Client {
         self.space
     }
 
-    /// The program as a sampler and pdf of points of [`space`](Self::space).
+    /// The program as a sampler and pdf over `domain`, which is [`space`](Self::space).
     ///
     /// # Errors
     /// [`Error::Input`] for a malformed atom.
-    pub fn over<P: Coordinates>(self) -> Result<Program<P>> {
+    pub fn over<D: Coordinates>(self, domain: D) -> Result<Program<D>> {
         let Self { connection, handshake, .. } = self;
-        let read = |line: &String| {
-            let mut words = Words::new(line);
-            let atom = Atom { point: P::read(&mut words)?, probability: words.number()? };
-            (words.is_empty() && (0.0..=1.0).contains(&atom.probability)).then_some(atom)
+        let read = |line: &str| {
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            let (probability, point) = words.split_last()?;
+            let probability = real(probability).filter(|p| (0.0..=1.0).contains(p))?;
+            Some(Atom { point: domain.read(point)?, probability })
         };
         let of_line = |line: &String| {
-            let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), P::WORDS);
+            let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
             read(line).ok_or_else(|| violation(connection.name(), wrong()))
         };
         let atoms = handshake.atoms.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Program { name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
+        Ok(Program { domain, name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
     }
 }
 
-/// A running program: the sampler and the pdf of points `P`. One request is in flight at a time.
-pub struct Program<P> {
+/// The words of a point, for messages.
+fn words<D: Coordinates>() -> String {
+    D::NAMES[0].join(" ")
+}
+
+/// A running program: the sampler and the pdf over a domain. One request is in flight at a time.
+pub struct Program<D: Coordinates> {
+    domain: D,
     /// The connection's, for messages.
     name: String,
     connection: Mutex<Box<dyn Connection>>,
     handshake: Handshake,
-    atoms: Vec<Atom<P>>,
+    atoms: Vec<Atom<D::Point>>,
 }
 
-impl<P: Coordinates> Program<P> {
-    /// Asks `verb` for `count` lines and reads each by `read`, which also has to use up the words.
+impl<D: Coordinates> Program<D> {
+    /// Asks `verb` for `count` lines and reads the words of each by `read`.
     fn ask<T>(
         &self,
         verb: &str,
         count: usize,
         request: String,
         expected: &str,
-        read: impl Fn(&mut Words<'_>) -> Option<T>,
+        read: impl Fn(&[&str]) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
         let answer = self.connection.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
         let wrong = |message| violation(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
-            let mut words = Words::new(line);
-            let value = read(&mut words).filter(|_| words.is_empty()).ok_or_else(|| {
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            values.push(read(&words).ok_or_else(|| {
                 let asked =
-                    request.lines().nth(i + 1).map_or_else(String::new, |line| format!(" (for {})", quote(line)));
+                    request.lines().nth(i + 1).map_or_else(String::new, |asked| format!(" (for {})", quote(asked)));
                 let (number, line) = (i + 1, quote(line));
                 wrong(format!("line {number} of the answer is {line}{asked}, not {expected}; NaN is no number"))
-            })?;
-            values.push(value);
+            })?);
         }
         if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
     }
 
-    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<P>>>> {
-        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", P::WORDS);
-        self.ask("sample", count, request, &expected, read_sample)
+    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<D::Point>>>> {
+        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", words::<D>());
+        self.ask("sample", count, request, &expected, |words| match words {
+            ["none"] => Some(None),
+            ["atom", point @ ..] => Some(Some(Sample::atom(self.domain.read(point)?))),
+            [point @ .., pdf] if point.len() == D::NAMES[0].len() => {
+                Some(Some(Sample::with_pdf(self.domain.read(point)?, real(pdf)?)))
+            }
+            point => Some(Some(Sample::new(self.domain.read(point)?))),
+        })
     }
 
     /// The request for something at each of `points`.
-    fn at_points(&self, verb: &str, points: &[P]) -> String {
+    fn at_points(&self, verb: &str, points: &[D::Point]) -> String {
         let mut request = format!("{verb} {}\n", points.len());
-        for point in points {
-            point.write(&mut request);
+        for &point in points {
+            D::write(point, &mut request);
             request.push('\n');
         }
         request
     }
 }
 
-/// A line of an answer to `sample`; the outer `None` is an error.
-fn read_sample<P: Coordinates>(words: &mut Words<'_>) -> Option<Option<Sample<P>>> {
-    if words.accept("none") {
-        return Some(None);
-    }
-    if words.accept("atom") {
-        return P::read(words).map(|point| Some(Sample::atom(point)));
-    }
-    let point = P::read(words)?;
-    let pdf = if words.is_empty() { None } else { Some(words.number()?) };
-    Some(Some(Sample { point, pdf, atom: false }))
-}
-
-impl<P: Coordinates> Sampler<P> for Program<P> {
+impl<D: Coordinates> Sampler<D::Point> for Program<D> {
     fn dimension(&self) -> usize {
         self.handshake.dimension
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
         let samples = u.chunks_exact(self.handshake.dimension.max(1));
         let count = samples.len();
         let mut request = format!("sample {count}\n");
@@ -187,21 +187,25 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
         Ok(())
     }
 
-    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<P>>>) -> etalon_stats::Result<()> {
+    fn sample_seeded(
+        &self,
+        count: usize,
+        seed: u32,
+        out: &mut Vec<Option<Sample<D::Point>>>,
+    ) -> etalon_stats::Result<()> {
         out.extend(self.ask_samples(count, format!("sample {count} {seed}\n"))?);
         Ok(())
     }
 
-    fn invert(&self, point: P) -> etalon_stats::Result<Option<Vec<f64>>> {
+    fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
         if !self.handshake.invert {
             return Ok(None);
         }
         let dimension = self.handshake.dimension;
-        let read = |words: &mut Words<'_>| {
-            if words.accept("none") {
-                return Some(None);
-            }
-            (0..dimension).map(|_| words.number()).collect::<Option<Vec<f64>>>().map(Some)
+        let read = |words: &[&str]| match words {
+            ["none"] => Some(None),
+            _ if words.len() != dimension => None,
+            _ => words.iter().map(|word| real(word)).collect::<Option<Vec<f64>>>().map(Some),
         };
         let expected = format!("{dimension} numbers or \"none\"");
         let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
@@ -209,13 +213,17 @@ impl<P: Coordinates> Sampler<P> for Program<P> {
     }
 }
 
-impl<P: Coordinates> Density<P> for Program<P> {
-    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
+impl<D: Coordinates> Density<D::Point> for Program<D> {
+    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         if points.is_empty() {
             return Ok(());
         }
         let request = self.at_points("pdf", points);
-        out.extend(self.ask("pdf", points.len(), request, "a pdf", |words| words.number())?);
+        let read_pdf = |words: &[&str]| match words {
+            [pdf] => real(pdf),
+            _ => None,
+        };
+        out.extend(self.ask("pdf", points.len(), request, "a pdf", read_pdf)?);
         Ok(())
     }
 
@@ -223,7 +231,7 @@ impl<P: Coordinates> Density<P> for Program<P> {
         self.handshake.mass
     }
 
-    fn atoms(&self) -> Vec<Atom<P>> {
+    fn atoms(&self) -> Vec<Atom<D::Point>> {
         self.atoms.clone()
     }
 }
