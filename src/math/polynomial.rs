@@ -11,9 +11,9 @@ pub(crate) fn polynomial<T: Float, const N: usize>(coefficients: &[T; N], t: T) 
     let t2 = t * t;
     let t4 = t2 * t2;
     let mut sums = [T::zero(); 4];
-    for four in coefficients.chunks_exact(4).rev() {
-        for (sum, &c) in sums.iter_mut().zip(four) {
-            *sum = *sum * t4 + c;
+    for four in coefficients.as_chunks::<4>().0.iter().rev() {
+        for i in 0..4 {
+            sums[i] = sums[i] * t4 + four[i];
         }
     }
     (sums[0] + sums[1] * t) + t2 * (sums[2] + sums[3] * t)

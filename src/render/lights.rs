@@ -7,8 +7,8 @@ use super::solids;
 use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
 use crate::error::Result;
-use crate::math::Rgb;
 use crate::math::circular::Circular;
+use crate::math::{Rgb, each};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{EmitterVisibility, Falloff, Light, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
@@ -192,7 +192,7 @@ impl RectangleLight {
     #[inline(always)]
     fn seen_from(&self, point: Vec3) -> ([[f32; 2]; 2], f32, f32) {
         let to = self.centre - point;
-        let [x, y, height] = self.axes.map(|axis| axis.dot(to));
+        let [x, y, height] = each(self.axes, |axis| axis.dot(to));
         let [hx, hy] = self.half;
         ([[x - hx, x + hx], [y - hy, y + hy]], height.abs(), -height)
     }

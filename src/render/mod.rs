@@ -35,6 +35,7 @@ mod workspace;
 
 pub use film::Dropped;
 pub use job::{Control, Job, Rendered, Silent, render};
+pub(crate) use settings::check as check_request;
 pub use settings::{Sampling, Settings};
 
 #[cfg(test)]

@@ -68,7 +68,8 @@ impl Stream for Independent {
 
     #[inline]
     fn pair_of(&self, dimension: u32, index: u32, _count: u32) -> [f64; 2] {
-        self.words(dimension, index).map(unit_f64)
+        let [a, b] = self.words(dimension, index);
+        [unit_f64(a), unit_f64(b)]
     }
 
     #[inline(always)]
@@ -78,7 +79,8 @@ impl Stream for Independent {
 
     #[inline(always)]
     fn short_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
-        Self { key }.words(dimension, index).map(|word| unit_f32((word >> 32) as u32))
+        let [a, b] = Self { key }.words(dimension, index);
+        [unit_f32((a >> 32) as u32), unit_f32((b >> 32) as u32)]
     }
 }
 
@@ -129,7 +131,8 @@ impl Stream for Sobol {
 
     #[inline(always)]
     fn short_pair(key: u64, sample: u32, _dimension: u32, index: u32, count: u32) -> [f32; 2] {
-        Self { key, sample }.words(key, index, count).map(unit_f32)
+        let [a, b] = Self { key, sample }.words(key, index, count);
+        [unit_f32(a), unit_f32(b)]
     }
 }
 

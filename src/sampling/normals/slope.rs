@@ -1,7 +1,7 @@
 //! Slopes of a Beckmann surface of α = 1, sampled by inversion: across the view, and along it by visibility.
 
-use crate::math::Real;
 use crate::math::polynomial::polynomial;
+use crate::math::{Real, each};
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// Lower bound of u and 1 − u in logarithms, smaller than every random number of 53 bits except 0.
@@ -20,11 +20,11 @@ pub(super) fn normal<T: Real>(u: T) -> T {
     let w = -(real(4.0) * below * above).logarithm();
     let x = below - above;
     // Evaluate both branches and select, so that a loop vectorizes.
-    let centre = polynomial(&CENTRE.map(real), w * real(1.0 / 3.0) - T::one());
+    let centre = polynomial(&each(CENTRE, real), w * real(1.0 / 3.0) - T::one());
     let root = w.max(real(6.0)).sqrt();
     const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
     let place = (real(2.0) / root - real(ENDS[0] + ENDS[1])) * real(1.0 / (ENDS[1] - ENDS[0]));
-    let tails = root * polynomial(&TAILS.map(real), place);
+    let tails = root * polynomial(&each(TAILS, real), place);
     x * if w < real(6.0) { centre } else { tails }
 }
 
@@ -142,7 +142,7 @@ const TAILS: [f64; 12] = [
 #[inline(always)]
 fn erfcx<T: Real>(x: T) -> T {
     let y = T::one() / (x + T::from_f64(3.0));
-    polynomial(&SCALED_TAIL.map(T::from_f64), T::one() - T::from_f64(6.0) * y) * y
+    polynomial(&each(SCALED_TAIL, T::from_f64), T::one() - T::from_f64(6.0) * y) * y
 }
 
 /// Ascending coefficients of (x + 3) exp(x²) erfc(x) in (x − 3)/(x + 3).

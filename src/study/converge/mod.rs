@@ -17,6 +17,7 @@ use crate::envmap::samplers::cut_lights;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
+use crate::render;
 use crate::scene::{Request, Scene};
 use curve::{Curve, CurveVerdict, Measured, Run};
 use doubling::{Deadline, Doubling};
@@ -46,6 +47,7 @@ const IMAGE: usize = 12;
 
 impl Plan {
     fn check(&self, request: &Request, strategies: usize) -> Result<()> {
+        render::check_request(&Request { spp: 1, ..*request })?;
         if !(self.budget > 0.0 && self.budget <= LONGEST) {
             return Err(Error::parameter("budget", format!("{} is not a number of seconds", self.budget))
                 .with_hint("more than 0 and at most 86400"));

@@ -131,21 +131,3 @@ fn error(outcome: &Outcome, level: f64) -> Option<f64> {
     let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;
     Some(detectable * (found / noncentrality(outcome.dof, level)).sqrt())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_mistake_is_found_and_nothing_else() {
-        let planted = super::super::all();
-        assert!(planted.len() >= 25 && planted.iter().all(|fault| !fault.mistake.is_empty()));
-        let findings = run(planted, &Protocol::default(), &|_| ()).unwrap();
-        let missed: Vec<&Finding> = findings
-            .tests
-            .iter()
-            .filter(|test| test.outcome.verdict != Verdict::Reject || test.sound != Verdict::Accept)
-            .collect();
-        assert!(findings.is_good(), "{missed:#?}");
-    }
-}

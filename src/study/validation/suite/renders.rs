@@ -344,7 +344,7 @@ mod tests {
             ("inside", inside(3, hemisphere)),
             ("sphere", lit_sphere(mis)),
         ] {
-            let samples = SampleCount::Fixed(64 * test.request.width.pow(2) as u64);
+            let samples = SampleCount::Fixed(32 * test.request.width.pow(2) as u64);
             let case = test.case(name);
             let p = |seed| case.examine(&Protocol { seed, samples, ..Protocol::default() }, 0).unwrap().p.unwrap();
             let p: Vec<f64> = (0..60).map(p).collect();

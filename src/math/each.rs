@@ -1,0 +1,11 @@
+//! A function of every element of an array.
+
+/// `f` of every element. The standard library's `map` is not inlined for certain, so that a loop that calls it may not vectorize.
+#[inline(always)]
+pub fn each<A: Copy, B: Copy, const N: usize>(a: [A; N], f: impl Fn(A) -> B) -> [B; N] {
+    let mut all = [f(a[0]); N];
+    for i in 1..N {
+        all[i] = f(a[i]);
+    }
+    all
+}
