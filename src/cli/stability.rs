@@ -34,7 +34,6 @@ pub struct Stability {
 #[derive(Serialize)]
 struct Output<'a> {
     rows: &'a [ErrorRow],
-    #[serde(rename = "promises")]
     bounds: &'a [BoundCheck],
     effort: Workload,
     interrupted: bool,

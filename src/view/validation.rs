@@ -107,8 +107,8 @@ pub struct CalibrationRow<'a> {
     /// Kolmogorov–Smirnov distance from the uniform distribution.
     distance: f64,
     p: f64,
-    uneven: bool,
-    fault: &'a str,
+    skewed: bool,
+    violation: &'a str,
 }
 
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
@@ -121,8 +121,8 @@ pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
                 count,
                 distance,
                 p,
-                uneven: *skewed,
-                fault: violation.as_deref().unwrap_or_default(),
+                skewed: *skewed,
+                violation: violation.as_deref().unwrap_or_default(),
             }
         })
         .collect()

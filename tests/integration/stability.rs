@@ -10,16 +10,16 @@ fn a_run_writes_its_files_and_its_worst_case_replays() {
         assert!(dir.path().join(file.as_str().unwrap()).metadata().unwrap().len() > 100, "{file}");
     }
     assert_eq!(value["files"].as_array().unwrap().len(), 4 + 3);
-    let promises = value["promises"].as_array().unwrap();
-    assert!(promises.len() == 4 && promises.iter().all(|p| p["kept"] == true), "{promises:?}");
+    let bounds = value["bounds"].as_array().unwrap();
+    assert!(bounds.len() == 4 && bounds.iter().all(|bound| bound["holds"] == true), "{bounds:?}");
     let csv = std::fs::read_to_string(dir.path().join("out/stability-fresnel+half-cosine.csv")).unwrap();
     let header = "family,form,precision,cases,max_relative,max_ulp,condition_at_worst,max_ulp_per_condition,non_finite,\
                   negative,out_of_range,worst";
     assert_eq!(csv.lines().next(), Some(header));
     let row = &value["rows"][0];
-    assert_eq!((&row["form"], &row["precision"]), (&"stable".into(), &"f32".into()));
+    assert_eq!((&row["variant"], &row["precision"]), (&"stable".into(), &"f32".into()));
     let replay = json(dir.path(), &["stability", "--replay", row["worst"].as_str().unwrap()]);
-    let line = replay["lines"].as_array().unwrap().iter().find(|l| l["form"] == "stable" && l["precision"] == "f32");
+    let line = replay["lines"].as_array().unwrap().iter().find(|l| l["variant"] == "stable" && l["precision"] == "f32");
     assert_eq!(line.unwrap()["relative"], row["max_relative"]);
 }
 

@@ -75,10 +75,8 @@ pub struct Outcome {
     /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
     /// What an exact check found wrong: a reason to reject, independent of `p`.
-    #[cfg_attr(feature = "serde", serde(rename = "fault"))]
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
-    #[cfg_attr(feature = "serde", serde(rename = "doubt"))]
     pub inconclusive_reason: Option<String>,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,

@@ -89,7 +89,6 @@ impl ModelArgs {
             normals: self.normals.unwrap_or_default(),
             dielectric: self.fresnel.unwrap_or_default(),
             conventions,
-            ..ScatterModel::default()
         })
     }
 

@@ -71,7 +71,9 @@ impl Synthetic {
     pub fn make(self) -> Image {
         let small = |radiance: fn((usize, usize)) -> Rgb| Image::from_fn(64, 32, |x, y| radiance((x, y)));
         let image = match self {
-            Self::Nave => raster::decode_exr(Path::new("nave.exr"), NAVE).expect("the embedded file is sound"),
+            Self::Nave => {
+                raster::decode_exr(Path::new("nave.exr"), NAVE).expect("the embedded file is sound and small")
+            }
             Self::Sun => sun::make(),
             Self::Constant => small(|_| Rgb::ONE),
             Self::Onehot => small(|at| if at == ONE_HOT_TEXEL { ONE_HOT_RADIANCE } else { Rgb::ZERO }),

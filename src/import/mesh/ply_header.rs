@@ -22,16 +22,26 @@ pub struct Scalar {
     pub number: fn([u8; 8]) -> f64,
 }
 
+impl Scalar {
+    const fn new(size: usize, number: fn([u8; 8]) -> f64) -> Self {
+        Self { size, number }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        SCALARS.into_iter().find(|(names, _)| names.contains(&name)).map(|(_, scalar)| scalar)
+    }
+}
+
 /// The types by their names.
-const SCALARS: [([&str; 2], usize, fn([u8; 8]) -> f64); 8] = [
-    (["char", "int8"], 1, |b| f64::from(b[0] as i8)),
-    (["uchar", "uint8"], 1, |b| f64::from(b[0])),
-    (["short", "int16"], 2, |b| f64::from(i16::from_le_bytes([b[0], b[1]]))),
-    (["ushort", "uint16"], 2, |b| f64::from(u16::from_le_bytes([b[0], b[1]]))),
-    (["int", "int32"], 4, |b| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
-    (["uint", "uint32"], 4, |b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
-    (["float", "float32"], 4, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
-    (["double", "float64"], 8, f64::from_le_bytes),
+const SCALARS: [([&str; 2], Scalar); 8] = [
+    (["char", "int8"], Scalar::new(1, |b| f64::from(b[0] as i8))),
+    (["uchar", "uint8"], Scalar::new(1, |b| f64::from(b[0]))),
+    (["short", "int16"], Scalar::new(2, |b| f64::from(i16::from_le_bytes([b[0], b[1]])))),
+    (["ushort", "uint16"], Scalar::new(2, |b| f64::from(u16::from_le_bytes([b[0], b[1]])))),
+    (["int", "int32"], Scalar::new(4, |b| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]])))),
+    (["uint", "uint32"], Scalar::new(4, |b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))),
+    (["float", "float32"], Scalar::new(4, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))),
+    (["double", "float64"], Scalar::new(8, f64::from_le_bytes)),
 ];
 
 /// One number of an element, or a list of them.
@@ -60,13 +70,6 @@ pub struct Header {
     pub elements: Vec<Element>,
     /// Where the numbers start.
     pub body: usize,
-}
-
-impl Scalar {
-    fn named(name: &str) -> Option<Self> {
-        let (_, size, number) = SCALARS.into_iter().find(|(names, ..)| names.contains(&name))?;
-        Some(Self { size, number })
-    }
 }
 
 impl Element {

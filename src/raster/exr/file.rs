@@ -107,8 +107,11 @@ impl Blocks<'_> {
         take: impl Fn(&Block<'_>, Vec<u8>) -> T + Sync,
         mut put: impl FnMut(&Block<'_>, T),
     ) -> Result<()> {
-        for group in self.blocks.chunks(self.at_once) {
-            interrupt::check()?;
+        for (number, group) in self.blocks.chunks(self.at_once).enumerate() {
+            // A small file, such as the embedded map, is read whole.
+            if number > 0 {
+                interrupt::check()?;
+            }
             let taken = group.par_iter().map(|block| Ok(take(block, self.decompress(block)?)));
             let taken: Vec<T> = taken.collect::<Result<_>>()?;
             group.iter().zip(taken).for_each(|(block, value)| put(block, value));

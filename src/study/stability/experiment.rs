@@ -32,7 +32,6 @@ pub struct Workload {
     /// Columns and rows of the map whose tables are tested.
     pub map: [usize; 2],
     /// Samples from the tables.
-    #[serde(rename = "draws")]
     pub table_samples: u32,
     /// Bounces of the paths.
     pub bounces: u32,

@@ -108,7 +108,6 @@ pub struct BoundCheck {
     /// The largest error that is allowed.
     pub limit: f64,
     /// Whether the error is within the limit.
-    #[serde(rename = "kept")]
     pub holds: bool,
     /// The input of the largest error, as `--replay` takes it.
     pub worst: String,

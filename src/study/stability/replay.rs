@@ -13,7 +13,6 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Replayed {
     /// The variant's name.
-    #[serde(rename = "form")]
     pub variant: &'static str,
     /// Precision of the computation.
     pub precision: Precision,

@@ -12,7 +12,6 @@ pub struct ErrorRow {
     /// Name of the family, or of a part of an experiment.
     pub family: &'static str,
     /// Which way of computing it; the column is called `form`.
-    #[serde(rename = "form")]
     pub variant: &'static str,
     /// Precision of the computation.
     pub precision: Precision,

@@ -15,13 +15,10 @@ pub struct Calibrated {
     /// Name of the test.
     pub name: String,
     /// Of its p-values over the seeds.
-    #[serde(rename = "evenness")]
     pub uniformity: Uniformity,
     /// Whether they are not uniform, at the level of this test.
-    #[serde(rename = "uneven")]
     pub skewed: bool,
     /// The violation of the first exact check that failed.
-    #[serde(rename = "fault")]
     pub violation: Option<String>,
 }
 
@@ -35,7 +32,6 @@ pub struct Calibration {
     /// Probability that any p-values of a right harness on right samplers are called skewed.
     pub level: f64,
     /// Of the p-values of all tests together.
-    #[serde(rename = "evenness")]
     pub uniformity: Uniformity,
     /// Share of p-values below 0.05.
     pub below_5_percent: f64,
@@ -44,7 +40,6 @@ pub struct Calibration {
     /// One for each finished test.
     pub tests: Vec<Calibrated>,
     /// Tests with skewed p-values or a violation.
-    #[serde(rename = "uneven")]
     pub skewed: usize,
     /// Whether the process was asked to stop before all tests were finished; those that were not are left out.
     pub interrupted: bool,

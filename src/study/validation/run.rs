@@ -40,7 +40,6 @@ pub struct Validation {
     /// Whether the process was asked to stop before all tests were finished; those that were not are inconclusive.
     pub interrupted: bool,
     /// Whether the p-values are uniform, as those of right samplers are.
-    #[serde(rename = "evenness")]
     pub uniformity: Uniformity,
     /// Wall-clock time of the run.
     pub seconds: f64,
