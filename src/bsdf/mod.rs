@@ -95,6 +95,24 @@ macro_rules! bsdfs {
                     $(Self::$variant(bsdf) => bsdf.is_reciprocal(),)*
                 }
             }
+
+            fn is_delta(&self) -> bool {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.is_delta(),)*
+                }
+            }
+
+            fn eval_adjoint(&self, wo: Vec3, wi: Vec3) -> Rgb {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.eval_adjoint(wo, wi),)*
+                }
+            }
+
+            fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.sample_adjoint(wo, uc, u),)*
+                }
+            }
         }
     };
 }

@@ -40,9 +40,9 @@ impl Inputs {
         Settings { seed: self.seed, ..Settings::default() }
     }
 
-    /// How claims are tested: with samples that detect errors of 2 %, or of 5 % in a quick run.
+    /// How claims are tested: with samples that detect errors of 3 %, or of 5 % in a quick run.
     pub fn protocol(&self) -> Protocol {
-        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.02, 0.05)), ..Protocol::default() }
+        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.03, 0.05)), ..Protocol::default() }
     }
 
     /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.

@@ -1,6 +1,7 @@
 //! A function of every element of an array.
 
-/// `f` of every element. The standard library's `map` is not inlined for certain, so that a loop that calls it may not vectorize.
+/// `f` of every element. The standard library's `map` is not guaranteed to be inlined, and then the loop that calls it does not
+/// vectorize.
 #[inline(always)]
 pub fn each<A: Copy, B: Copy, const N: usize>(a: [A; N], f: impl Fn(A) -> B) -> [B; N] {
     let mut all = [f(a[0]); N];

@@ -1,6 +1,6 @@
-//! Directions of paths from diffuse hits in scenes with mirrors, glass or metal.
+//! Cones towards specular spheres and reflected lights, mixed with the cosine: directions of paths from diffuse hits.
 //!
-//! These show an area light as a small bright image, which cosine sampling seldom finds: most of the noise of such scenes.
+//! Mirrors, glass and metal show an area light as a small bright image, which cosine sampling seldom finds: most of the noise of such scenes.
 //! So some of the directions are sampled in cones: one around each sphere, and one around the place where a sphere
 //! reflects an area light to the point. A cone of solid angle Ωⱼ is chosen with weight wⱼ, the cosine with weight 1, and
 //! the pdf of the mixture is
@@ -222,7 +222,8 @@ fn one_minus_cos(tan: f32) -> f32 {
 impl Target for ReflectedLight {
     /// The normal at the point of reflection bisects the directions to `point` and to the light. Starting from the solution
     /// for far points, two iterations are accurate enough. The size of the image follows from the mirror equation for
-    /// sagittal rays: a ray displaced by h at the sphere meets the light's plane displaced by h (1 + l/d + 2 l cos/r).
+    /// sagittal rays: a ray displaced by h at the sphere meets the light's plane displaced by h (1 + l/d + 2 l cos/r), where d and l are
+    /// the distances from the point of reflection to `point` and to the light, r is the radius and cos that of incidence.
     #[inline(always)]
     fn cone(&self, point: Vec3) -> (Vec3, f32, f32) {
         let Self { sphere: Sphere { centre, radius }, light, normal: front, light_radius } = *self;

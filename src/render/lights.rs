@@ -108,7 +108,7 @@ impl<L: SampleLight> Wide for SampleMany<'_, L> {
 pub struct Sampled {
     /// Shape and emission.
     pub kind: Kind,
-    /// The object that glows, or [`super::lanes::NOTHING`].
+    /// The object that emits, or [`super::lanes::NOTHING`].
     pub object: u32,
 }
 
@@ -138,13 +138,13 @@ pub enum Kind {
 pub struct Start {
     /// In the world.
     pub position: Vec3,
-    /// Unit normal on the side that glows.
+    /// Unit normal on the side that emits.
     pub normal: Vec3,
     /// Whether the back emits, too.
     pub two_sided: bool,
 }
 
-/// A glowing rectangle in its own axes.
+/// An emissive rectangle in its own axes.
 #[derive(Debug, Clone, Copy)]
 pub struct RectangleLight {
     centre: Vec3,
@@ -154,7 +154,7 @@ pub struct RectangleLight {
     two_sided: bool,
 }
 
-/// A glowing sphere.
+/// An emissive sphere.
 #[derive(Debug, Clone, Copy)]
 pub struct SphereLight {
     sphere: Sphere,
@@ -244,7 +244,7 @@ impl SampleLight for SphereLight {
         let found = self.sphere.distance(point, wi);
         let nearest = axis.dot(self.sphere.centre - point).max(0.0);
         let distance = if found.is_finite() { found } else { nearest };
-        // Only the outside glows. A point of the sphere itself may by rounding be inside.
+        // Only the outside emits. A point of the sphere itself may by rounding be inside.
         let scale = if one_minus_cos_half_angle < 2.0 { solid_angle } else { 0.0 };
         LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
     }
@@ -295,7 +295,7 @@ impl Sampled {
         Ok(emitters.chain(others).collect())
     }
 
-    /// The radiance and the area of a glowing object, if paths can start there.
+    /// The radiance and the area of an emissive object, if paths can start there.
     pub fn emitted(&self) -> Option<(Rgb, f32)> {
         match &self.kind {
             _ if self.object == super::lanes::NOTHING => None,
@@ -305,7 +305,7 @@ impl Sampled {
         }
     }
 
-    /// A place on a glowing object.
+    /// A point on an emissive object.
     pub fn start(&self, u: [f32; 2]) -> Option<Start> {
         match &self.kind {
             Kind::Rectangle(panel) => Some(Start {

@@ -1,6 +1,6 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
-//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes,
+//! Files from the bottom up, each importing from those before it (but `integrator` holds the plan of `light_tracing`): settings, fingerprint, wide, mis, film, solids, lanes,
 //! geometry, sample_lanes, lens, shading_normal, cut_lights, lights, shaders, needs, strategies, diffuse, caustic_cones,
 //! rough, workspace, product_warp, integrator, scatter, light_tracing, direct, job.
 

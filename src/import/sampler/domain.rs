@@ -18,7 +18,7 @@ pub trait Coordinates: Domain + Copy + Send + 'static {
     /// Appends the coordinates, with spaces between them, to be read back to the last bit.
     fn write(point: Self::Point, out: &mut String);
 
-    /// Where on the chart's first axis the share `t` of the extent of a table of pdfs is.
+    /// The chart's first coordinate at the fraction `t` of the rows of a table of pdfs.
     fn first(&self, t: f64) -> f64 {
         t
     }

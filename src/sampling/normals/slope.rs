@@ -40,19 +40,19 @@ const STEEPEST: f64 = 9.0;
 #[inline(always)]
 pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
     let u = u.max(LEAST);
-    let half = 0.5 * FRAC_2_SQRT_PI * slope;
+    let slope_over_root_pi = 0.5 * FRAC_2_SQRT_PI * slope;
     // The steepest visible slope; infinite for a view along the normal.
     let limit = cos / slope;
     // Compute the normalization K(limit). The exponent is bounded because underflow is slow.
     let e = (-(limit * limit).min(600.0)).exponential();
     let hidden = e * erfcx(limit);
-    let total = cos * (2.0 - hidden) + half * e;
+    let total = cos * (2.0 - hidden) + slope_over_root_pi * e;
     let high = limit.min(STEEPEST);
-    let target = Target { cos, slope, half, value: u * total, high };
+    let target = Target { cos, slope, slope_over_root_pi, value: u * total, high };
     let single = Target {
         cos: cos as f32,
         slope: slope as f32,
-        half: half as f32,
+        slope_over_root_pi: slope_over_root_pi as f32,
         value: target.value as f32,
         high: high as f32,
     };
@@ -66,7 +66,7 @@ pub(super) fn visible(cos: f64, slope: f64, u: f64) -> f64 {
 struct Target<T> {
     cos: T,
     slope: T,
-    half: T,
+    slope_over_root_pi: T,
     value: T,
     high: T,
 }
@@ -80,7 +80,7 @@ impl<T: Real> Target<T> {
         let gauss = (-s * s).exponential();
         let tail = erfcx(s.abs()) * gauss;
         let below = if s < T::zero() { tail } else { real(2.0) - tail };
-        let residual = self.cos * below + self.half * gauss - self.value;
+        let residual = self.cos * below + self.slope_over_root_pi * gauss - self.value;
         // Halley's step, multiplied out to a single division: K' = 2/√π exp(−s²) v, K''/K' = −2s − slope/v, v = cos − s slope.
         let visible = self.cos - s * self.slope;
         let curvature = s * visible + real(0.5) * self.slope;
@@ -96,7 +96,8 @@ impl<T: Real> Target<T> {
 }
 
 /// A slope near the solution: the quantile of a normal distribution truncated at `limit`, with a correction that makes it
-/// right for views along the normal and at grazing angles, and near `limit`.
+/// right for views along the normal and at grazing angles, and near `limit`. `e` is exp(−limit²), `hidden` erfc(limit). The
+/// correction is fitted, not derived: the steps that follow need no more than a slope in the neighbourhood.
 #[inline(always)]
 fn guess(e: f32, limit: f32, hidden: f32, u: f32) -> f32 {
     let visible = 1.0 - 0.5 * hidden;

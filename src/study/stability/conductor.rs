@@ -1,4 +1,4 @@
-//! Conductor Fresnel reflectance of unpolarized light.
+//! Families of formulas: conductor Fresnel reflectance of unpolarized light.
 
 use super::family::*;
 use crate::bsdf::ConductorFresnel;

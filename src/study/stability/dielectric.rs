@@ -61,7 +61,7 @@ fn above_critical(eta: f64, more: f64) -> f64 {
     (((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt() * (1.0 + more)).min(1.0)
 }
 
-/// The textbook_reflectance's, except where that is 0/0: between equal indices nothing is reflected.
+/// The textbook formula, except between equal indices, where it is 0/0: nothing is reflected there.
 fn reflectance<T: Number>(x: &[T]) -> Value<T> {
     if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook_reflectance(x) }
 }

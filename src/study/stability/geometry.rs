@@ -1,4 +1,4 @@
-//! Geometry: the facet that reflects one direction into another, and rays that meet a sphere or a triangle.
+//! Families of formulas of geometry: the facet that reflects one direction into another, and rays that meet a sphere or a triangle.
 
 use super::family::*;
 use crate::bsdf::Facet;

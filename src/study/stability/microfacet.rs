@@ -64,7 +64,7 @@ fn ggx_d<T: Number>(alpha: T, sin2: T, cos: T) -> T {
 
 pub const BECKMANN_G1: Family = Family {
     name: "beckmann-g",
-    about: "shadowing of a Beckmann surface",
+    about: "masking function G₁ of a Beckmann surface",
     figure: "stability-microfacet",
     inputs: &["alpha", "x", "y", "z"],
     domains: &[POSITIVE],
@@ -86,7 +86,7 @@ pub const BECKMANN_G1: Family = Family {
 
 pub const GGX_G1: Family = Family {
     name: "ggx-g",
-    about: "shadowing of a GGX surface",
+    about: "masking function G₁ of a GGX surface",
     reference: |x| scalar(ggx_g1(x[0], sin2_from_xy(vector(x, 1)), x[3])),
     variants: &[
         variant!(STABLE, |x| scalar(Ggx::new(x[0]).g1(vector(x, 1)))),

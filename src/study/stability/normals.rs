@@ -1,4 +1,4 @@
-//! Samples of visible normals (VNDF).
+//! Families of formulas: samples of visible normals (VNDF).
 
 use super::family::*;
 use super::precise::Precise;

@@ -13,7 +13,7 @@ pub enum Entry {
     Experiment(&'static Experiment),
 }
 
-/// All families of formulas and all experiments: each is a file and a line here.
+/// All families of formulas and all experiments: each is a constant and a line here.
 pub static REGISTRY: [Entry; 21] = [
     Entry::Formula(&dielectric::FRESNEL),
     Entry::Formula(&conductor::FAMILY),

@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 pub struct ErrorRow {
     /// Name of the family, or of a part of an experiment.
     pub family: &'static str,
-    /// Which way of computing it; the column is called `form`.
+    /// Which way of computing it.
     pub variant: &'static str,
     /// Precision of the computation.
     pub precision: Precision,
@@ -108,8 +108,8 @@ impl Bound<Case> {
     /// The error in units of the last place, over the condition number.
     ///
     /// Each of n roundings moves a value by at most half a unit of relative size ε, as if an input had been moved by as
-    /// much. The result is then within n/2 last places times the condition number, in either precision, and
-    /// typically within √n/2: each `reason` says which of the two its limit is.
+    /// much. A last place is at least ε/2 of the value, so the result is within n last places times the condition number, in
+    /// either precision, and typically within √n: each `reason` says which of the two its limit is.
     pub const fn roundings(limit: f64, reason: &'static str) -> Self {
         let error = |case: &Case| case.rendered().map(|d| d.ulp / case.amplification());
         Self { name: "last places over condition number", limit, reason, error }

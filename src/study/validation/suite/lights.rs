@@ -1,4 +1,4 @@
-//! Lights: rectangles sampled uniformly by solid angle, and rectangles, spheres and the constant sky as the renderer samples
+//! Test cases: lights. Rectangles sampled uniformly by solid angle, and rectangles, spheres and the constant sky as the renderer samples
 //! directions towards them.
 
 use super::super::case::Case;

@@ -1,4 +1,4 @@
-//! Environment maps: the built-in ones and small ones that find bugs, by every sampler.
+//! Test cases: environment maps, the built-in ones and small ones that find bugs, by every sampler.
 
 use super::super::case::Case;
 use super::super::shared::Shared;

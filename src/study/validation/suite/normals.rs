@@ -1,4 +1,4 @@
-//! Microfacet normals, in f64 and in f32.
+//! Test cases: microfacet normals, in f64 and in f32.
 
 use super::super::case::Case;
 use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};

@@ -1,4 +1,4 @@
-//! Tabulated distributions: cumulative tables with their guides in one and two dimensions, and alias tables.
+//! Test cases: tabulated distributions: cumulative tables with their guides in one and two dimensions, and alias tables.
 
 use super::super::case::Case;
 use crate::sampling::alias::AliasTable;
