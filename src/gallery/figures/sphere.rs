@@ -62,8 +62,8 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    // A quarter of the pixels is enough to measure errors.
-    let exact = exact(inputs, studies, inputs.effort.of(255, 127))?;
+    // A ninth of the pixels is enough to measure errors.
+    let exact = exact(inputs, studies, inputs.effort.of(171, 127))?;
     let series = study::compare(&inputs.map, &SPP, &exact, &inputs.settings())?;
     let grace = studies.map_info(inputs)?.is_grace();
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
