@@ -7,7 +7,7 @@
 //! pdf to the last bit.
 
 use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
-use crate::math::{Rgb, each};
+use crate::math::{Rgb, map_array};
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
 use glam::Vec3;
@@ -90,7 +90,7 @@ impl Facet {
 /// large as the tilt of facets of a small α. z is small there, hence precise.
 #[inline(always)]
 fn half_excess(w: Vec3) -> f32 {
-    let [x, y, z] = each(w.to_array(), f64::from);
+    let [x, y, z] = map_array(w.to_array(), f64::from);
     (0.5 * (x * x + y * y + z * z - 1.0)) as f32
 }
 

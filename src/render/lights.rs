@@ -8,7 +8,7 @@ use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
 use crate::error::Result;
 use crate::math::circular::Circular;
-use crate::math::{Rgb, each};
+use crate::math::{Rgb, map_array};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{EmitterVisibility, Falloff, Light, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
@@ -192,7 +192,7 @@ impl RectangleLight {
     #[inline(always)]
     fn seen_from(&self, point: Vec3) -> ([[f32; 2]; 2], f32, f32) {
         let to = self.centre - point;
-        let [x, y, height] = each(self.axes, |axis| axis.dot(to));
+        let [x, y, height] = map_array(self.axes, |axis| axis.dot(to));
         let [hx, hy] = self.half;
         ([[x - hx, x + hx], [y - hy, y + hy]], height.abs(), -height)
     }

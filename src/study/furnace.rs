@@ -38,7 +38,7 @@ mod tests {
         for sphere in furnace(4, &Settings::default()).unwrap() {
             let Mean { error, pixels, .. } = sphere.radiance;
             let error = error.into_iter().fold(0.0, f64::max);
-            assert!(pixels > 100 && (sphere.radiance.intensity() - 1.0).abs() < 4.0 * error + 1e-5, "{sphere:?}");
+            assert!(pixels > 100 && (sphere.radiance.mean_rgb() - 1.0).abs() < 4.0 * error + 1e-5, "{sphere:?}");
         }
     }
 }

@@ -34,7 +34,7 @@ impl Mean {
     }
 
     /// (R + G + B) / 3.
-    pub fn intensity(&self) -> f64 {
+    pub fn mean_rgb(&self) -> f64 {
         self.value.iter().sum::<f64>() / 3.0
     }
 
@@ -56,6 +56,6 @@ mod tests {
         let other = Mean { error: [4.0; 3], ..mean([0.0; 3]) };
         assert_eq!(mean([5.0, -10.0, 0.0]).z(&other), -2.0);
         assert!(mean([f64::NAN, 0.0, 0.0]).z(&other).is_nan());
-        assert_eq!(mean([1.0, 2.0, 3.0]).intensity(), 2.0);
+        assert_eq!(mean([1.0, 2.0, 3.0]).mean_rgb(), 2.0);
     }
 }

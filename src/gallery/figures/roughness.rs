@@ -56,7 +56,7 @@ pub fn iron() -> Vec<Figure> {
             let mut content = content(inputs, studies, ["Fe", "iron"], 0.5)?;
             // Grey: no channel differs from the mean of all by more than a fifth.
             let radiance = statue(inputs, studies, "Fe", 0.5)?.statue;
-            let colour = radiance.value.map(|v| (v / radiance.intensity() - 1.0).abs());
+            let colour = radiance.value.map(|v| (v / radiance.mean_rgb() - 1.0).abs());
             let largest = colour.into_iter().fold(0.0, f64::max);
             content.checks.push(Check::at_most("largest relative difference of a channel from grey", largest, 0.2));
             Ok(content)

@@ -1,7 +1,7 @@
 //! Beckmann's distribution: normally distributed slopes.
 
 use super::smith::{Microfacet, sin2};
-use crate::math::{Real, each};
+use crate::math::{Real, map_array};
 
 /// Slopes of the facets are normally distributed with variance α²/2 in x and in y.
 ///
@@ -34,7 +34,7 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
         // One unit of the exponent's last place is up to 100 of D's. So compute the exponent in f64, and apply what is
         // lost in rounding it to T as a factor 1 + rest.
         let wide_az = self.alpha.to_f64() * z.to_f64();
-        let wide = -0.5 * sin2(each(wm, Real::to_f64)) / (wide_az * wide_az);
+        let wide = -0.5 * sin2(map_array(wm, Real::to_f64)) / (wide_az * wide_az);
         let exponent = T::from_f64(wide);
         let rest = T::one() + T::from_f64(wide - exponent.to_f64());
         let e = exponent.max(T::LEAST_EXPONENT).exponential() * rest;

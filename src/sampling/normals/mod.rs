@@ -4,7 +4,7 @@
 mod slope;
 
 use crate::math::circular::sin_cos_turns;
-use crate::math::{Real, each};
+use crate::math::{Real, map_array};
 use crate::optics::microfacet::{Beckmann, Ggx, Microfacet};
 
 /// A distribution that normals can be sampled from: `u` is in \[0, 1)²; normals are unit vectors with z ≥ 0.
@@ -46,11 +46,11 @@ impl<T: Real> SampleNormals<T> for Beckmann<T> {
     fn sample_vndf(&self, wo: [T; 3], u: [T; 2]) -> [T; 3] {
         // Rotate to the azimuth of `wo`, and sample the slopes of the stretched surface.
         let alpha = self.alpha.to_f64();
-        let [x, y, z] = each(wo, Real::to_f64);
+        let [x, y, z] = map_array(wo, Real::to_f64);
         let sin = (x * x + y * y).sqrt();
         let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
         let along = alpha * slope::visible(z, alpha * sin, u[0].to_f64());
-        let across = alpha * slope::normal(u[1]).to_f64();
+        let across = alpha * slope::gaussian(u[1]).to_f64();
         // Rotate back, and turn slopes into a normal.
         let (sx, sy) = (along * cos_phi - across * sin_phi, along * sin_phi + across * cos_phi);
         let inverse = 1.0 / (sx * sx + sy * sy + 1.0).sqrt();
@@ -99,7 +99,7 @@ fn polar_normal<T: Real>(tan2: f64, turns: T) -> [T; 3] {
 #[inline(always)]
 fn normalize<T: Real>(w: [T; 3]) -> [T; 3] {
     let inverse = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt().recip();
-    each(w, |x| x * inverse)
+    map_array(w, |x| x * inverse)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Slopes of a Beckmann surface of α = 1, sampled by inversion: across the view, and along it by visibility.
 
 use crate::math::polynomial::polynomial;
-use crate::math::{Real, each};
+use crate::math::{Real, map_array};
 use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// Lower bound of u and 1 − u in logarithms, smaller than every random number of 53 bits except 0.
@@ -13,18 +13,18 @@ pub(super) const LEAST: f64 = 1e-30;
 /// the tails. Both are Chebyshev fits of this project; the choice of w is that of Giles, "Approximating the erfinv
 /// function", GPU Computing Gems 2, 2012.
 #[inline(always)]
-pub(super) fn normal<T: Real>(u: T) -> T {
+pub(super) fn gaussian<T: Real>(u: T) -> T {
     let real = T::from_f64;
     // w of both branches, from the smaller of u and 1 − u without cancellation.
     let (below, above) = (u.max(real(LEAST)), (T::one() - u).max(real(LEAST)));
     let w = -(real(4.0) * below * above).logarithm();
     let x = below - above;
     // Evaluate both branches and select, so that a loop vectorizes.
-    let centre = polynomial(&each(CENTRE, real), w * real(1.0 / 3.0) - T::one());
+    let centre = polynomial(&map_array(CENTRE, real), w * real(1.0 / 3.0) - T::one());
     let root = w.max(real(6.0)).sqrt();
     const ENDS: [f64; 2] = [1.0 / 9.0, 0.408_248_290_463_863];
     let place = (real(2.0) / root - real(ENDS[0] + ENDS[1])) * real(1.0 / (ENDS[1] - ENDS[0]));
-    let tails = root * polynomial(&each(TAILS, real), place);
+    let tails = root * polynomial(&map_array(TAILS, real), place);
     x * if w < real(6.0) { centre } else { tails }
 }
 
@@ -104,7 +104,7 @@ fn guess(e: f32, limit: f32, hidden: f32, u: f32) -> f32 {
     let root_pi = std::f32::consts::PI.sqrt();
     let correction = 0.5 * (root_pi * e * (limit * (2.0 - hidden) + e / root_pi)).sqrt();
     let correction = correction.min(visible);
-    normal(u * (visible - correction + correction * erfcx((-u.logarithm()).max(0.0).sqrt())))
+    gaussian(u * (visible - correction + correction * erfcx((-u.logarithm()).max(0.0).sqrt())))
 }
 
 /// Ascending coefficients of erf⁻¹(x)/x in w/3 − 1, for 0 ≤ w ≤ 6.
@@ -143,7 +143,7 @@ const TAILS: [f64; 12] = [
 #[inline(always)]
 fn erfcx<T: Real>(x: T) -> T {
     let y = T::one() / (x + T::from_f64(3.0));
-    polynomial(&each(SCALED_TAIL, T::from_f64), T::one() - T::from_f64(6.0) * y) * y
+    polynomial(&map_array(SCALED_TAIL, T::from_f64), T::one() - T::from_f64(6.0) * y) * y
 }
 
 /// Ascending coefficients of (x + 3) exp(x²) erfc(x) in (x − 3)/(x + 3).
@@ -181,25 +181,25 @@ mod tests {
         for i in 0..=4000 {
             // From 10⁻²⁹ to ½.
             let u = 0.5 * 10f64.powf(-29.0 * f64::from(i) / 4000.0);
-            let s = -normal(u);
+            let s = -gaussian(u);
             // d ln erfc(s) = −2/√π ds / erfcx(s).
             let error = (libm::erfc(s) / (2.0 * u)).ln() * erfcx(s.abs()) / FRAC_2_SQRT_PI;
             worst = worst.max(error.abs() / s.abs().max(1e-3));
             if u > 1e-10 {
-                assert!((normal(1.0 - u) - s).abs() <= 1e-6 * s, "{u}");
+                assert!((gaussian(1.0 - u) - s).abs() <= 1e-6 * s, "{u}");
             }
         }
         assert!(worst < 2.5e-8, "{worst:e}");
-        assert_eq!(normal(0.5), 0.0);
-        assert!(normal(0.0) < -8.0 && normal(0.0f64).is_finite() && normal(1.0f64).is_finite());
+        assert_eq!(gaussian(0.5), 0.0);
+        assert!(gaussian(0.0) < -8.0 && gaussian(0.0f64).is_finite() && gaussian(1.0f64).is_finite());
     }
 
     #[test]
     fn the_normal_slope_in_single_is_that_in_double() {
         for i in 0..1 << 20 {
             let u = (16 * i + 1) as f32 / (1 << 24) as f32;
-            let exact = normal(f64::from(u));
-            assert!((f64::from(normal(u)) - exact).abs() <= 1e-6 * exact.abs(), "{u}: {} {exact}", normal(u));
+            let exact = gaussian(f64::from(u));
+            assert!((f64::from(gaussian(u)) - exact).abs() <= 1e-6 * exact.abs(), "{u}: {} {exact}", gaussian(u));
         }
     }
 

@@ -16,6 +16,6 @@ pub trait Connection: Send {
 }
 
 /// An error of the program called `name`.
-pub fn violation(name: &str, message: impl Into<String>) -> Error {
+pub fn protocol_error(name: &str, message: impl Into<String>) -> Error {
     Error::input(Path::new(name), message)
 }

@@ -1,6 +1,6 @@
 //! The handshake: the program describes its sampler.
 
-use super::connection::{Connection, violation};
+use super::connection::{Connection, protocol_error};
 use crate::error::Result;
 use crate::import::number::number;
 use crate::import::place::quote;
@@ -36,7 +36,8 @@ impl Handshake {
         // Some programs begin whatever they write with a byte order mark.
         let mut lines = answer.strip_prefix('\u{feff}').unwrap_or(&answer).lines();
         let first = lines.next().unwrap_or_default();
-        let wrong = |message: &str| violation(connection.name(), format!("its greeting {} {message}", quote(first)));
+        let wrong =
+            |message: &str| protocol_error(connection.name(), format!("its greeting {} {message}", quote(first)));
         let mut words = first.split_ascii_whitespace();
         if [words.next(), words.next()] != [Some("etalon"), Some(VERSION)] {
             return Err(wrong(&format!("does not begin with \"etalon {VERSION}\"")));

@@ -29,7 +29,7 @@ use super::space::Space;
 use crate::error::{Error, Result};
 use crate::import::number::real;
 use crate::import::place::quote;
-use connection::violation;
+use connection::protocol_error;
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
 use handshake::Handshake;
 use process::Process;
@@ -61,7 +61,7 @@ impl Client {
         let handshake = Handshake::of(&mut connection)?;
         let space = match (space, handshake.domain) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(violation(connection.name(), format!("its domain is {own}"))
+                return Err(protocol_error(connection.name(), format!("its domain is {own}"))
                     .with_hint(format!("use the domain {own}")));
             }
             (Some(space), _) | (None, Some(space)) => space,
@@ -99,7 +99,7 @@ impl Client {
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
-            read(line).ok_or_else(|| violation(connection.name(), wrong()))
+            read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
         };
         let atoms = handshake.atoms.iter().map(of_line).collect::<Result<_>>()?;
         Ok(Program { domain, name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
@@ -133,7 +133,7 @@ impl<D: Coordinates> Program<D> {
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
         let answer = self.connection.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
-        let wrong = |message| violation(&self.name, format!("asked \"{verb} {count}\", {message}"));
+        let wrong = |message| protocol_error(&self.name, format!("asked \"{verb} {count}\", {message}"));
         let mut values = Vec::with_capacity(count);
         for (i, line) in answer.lines().enumerate() {
             let words: Vec<&str> = line.split_ascii_whitespace().collect();

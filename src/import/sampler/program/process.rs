@@ -4,7 +4,7 @@
 //! deadlock; they hold at most one request, a few blocks of a response, and the end of standard error.
 
 use super::answer::{Answer, END};
-use super::connection::{Connection, violation};
+use super::connection::{Connection, protocol_error};
 use super::group::Group;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -143,13 +143,13 @@ impl Connection for Process {
 
     fn ask(&mut self, request: String, most: usize) -> Result<String> {
         if let Some(why) = &self.failure {
-            return Err(violation(&self.command, why.clone()));
+            return Err(protocol_error(&self.command, why.clone()));
         }
         let asked = request.lines().next().unwrap_or_default().to_owned();
         self.exchange(request, most).map_err(|what| {
             let why = format!("asked {asked:?}, {what}{}", self.end());
             self.failure = Some(why.clone());
-            if interrupt::requested() { Error::Interrupted } else { violation(&self.command, why) }
+            if interrupt::requested() { Error::Interrupted } else { protocol_error(&self.command, why) }
         })
     }
 }
