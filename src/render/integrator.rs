@@ -32,10 +32,10 @@ use pulp::Arch;
 
 /// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
 /// would cause fireflies.
-const ROULETTE_BELOW: f32 = 0.1;
+pub(super) const ROULETTE_BELOW: f32 = 0.1;
 
 /// Scatterings before Russian roulette may end a path.
-const ROULETTE_AFTER: u32 = 5;
+pub(super) const ROULETTE_AFTER: u32 = 5;
 
 /// Factor on the length of shadow rays, so that rounding does not let a light occlude itself.
 pub(super) const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
@@ -110,7 +110,7 @@ impl<'a> Integrator<'a> {
         Workspace::new(settings, self.caustic_cones.cones())
     }
 
-    fn dimensions(&self, scatterings: u32) -> Dimensions {
+    pub(super) fn dimensions(&self, scatterings: u32) -> Dimensions {
         let each = Dimensions::OTHERS + self.lights.len() as u32;
         Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
     }

@@ -45,10 +45,10 @@ impl Control for Silent {
 
 /// A scene made ready to be rendered.
 pub struct Job<'a> {
-    integrator: Integrator<'a>,
-    settings: Settings,
+    pub(super) integrator: Integrator<'a>,
+    pub(super) settings: Settings,
     needs: Needs,
-    lens: Lens,
+    pub(super) lens: Lens,
     start: Instant,
 }
 

@@ -22,6 +22,8 @@ pub(crate) mod lights;
 mod mis;
 mod needs;
 mod product_warp;
+#[cfg(test)]
+mod reference;
 mod rough;
 mod sample_lanes;
 mod scatter;
