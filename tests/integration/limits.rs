@@ -138,7 +138,7 @@ fn interrupted(folder: &Path, args: &[&str]) -> Ran {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
     command.args(args).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(1500));
+    std::thread::sleep(Duration::from_millis(500));
     kill(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
     let start = Instant::now();
     let output = child.wait_with_output().unwrap();
