@@ -260,3 +260,14 @@ fn a_slab_changes_neither_radiance_nor_direction() {
     let s = glass.bsdf(ScatterModel::default()).sample(wo, 0.99, [0.5; 2]).unwrap();
     assert!(s.wi.z < 0.0 && s.weight == Rgb::ONE);
 }
+
+#[test]
+fn exact_glass_reflects_as_often_as_fresnel_says() {
+    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let bsdf = glass.bsdf(ScatterModel::default());
+    for (wo, eta) in [(towards(40.0, 0.0), 1.5f32), (-towards(40.0, 0.0), 1.0 / 1.5)] {
+        let f = crate::optics::dielectric::fresnel(wo.z.abs(), eta).unpolarized();
+        let reflects = |uc: f32| bsdf.sample(wo, uc, [0.5; 2]).unwrap().wi.z * wo.z > 0.0;
+        assert!(reflects(0.0) && reflects(f - 1e-6) && !reflects(f + 1e-6));
+    }
+}
