@@ -12,7 +12,7 @@ use super::{diffuse, product_warp, rough, shading_normal};
 use crate::bsdf::Bsdf;
 use crate::math::{Frame, Rgb};
 use crate::scene::Environment;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
 
@@ -101,13 +101,7 @@ impl Integrator<'_> {
             if pdf <= 0.0 {
                 continue;
             }
-            let other = match (&self.scene.environment, self.strategies.light()) {
-                (Some(environment), Some(light)) => {
-                    let map = |w: Vec3| environment.to_map(w.as_dvec3());
-                    light.pdf_for(map(wi), map(normal))
-                }
-                _ => 0.0,
-            };
+            let other = self.environment_pdf(wi, normal);
             let share = (local.z * balance_weight_over_pdf(pdf, other)) as f32 * FRAC_1_PI / sample.1 as f32;
             let value = at(&work.points.weight, i) * share;
             let word = work.points.path_class[i];

@@ -28,6 +28,7 @@ use crate::error::Result;
 use crate::math::Rgb;
 use crate::render::film::{PathClass, PathClasses};
 use crate::scene::{Emission, EmitterVisibility, Request, Scene};
+use glam::Vec3;
 use pulp::Arch;
 
 /// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
@@ -240,6 +241,14 @@ impl<'a> Integrator<'a> {
             let value = at(&work.paths.throughput, i) * radiance * share;
             work.add(work.paths.slot[i], work.paths.path_class[i], value);
         }
+    }
+
+    /// The pdf with which light samples of the environment have direction `wi` at a surface; 0 without such samples.
+    #[inline]
+    pub(super) fn environment_pdf(&self, wi: Vec3, normal: Vec3) -> f64 {
+        let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 0.0 };
+        let map = |w: Vec3| environment.to_map(w.as_dvec3());
+        light.pdf_for(map(wi), map(normal))
     }
 
     /// Adds the emission of the surface that a path has hit, weighted against light samples.

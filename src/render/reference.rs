@@ -74,10 +74,6 @@ impl<'a> Reference<'a> {
         &self.job.integrator
     }
 
-    fn by_mis(&self) -> bool {
-        self.job.settings.sampling == Sampling::Mis
-    }
-
     /// The radiance of one camera sample.
     pub fn radiance(&mut self, x: u32, y: u32, sample: u32) -> Rgb {
         let integrator = self.integrator();
@@ -149,7 +145,7 @@ impl<'a> Reference<'a> {
                         Sampling::Bsdf => Counted::Part { pdf: f32::MAX, environment: 1.0 },
                         Sampling::Light | Sampling::Hemisphere => Counted::All,
                         Sampling::Mis => {
-                            let other = self.environment_pdf(direction, frame.z) as f32;
+                            let other = integrator.environment_pdf(direction, frame.z) as f32;
                             let environment =
                                 power_heuristic(sample.pdf, integrator.request.light_samples as f32 * other);
                             Counted::Part { pdf: sample.pdf, environment }
@@ -174,6 +170,7 @@ impl<'a> Reference<'a> {
         let integrator = self.integrator();
         let samples = integrator.request.light_samples;
         let is_rough = vertex.bsdf.is_some();
+        let by_mis = is_rough && integrator.sampling == Sampling::Mis;
         let mut sum = Rgb::ZERO;
         // Sample each area light, and each light that rays cannot hit.
         for (number, light) in integrator.lights.iter().enumerate() {
@@ -185,8 +182,11 @@ impl<'a> Reference<'a> {
                 let u = self.numbers.short_pair(0, dimensions.light(number), (index, count));
                 let sample = light.sample(vertex.position, u);
                 let (f, pdf) = vertex.eval(sample.wi);
-                let by_mis = is_rough && self.by_mis() && light.object != NOTHING;
-                let share = if by_mis { power_heuristic(count as f32 * sample.pdf, pdf) } else { 1.0 };
+                let share = if by_mis && light.object != NOTHING {
+                    power_heuristic(count as f32 * sample.pdf, pdf)
+                } else {
+                    1.0
+                };
                 if f != Rgb::ZERO && !self.is_occluded(vertex, sample.wi, sample.distance, light.object) {
                     sum += f * sample.weight * (share / count as f32);
                 }
@@ -201,12 +201,9 @@ impl<'a> Reference<'a> {
                 let wi = (environment.to_world * sample.wi).as_vec3();
                 let (f, pdf) = vertex.eval(wi);
                 let over_pdf = if is_rough {
-                    let light = samples as f32 * sample.pdf as f32;
-                    if self.by_mis() {
-                        power_heuristic(light, pdf) / sample.pdf as f32
-                    } else {
-                        1.0 / sample.pdf as f32
-                    }
+                    let light_pdf = sample.pdf as f32;
+                    let share = if by_mis { power_heuristic(samples as f32 * light_pdf, pdf) } else { 1.0 };
+                    share / light_pdf
                 } else {
                     let cos = f64::from(vertex.frame.z.dot(wi));
                     let other = integrator.strategies.bsdf_only().map_or(0.0, |strategy| strategy.pdf(cos));
@@ -225,7 +222,7 @@ impl<'a> Reference<'a> {
             let Some(strategy) = strategy else { break };
             let local = strategy.sample(self.numbers.pair(0, dimensions.bsdf_direct(), (index, samples)));
             let wi = vertex.frame.to_world(local.as_vec3());
-            let other = if is_rough { 0.0 } else { self.environment_pdf(wi, vertex.frame.z) };
+            let other = if is_rough { 0.0 } else { integrator.environment_pdf(wi, vertex.frame.z) };
             let weight = balance_weight_over_pdf(strategy.pdf(local.z), other) as f32 / samples as f32;
             let found = match self.nearest(vertex.ray_origin(wi), wi) {
                 None => self.environment(wi),
@@ -262,18 +259,6 @@ impl<'a> Reference<'a> {
     fn environment(&self, direction: Vec3) -> Rgb {
         let environment = self.integrator().scene.environment.as_ref();
         environment.map_or(Rgb::ZERO, |environment| environment.radiance(direction.as_dvec3()))
-    }
-
-    /// The pdf of the environment's light samples at a surface.
-    fn environment_pdf(&self, direction: Vec3, normal: Vec3) -> f64 {
-        let integrator = self.integrator();
-        match (&integrator.scene.environment, integrator.strategies.light()) {
-            (Some(environment), Some(light)) => {
-                let map = |w: Vec3| environment.to_map(w.as_dvec3());
-                light.pdf_for(map(direction), map(normal))
-            }
-            _ => 0.0,
-        }
     }
 
     /// The nearest object along a ray, and its surface there.

@@ -94,9 +94,7 @@ impl Integrator<'_> {
     /// The MIS weight of the environment's radiance in a direction sampled by a rough material.
     #[inline]
     fn environment_weight(&self, hit: &RoughHit, wi: Vec3, pdf: f32) -> f32 {
-        let (Some(environment), Some(light)) = (&self.scene.environment, self.strategies.light()) else { return 1.0 };
-        let map = |w: Vec3| environment.to_map(w.as_dvec3());
-        let other = light.pdf_for(map(wi), map(hit.frame.z)) as f32;
+        let other = self.environment_pdf(wi, hit.frame.z) as f32;
         power_heuristic(pdf, self.request.light_samples as f32 * other)
     }
 }
