@@ -40,7 +40,7 @@ pub struct Converge {
 
 fn after_help() -> String {
     let methods: String = strategy::methods().iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
-    let suffixes: String = SUFFIXES.map(|(suffix, about)| format!("  ...+{suffix:<12} {about}\n")).concat();
+    let suffixes: String = SUFFIXES.map(|(suffix, about, _)| format!("  ...+{suffix:<12} {about}\n")).concat();
     format!(
         "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
          sphere), else against two\nlong renders that take half of the budget; images are at most \

@@ -146,7 +146,8 @@ pub const CUTS: [&str; 2] = [cut_lights::MEDIAN_CUT.name, cut_lights::VARIANCE_C
 /// Samples per pixel of [`cuts`]: some, because radiance varies within a pixel.
 const CUT_SPP: u32 = 4;
 
-/// Measures the bias of fixed lights in place of an environment, which no number of samples reduces: both cuts into each of the numbers of lights; a curve each, the cuts one after the other.
+/// Measures the bias of fixed lights in place of an environment, which no number of samples reduces: both cuts into each of the
+/// numbers of lights; a curve each, the cuts one after the other.
 pub fn cuts(
     scene: &Scene,
     request: &Request,

@@ -59,10 +59,17 @@ pub fn methods() -> Vec<(String, String)> {
     names
 }
 
-/// What a name may end in, after a plus sign, and what that does.
-pub const SUFFIXES: [(&str, &str); 2] = [
-    ("independent", "independent random numbers in place of Sobol's"),
-    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones"),
+/// What a name may end in, after a plus sign; what that does, in words and to the strategy.
+pub type Suffix = (&'static str, &'static str, fn(&mut Strategy));
+
+/// All suffixes.
+pub const SUFFIXES: [Suffix; 2] = [
+    ("independent", "independent random numbers in place of Sobol's", |strategy| {
+        strategy.stream = StreamKind::Independent;
+    }),
+    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones", |strategy| {
+        strategy.normals = NormalSampling::Ndf;
+    }),
 ];
 
 impl FromStr for Strategy {
@@ -75,20 +82,18 @@ impl FromStr for Strategy {
             Error::parameter("strategies", format!("there is no strategy \"{name}\"")).with_hint(format!(
                 "strategies: {}; then {}",
                 known.join(", "),
-                SUFFIXES.map(|(suffix, _)| format!("+{suffix}")).join(", ")
+                SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(", ")
             ))
         })?;
         let mut strategy =
             Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
         for part in parts {
-            match part {
-                "independent" => strategy.stream = StreamKind::Independent,
-                "all-normals" => strategy.normals = NormalSampling::Ndf,
-                _ => {
-                    return Err(Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
-                        .with_hint("a strategy may end in +independent and in +all-normals"));
-                }
-            }
+            let (.., apply) = SUFFIXES.iter().find(|(suffix, ..)| *suffix == part).ok_or_else(|| {
+                let known = SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(" and in ");
+                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                    .with_hint(format!("a strategy may end in {known}"))
+            })?;
+            apply(&mut strategy);
         }
         Ok(strategy)
     }
