@@ -121,7 +121,9 @@ impl Error {
     /// Sets the position in the file, for the variants that have one.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
-        self.fault().into_iter().for_each(|fault| fault.place = place);
+        if let Some(fault) = self.fault() {
+            fault.place = place;
+        }
         self
     }
 

@@ -23,12 +23,15 @@ pub struct ModelArgs {
     /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
     /// them, with commas between them
     #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact",
-          value_parser = choice(MODELS.into_iter().enumerate().map(|(i, model)| (model.0, model.1, i))))]
-    model: Vec<usize>,
+          value_parser = choice(MODELS.iter().map(|model| (model.0, model.1, model))))]
+    model: Vec<&'static Model>,
 }
 
-/// Values of `--model`: name, help and conventions.
-const MODELS: [(&str, &str, Conventions); 7] = [
+/// A value of `--model`: name, help and conventions.
+type Model = (&'static str, &'static str, Conventions);
+
+/// All of them.
+static MODELS: [Model; 7] = [
     ("exact", "The correct formulas", Conventions::CORRECT),
     ("report", "All conventions below together", Conventions { truncated_tone: false, ..Conventions::SECOND_REPORT }),
     (
@@ -65,10 +68,10 @@ const MODELS: [(&str, &str, Conventions); 7] = [
 impl ModelArgs {
     /// The model that the flags select; an error where two of them exclude each other.
     pub fn model(&self) -> Result<ScatterModel> {
-        if self.model.len() > 1 && self.model.iter().any(|&i| MODELS[i].2 == Conventions::CORRECT) {
+        if self.model.len() > 1 && self.model.iter().any(|model| model.2 == Conventions::CORRECT) {
             return Err(Error::parameter("model", "exact excludes the reports' conventions"));
         }
-        let has = |flag: fn(&Conventions) -> bool| self.model.iter().any(|&i| flag(&MODELS[i].2));
+        let has = |flag: fn(&Conventions) -> bool| self.model.iter().any(|model| flag(&model.2));
         let conventions = Conventions {
             fresnel_at_normal: has(|c| c.fresnel_at_normal),
             approximate_fresnel: has(|c| c.approximate_fresnel),
@@ -93,6 +96,6 @@ impl ModelArgs {
     }
 
     pub fn names(&self) -> String {
-        self.model.iter().map(|&i| MODELS[i].0).collect::<Vec<_>>().join(",")
+        self.model.iter().map(|model| model.0).collect::<Vec<_>>().join(",")
     }
 }
