@@ -1,166 +1,203 @@
 #!/usr/bin/env python3
-"""Time x MSE of `etalon render` and of Mitsuba 3 on the same scenes, alternating, at equal depth, resolution and samples.
+"""CPU time x MSE of `etalon render` and of Mitsuba 3 on the scenes of `benches/scenes`.
 
-    cargo build --release
     python3 -m venv venv && venv/bin/pip install mitsuba numpy     # its LLVM variant also wants libLLVM
-    venv/bin/python benches/against_mitsuba.py target/release/etalon [SPP] [SCENE,...]
+    venv/bin/python benches/against_mitsuba.py target/release/etalon --quick
+    venv/bin/python benches/against_mitsuba.py target/release/etalon --references target/references --csv ratios.csv
 
-Every scene is written once as a .pbrt file and built once as a Mitsuba dictionary, from the same numbers. Mitsuba runs its
-LLVM variant with the multijitter sampler (the better of its samplers on all of these), its kernels compiled beforehand.
-Times are those of rendering alone, as either program reports them, the quickest of three. The MSE is half the mean squared
-difference of renders with different seeds, which needs no reference; the means of both are printed beside it.
+Both programs render the same .pbrt file (`pbrt_to_mitsuba.py` translates it) at the same resolution, depth and samples
+per pixel, alternating, with as many threads; Mitsuba with its LLVM variant and multijitter sampler. CPU time (user and
+system) is that of a render minus that of a render with one sample, times spp / (spp - 1): without what either prepares.
+
+The MSE of an image a is the mean of (a - b1)(a - b2), where b1 and b2 are references of Mitsuba and of etalon, each the
+mean of many renders with seeds of their own: their noise is independent and adds nothing on average. The ratio is
+etalon's CPU time x MSE over Mitsuba's, below 1 where etalon reaches the same error sooner, with its 90 % interval
+(bootstrap over the seeds), from all pixels and without the worst 0.1 % of each image.
+
+Welch's t-test compares the two programs' means of the image and of 8 x 6 tiles: of the references, and of etalon's
+measured images with Mitsuba's reference. p is the smallest, times their number (Bonferroni). Below 0.01 a program is
+biased, or reads the scene differently, or has outliers that few seeds miss. Mitsuba's multijitter sampler is itself
+biased at 16 samples per pixel, by 1 % in the scene `furnace-knot`, and not measurably at 64.
 """
-import json, math, os, subprocess, sys, tempfile, time
-import mitsuba as mi, drjit as dr, numpy as np
+import argparse, csv, math, os, resource, shlex, shutil, subprocess, tempfile, time
+import drjit as dr, mitsuba as mi, numpy as np
+mi.set_variant("llvm_ad_rgb")
+import pbrt_to_mitsuba, scene_assets
 
-WIDTH, HEIGHT, ROUNDS = 480, 360, 3
-ETA, K = [0.15557, 0.42415, 1.3831], [3.6024, 2.4721, 1.9155]           # gold
-WHITE, RED, BLUE = [.6] * 3, [.6, .05, .05], [.05, .05, .6]
-WALLS = [  # corners counter-clockwise from inside, albedo
-    ([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]], WHITE),
-    ([[-1, 1.5, -1], [1, 1.5, -1], [1, 1.5, 1], [-1, 1.5, 1]], WHITE),
-    ([[-1, 0, -1], [1, 0, -1], [1, 1.5, -1], [-1, 1.5, -1]], WHITE),
-    ([[-1, 0, 1], [-1, 0, -1], [-1, 1.5, -1], [-1, 1.5, 1]], RED),
-    ([[1, 0, -1], [1, 0, 1], [1, 1.5, 1], [1, 1.5, -1]], BLUE),
-]
-AREA_LIGHT = [[-.35, 1.495, -.25], [.35, 1.495, -.25], [.35, 1.495, .25], [-.35, 1.495, .25]]
-FOV = 45.0                                                              # horizontal, degrees
+SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes")
+KNOWN = "spheres-5 spheres-100 alpha-0.005 alpha-0.05 alpha-0.25 alpha-0.5 mesh sphere-env".split()
+# Nobody tunes the renderer on these.
+HELD_OUT = """light-behind-baffle lights-over-plates spheres-sky-sun mesh-of-lights nested-glass lights-occluded
+    ring-caustic door-ajar glossy-box""".split()
+NEW = sorted({name[:-5] for name in os.listdir(SCENES) if name.endswith(".pbrt")} - {*KNOWN, *HELD_OUT})
+SETS = {"known": KNOWN, "new": NEW, "held-out": HELD_OUT}
 
 
-def knot(path, around=1000, across=50):
-    """A torus knot of 100,000 triangles as a binary PLY file."""
-    t = np.linspace(0, 2 * np.pi, around, endpoint=False)[:, None]
-    line = lambda t: np.hstack([(2 + np.cos(3 * t)) * np.cos(2 * t), np.sin(3 * t), (2 + np.cos(3 * t)) * np.sin(2 * t)]) / 2
-    unit = lambda v: v / np.linalg.norm(v, axis=1, keepdims=True)
-    tangent = unit(line(t + 1e-4) - line(t - 1e-4))
-    side = unit(np.cross(tangent, line(t) + [0, 3, 0]))
-    angle = np.linspace(0, 2 * np.pi, across, endpoint=False)
-    normal = np.cos(angle)[None, :, None] * np.cross(side, tangent)[:, None] + np.sin(angle)[None, :, None] * side[:, None]
-    place = .25 * (line(t)[:, None] + .28 * normal) + [0, .55, 0]
-    i, j = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
-    at = lambda di, dj: ((i + di) % around * across + (j + dj) % across).ravel()
-    faces = np.concatenate([np.stack([at(0, 0), at(1, 1), at(1, 0)], 1), np.stack([at(0, 0), at(0, 1), at(1, 1)], 1)])
-    records = np.zeros(len(faces), dtype=[("n", "u1"), ("i", "<i4", (3,))])
-    records["n"], records["i"] = 3, faces
-    names = "".join(f"property float {n}\n" for n in "x y z nx ny nz".split())
-    with open(path, "wb") as f:
-        f.write((f"ply\nformat binary_little_endian 1.0\nelement vertex {around * across}\n{names}element face {len(faces)}\n"
-                 "property list uchar int vertex_indices\nend_header\n").encode())
-        f.write(np.concatenate([place, normal], -1).astype("<f4").tobytes())
-        f.write(records.tobytes())
+def mitsuba(path, options):
+    """Renders the scene at `path` with Mitsuba: a function of samples per pixel and seed to image and CPU seconds."""
+    scene = pbrt_to_mitsuba.load(path, *options.resolution)
+
+    def render(spp, seed):
+        start = time.process_time()
+        image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=np.float64)
+        return image, time.process_time() - start
+
+    # Compiles the kernels.
+    render(1, 0), render(options.spp, 0)
+    return render
 
 
-def sky(path):
-    """A dim map with four windows and a sun of nine texels, as an EXR file."""
-    image = np.full((512, 1024, 3), .1, np.float32) * np.array([.85, .95, 1.1], np.float32)
-    for x, y, w, h, light in [(120, 190, 18, 40, 25), (420, 200, 14, 30, 40), (640, 180, 20, 36, 20), (880, 300, 10, 12, 30)]:
-        image[y:y + h, x:x + w] = light
-    image[100:103, 250:253] = 12000
-    mi.Bitmap(image).write(path)
+def etalon(path, options, extra=""):
+    """The same with etalon and extra arguments."""
+    size, image = map(str, options.resolution), path.removesuffix(".pbrt") + "-etalon.pfm"
+    command = [options.program, "render", path, "-r", *size, "-t", str(options.threads), "--quiet", "-o", image,
+               *shlex.split(extra)]
+    cpu = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+
+    def render(spp, seed):
+        start = cpu()
+        subprocess.run([*command, "-s", str(spp), "--seed", str(seed)], check=True, stdout=subprocess.DEVNULL)
+        return np.array(mi.Bitmap(image), dtype=np.float64), cpu() - start
+
+    return render
 
 
-def rgb(c): return {"type": "rgb", "value": list(c)}
-def numbers(c): return "[" + " ".join(repr(float(x)) for x in np.ravel(c)) + "]"
+def means(image):
+    """The mean of the image and of 8 x 6 tiles."""
+    tiles = [tile for row in np.array_split(image, 6) for tile in np.array_split(row, 8, axis=1)]
+    return [x.mean() for x in (image, *tiles)]
 
 
-def scene(name, depth, folder):
-    """The scene as pbrt text and as a Mitsuba dictionary; `depth` counts scatterings (Mitsuba: edges of the path)."""
-    eye, at = ([0, 0, 4], [0, 0, 0]) if name == "sphere-env" else ([0, .75, 3.45], [0, .75, 0])
-    short = 2 * math.degrees(math.atan(math.tan(math.radians(FOV / 2)) * HEIGHT / WIDTH))
-    text = [f"Scale -1 1 1\nLookAt {' '.join(map(str, eye + at))} 0 1 0", f'Camera "perspective" "float fov" {short!r}',
-            f'Film "rgb" "integer xresolution" {WIDTH} "integer yresolution" {HEIGHT} "string filename" "x.exr"',
-            'PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5', 'Sampler "independent" "integer pixelsamples" 1',
-            f'Integrator "path" "integer maxdepth" {depth}', "WorldBegin"]
-    tree = {"type": "scene", "integrator": {"type": "path", "max_depth": depth + 1, "hide_emitters": name == "sphere-env"},
-            "sensor": {"type": "perspective", "fov": FOV, "fov_axis": "x", "sampler": {"type": "multijitter"},
-                       "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=at, up=[0, 1, 0]),
-                       "film": {"type": "hdrfilm", "width": WIDTH, "height": HEIGHT, "rfilter": {"type": "box"}}}}
-    sphere = lambda c, r, bsdf: {"type": "sphere", "center": c, "radius": r, "bsdf": bsdf}
-    place = lambda material, c, r: text.append(
-        f'AttributeBegin\nMaterial {material}\nTranslate {c[0]} {c[1]} {c[2]}\nShape "sphere" "float radius" {r}\nAttributeEnd')
-    if name == "sphere-env":
-        sky(os.path.join(folder, "sky.exr"))
-        # Mitsuba's column 0 looks along +z, pbrt's along +x with z up.
-        text.append('AttributeBegin\nTransform [0 0 -1 0  1 0 0 0  0 1 0 0  0 0 0 1]\nLightSource "infinite" "string mapname" '
-                    '"sky.exr"\nAttributeEnd\nMaterial "diffuse" "rgb reflectance" [1 1 1]\nShape "sphere" "float radius" 1')
-        tree["sky"] = {"type": "envmap", "filename": os.path.join(folder, "sky.exr")}
-        tree["sphere"] = sphere([0, 0, 0], 1, {"type": "diffuse", "reflectance": rgb([1, 1, 1])})
-        return "\n".join(text), tree
-    quad = lambda corners: f'Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" {numbers(corners)}'
-    for i, (corners, albedo) in enumerate(WALLS + [(AREA_LIGHT, [0, 0, 0])]):
-        emission = 'AreaLightSource "diffuse" "rgb L" [10 10 10]\n' if corners is AREA_LIGHT else ""
-        text.append(f'AttributeBegin\n{emission}Material "diffuse" "rgb reflectance" {numbers(albedo)}\n{quad(corners)}\nAttributeEnd')
-        c = np.array(corners, float)
-        x, y, centre = (c[1] - c[0]) / 2, (c[3] - c[0]) / 2, c.mean(0)
-        z = np.cross(x, y)
-        frame = np.eye(4)
-        frame[:3] = np.stack([x, y, z / np.linalg.norm(z), centre], 1)
-        tree[f"wall{i}"] = {"type": "rectangle", "to_world": mi.ScalarTransform4f(frame),
-                            "bsdf": {"type": "diffuse", "reflectance": rgb(albedo)}}
-        if corners is AREA_LIGHT:
-            tree[f"wall{i}"]["emitter"] = {"type": "area", "radiance": rgb([10, 10, 10])}
-    if name.startswith("spheres"):
-        place('"mirror" "rgb Kr" [1 1 1]', [-.42, .33, -.35], .33)
-        place('"dielectric" "float eta" 1.45', [.42, .33, .3], .33)
-        tree["mirror"] = sphere([-.42, .33, -.35], .33, {"type": "conductor", "material": "none"})
-        tree["glass"] = sphere([.42, .33, .3], .33, {"type": "dielectric", "int_ior": 1.45, "ext_ior": 1.0})
-        return "\n".join(text), tree
-    alpha = .25 if name == "mesh" else float(name.removeprefix("alpha-"))
-    metal = (f'"conductor" "rgb eta" {numbers(ETA)} "rgb k" {numbers(K)} "float roughness" {alpha} '
-             '"bool remaproughness" false "string distribution" "beckmann"')
-    bsdf = {"type": "roughconductor", "distribution": "beckmann", "alpha": alpha, "eta": rgb(ETA), "k": rgb(K)}
-    if name == "mesh":
-        path = os.path.join(folder, "knot.ply")
-        knot(path)
-        text.append(f'Material {metal}\nShape "plymesh" "string filename" "knot.ply"')
-        tree["metal"] = {"type": "ply", "filename": path, "bsdf": bsdf}
-    else:
-        place(metal, [0, .5, 0], .45)
-        tree["metal"] = sphere([0, .5, 0], .45, bsdf)
-    return "\n".join(text), tree
+def reference(render, path, text, options):
+    """The mean of renders with seeds of their own, and `means` of each; from the file at `path` if it fits."""
+    if os.path.exists(path):
+        kept = np.load(path)
+        if kept["text"] == text and kept["spp"] * len(kept["means"]) >= options.spp * options.reference_runs:
+            return kept["image"], kept["means"]
+    images = [render(options.spp, 1_000_001 + i)[0] for i in range(options.reference_runs)]
+    image, rows = np.mean(images, 0), np.array([means(image) for image in images])
+    np.savez_compressed(path, image=image, means=rows, spp=options.spp, text=text)
+    return image, rows
 
 
-def mse(images, where):
-    pairs = [(a, b) for i, a in enumerate(images) for b in images[:i]]
-    return float(np.mean([((a - b) ** 2).mean(-1)[where].mean() / 2 for a, b in pairs]))
+def two_sided_p(t, freedom):
+    """P(|T| >= |t|) of Student's distribution: the pdf of atan(t / sqrt(freedom)) goes with cos^(freedom - 1)."""
+    angle = (np.arange(65536) + .5) / 65536 * math.pi / 2
+    pdf = np.cos(angle) ** (freedom - 1)
+    return pdf[angle >= math.atan(abs(t) / math.sqrt(freedom))].sum() / pdf.sum()
 
 
-def main():
-    program, spp = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 64
-    scenes = {"spheres-5": 4, "spheres-100": 99, "alpha-0.005": 4, "alpha-0.05": 4, "alpha-0.25": 4, "alpha-0.5": 4,
-              "mesh": 4, "sphere-env": 1}
-    wanted = sys.argv[3].split(",") if len(sys.argv) > 3 else scenes
-    mi.set_variant("llvm_ad_rgb")
-    print("| scene | Mitsuba s | MSE | etalon s | MSE | time x MSE, ratio | means |\n|---|---|---|---|---|---|---|")
-    for name in wanted:
-        with tempfile.TemporaryDirectory() as folder:
-            text, tree = scene(name, scenes[name], folder)
-            source, image_path = os.path.join(folder, "scene.pbrt"), os.path.join(folder, "image.exr")
-            open(source, "w").write(text)
-            loaded = mi.load_dict(tree)
-            dr.eval(mi.render(loaded, spp=4)); dr.sync_thread()
-            theirs, ours, times = [], [], ([], [])
-            for seed in range(1, ROUNDS + 1):
-                start = time.perf_counter()
-                image = mi.render(loaded, spp=spp, seed=seed)
-                dr.eval(image); dr.sync_thread()
-                times[0].append(time.perf_counter() - start)
-                theirs.append(np.array(image, dtype=np.float64))
-                run = subprocess.run([program, "render", source, "-s", str(spp), "-l", "1", "--seed", str(seed), "--json",
-                                      "-o", image_path], capture_output=True, text=True, check=True)
-                times[1].append(json.loads(run.stdout)["seconds"])
-                ours.append(np.array(dict(mi.Bitmap(image_path).split())["<root>"], dtype=np.float64))
-        # Under the sky the two show different backgrounds: only the sphere counts, without its silhouette.
-        where = np.ones((HEIGHT, WIDTH), bool)
-        if name == "sphere-env":
-            lit = theirs[0].sum(-1) > 0
-            where[1:-1, 1:-1] = lit[1:-1, 1:-1] & lit[2:, 1:-1] & lit[:-2, 1:-1] & lit[1:-1, 2:] & lit[1:-1, :-2]
-            where[[0, -1]] = False; where[:, [0, -1]] = False
-        a, b = (min(times[0]), mse(theirs, where)), (min(times[1]), mse(ours, where))
-        means = [np.mean(images, 0)[where].mean() for images in (theirs, ours)]
-        print(f"| {name} | {a[0]:.2f} | {a[1]:.2e} | {b[0]:.2f} | {b[1]:.2e} | {b[0] * b[1] / (a[0] * a[1]):.2f} "
-              f"| {means[0]:.4f} {means[1]:.4f} |", flush=True)
+def welch(a, b):
+    """Of Welch's t-tests of the columns of a and b: Bonferroni's p-value, its column, the relative difference there."""
+    va, vb = (np.maximum(x.var(0, ddof=1) / len(x), 1e-30) for x in (a, b))
+    t = (a.mean(0) - b.mean(0)) / np.sqrt(va + vb)
+    freedom = (va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
+    difference = a.mean(0) / np.maximum(b.mean(0), 1e-30) - 1
+    # The programs interpolate environment maps differently, which shows where there is little noise.
+    p = [two_sided_p(*x) if abs(d) > 1e-3 else 1.0 for *x, d in zip(t, freedom, difference)]
+    worst = int(np.argmin(p))
+    return min(1.0, p[worst] * len(p)), worst, difference[worst]
+
+
+def errors(image, references):
+    """The MSE with all pixels, and without the worst 0.1 % of them."""
+    pixels = np.sort(((image - references[0]) * (image - references[1])).mean(-1), axis=None)
+    return pixels.mean(), pixels[:-math.ceil(len(pixels) / 1000)].mean()
+
+
+def ratio(ours, theirs):
+    """The ratio of CPU time x MSE and its 90 % interval; the rows of both are (CPU time, MSE) of one seed."""
+    cost, random = lambda rows: rows.mean(-2).prod(-1), np.random.default_rng(1)
+    a, b = (rows[random.integers(len(rows), size=(2000, len(rows)))] for rows in (ours, theirs))
+    return cost(ours) / cost(theirs), *np.quantile(cost(a) / cost(b), [.05, .95])
+
+
+def measure(label, options):
+    """One row of the results."""
+    path, (width, height) = os.path.join(options.work, f"{label}.pbrt"), options.resolution
+    text, renderers = pbrt_to_mitsuba.source(path), [mitsuba(path, options), etalon(path, options, options.etalon_args)]
+    kept = os.path.join(options.references or options.work, f"{label}-{width}x{height}")
+    references = [reference(renderers[0], f"{kept}-Mitsuba.npz", text, options),
+                  reference(etalon(path, options), f"{kept}-etalon.npz", text, options)]
+    start = [np.median([render(1, seed)[1] for seed in range(1, 6)]) for render in renderers]
+    runs, ours_means = ([], []), []
+    for seed in range(1, options.seeds + 1):
+        for side, render in enumerate(renderers):
+            image, cpu = render(options.spp, seed)
+            cpu = (cpu - start[side]) * options.spp / (options.spp - 1)
+            runs[side].append([cpu, *errors(image, [mean for mean, _ in references])])
+        ours_means.append(means(image))
+    theirs, ours = map(np.array, runs)
+    row = {"scene": label, "set": next(name for name in SETS if label in SETS[name])}
+    for name, x in [("mitsuba", theirs), ("etalon", ours)]:
+        row |= zip([f"{name}_cpu_seconds", f"{name}_mse", f"{name}_mse_trimmed"], x.mean(0))
+    for name, columns in [("ratio", [0, 1]), ("ratio_trimmed", [0, 2])]:
+        row |= zip([name, f"{name}_low", f"{name}_high"], ratio(ours[:, columns], theirs[:, columns]))
+    for name, x in [("references", references[1][1]), ("images", np.array(ours_means))]:
+        row |= zip([f"{name}_p", f"{name}_tile", f"{name}_difference"], welch(x, references[0][1]))
+    return row
+
+
+def show(row):
+    """Prints the row in Markdown."""
+    cells = [f"{row[f'{name}_cpu_seconds']:.2f} | {row[f'{name}_mse']:.2e}" for name in ("mitsuba", "etalon")]
+    cells += ["{:.2f} ({:.2f} to {:.2f})".format(*(row[name + end] for end in ("", "_low", "_high")))
+              for name in ("ratio", "ratio_trimmed")]
+    for name in ("references", "images"):
+        p, tile, difference = (row[f"{name}_{what}"] for what in ("p", "tile", "difference"))
+        where = f" ({difference:+.2%} in {f'tile {tile}' if tile else 'the image'})"
+        cells.append(f"{p:.2g}{where if p < .01 else ''}")
+    print(f"| {' | '.join([row['scene'], row['set'], *cells])} |", flush=True)
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    option = parser.add_argument
+    option("program", help="the program etalon")
+    option("--quick", action="store_true", help="a first look: 4 seeds, 6 reference runs, 48 x 36 pixels")
+    option("--scenes", default="known,new,held-out", help="names of scenes or sets, with commas (default: %(default)s)")
+    option("--spp", type=int, default=64, help="samples per pixel, a square number (default: 64)")
+    option("--seeds", type=int, help="measured renders of each program (default: 16)")
+    option("--reference-runs", type=int, help="renders of each reference (default: 64)")
+    option("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: 160 120)")
+    option("--threads", type=int, default=1, help="threads of each program (default: 1)")
+    option("--etalon-args", default="", help='more arguments of the measured renders, like "--sampling light"')
+    option("--references", metavar="FOLDER", help="keeps the references between runs")
+    option("--csv", metavar="FILE", help="also write the results as CSV")
+    options = parser.parse_args()
+    seeds, runs, size = (4, 6, [48, 36]) if options.quick else (16, 64, [160, 120])
+    options.seeds, options.reference_runs = options.seeds or seeds, options.reference_runs or runs
+    options.resolution = options.resolution or size
+    options.scenes = [name for word in options.scenes.split(",") for name in SETS.get(word, [word])]
+    if unknown := set(options.scenes) - {*KNOWN, *NEW, *HELD_OUT}:
+        parser.error(f"no such scene: {', '.join(unknown)}")
+    return options
+
+
+def run(options):
+    """Measures all scenes in the folder `options.work`."""
+    rows = []
+    shutil.copytree(SCENES, options.work, dirs_exist_ok=True)
+    scene_assets.write_assets(os.path.join(options.work, "assets"))
+    os.makedirs(options.references or options.work, exist_ok=True)
+    dr.set_thread_count(options.threads)
+    print("Quick look, not for publication: " * options.quick + f"{options.resolution} pixels, {options.spp} spp, "
+          f"{options.seeds} seeds, threads: {options.threads}, etalon arguments: {options.etalon_args or 'none'}\n")
+    print("| scene | set | Mitsuba, CPU s | MSE | etalon, CPU s | MSE | ratio (90 %) | without the worst 0.1 % "
+          "| references: p | images: p |\n|---|---|---|---|---|---|---|---|---|---|")
+    for label in options.scenes:
+        rows.append(measure(label, options))
+        show(rows[-1])
+        if options.csv:
+            with open(options.csv, "w", newline="") as f:
+                writer = csv.DictWriter(f, rows[0])
+                writer.writeheader(), writer.writerows(rows)
+    for name in SETS:
+        if ratios := [row["ratio"] for row in rows if row["set"] == name and row["ratio"] > 0]:
+            print(f"\nGeometric mean of {len(ratios)} ratios, {name}: {np.exp(np.mean(np.log(ratios))):.2f}")
 
 
 if __name__ == "__main__":
-    main()
+    options = arguments()
+    with tempfile.TemporaryDirectory() as options.work:
+        run(options)

@@ -26,7 +26,7 @@ fn sphere_env(c: &mut Criterion) {
         ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED, false),
         ("BSDF", Sampling::Bsdf, MapSampling::MAP, false),
     ] {
-        let settings = Settings { sampling, density, general, ..Settings::default() };
+        let settings = Settings { sampling, density: Some(density), general, ..Settings::default() };
         group.bench_function(name, |b| b.iter(|| black_box(render(&scene, &request, &settings, &Silent))));
     }
     group.finish();

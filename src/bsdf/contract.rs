@@ -58,7 +58,7 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// A sample of the only lobe, which reflects.
     #[inline(always)]
-    pub(super) fn reflected(wi: Vec3, weight: Rgb, pdf: f32, lobe: Lobe) -> Self {
+    pub(crate) fn reflected(wi: Vec3, weight: Rgb, pdf: f32, lobe: Lobe) -> Self {
         Self { wi, weight, pdf, lobe, probability: 1.0, eta: 1.0 }
     }
 

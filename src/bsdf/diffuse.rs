@@ -21,6 +21,13 @@ impl Diffuse {
     pub fn new(albedo: Rgb) -> Self {
         Self { f: albedo * FRAC_1_PI, albedo }
     }
+
+    /// The reflected share of each channel.
+    #[inline]
+    #[must_use]
+    pub fn albedo(&self) -> Rgb {
+        self.albedo
+    }
 }
 
 /// Whether both directions are on one side of the surface and neither along it.

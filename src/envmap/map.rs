@@ -6,6 +6,7 @@ use crate::math::{Rgb, mean_rgb};
 use crate::memory;
 use crate::raster::Image;
 use glam::DVec3;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A lat-long map of radiance, finite and not negative.
@@ -99,6 +100,13 @@ impl EnvMap {
     #[must_use]
     pub fn energy(&self, x: usize, y: usize) -> f64 {
         self.mean_rgb(x, y) * self.geometry.solid_angle(y)
+    }
+
+    /// Mean of R, G and B over the sphere.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        let row = |y: usize| self.image.row(y).iter().map(|p| mean_rgb(*p)).sum::<f64>() * self.geometry.solid_angle(y);
+        (0..self.image.height()).map(row).sum::<f64>() / (4.0 * PI)
     }
 
     /// Asks for the memory of a table that takes so many bytes for each texel.

@@ -12,7 +12,7 @@ use crate::scene::{Light, Scene};
 /// more by the material's directions.
 pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
     let Some(environment) = &scene.environment else { return Ok(Vec::new()) };
-    if settings.density.has_fixed_lights() && settings.sampling != Sampling::Light {
+    if settings.map_sampling().has_fixed_lights() && settings.sampling != Sampling::Light {
         return Err(Error::parameter("density", "lights that stand for the map hold all of its light")
             .with_hint("light sampling only: the material's directions would find the map a second time"));
     }
@@ -20,7 +20,7 @@ pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
         direction: -(environment.to_world * towards).as_vec3(),
         irradiance: irradiance.as_vec3() * environment.scale,
     };
-    let lights = settings.density.fixed_lights(&environment.map)?;
+    let lights = settings.map_sampling().fixed_lights(&environment.map)?;
     Ok(lights.unwrap_or_default().into_iter().map(light).collect())
 }
 
@@ -44,7 +44,7 @@ mod tests {
     fn many_lights_are_the_map_and_few_are_not() {
         let (scene, request) = sphere();
         let image = |density, spp| {
-            let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
+            let settings = Settings { sampling: Sampling::Light, density: Some(density), ..Settings::default() };
             render(&scene, &Request { spp, ..request }, &settings, &Silent).unwrap().image
         };
         let map = image(MapSampling::COSINE, 512);
@@ -61,12 +61,12 @@ mod tests {
         let (scene, request) = sphere();
         for sampling in [Sampling::Mis, Sampling::Bsdf] {
             let density = MapSampling::with_regions(MEDIAN_CUT, 16);
-            let settings = Settings { sampling, density, ..Settings::default() };
+            let settings = Settings { sampling, density: Some(density), ..Settings::default() };
             assert!(render(&scene, &request, &settings, &Silent).is_err());
         }
         for (entry, regions) in [(MEDIAN_CUT, 0), (strata::ENTRY, u32::MAX)] {
             let density = MapSampling::with_regions(entry, regions);
-            let settings = Settings { sampling: Sampling::Light, density, ..Settings::default() };
+            let settings = Settings { sampling: Sampling::Light, density: Some(density), ..Settings::default() };
             assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density}");
         }
     }

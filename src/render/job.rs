@@ -1,23 +1,21 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
-use super::film::{Dropped, Film, Part, PathClasses, Row};
+use super::film::{Dropped, Film, Part, PathClasses, Row, Splat};
 use super::fingerprint;
-use super::geometry::Geometry;
-use super::integrator::Integrator;
+use super::kernel::{Buffers, LightPathBuffers, Radiance, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
-use super::needs::Needs;
-use super::settings::{Settings, check};
-use super::strategies::Strategies;
-use super::workspace::Workspace;
+use super::prepared::PreparedScene;
+use super::reference::Reference;
+use super::sample_lanes::SampleLanes;
+use super::settings::{Kernel, Sampling, Settings, check};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
 use crate::memory;
 use crate::raster::{Image, Metadata};
-use crate::scene::bvh::MeshBvh;
-use crate::scene::{Object, Request, Scene, Shape};
+use crate::scene::{Request, Scene};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -45,9 +43,8 @@ impl Control for Silent {
 
 /// A scene made ready to be rendered.
 pub struct Job<'a> {
-    pub(super) integrator: Integrator<'a>,
+    pub(super) scene: PreparedScene<'a>,
     pub(super) settings: Settings,
-    needs: Needs,
     pub(super) lens: Lens,
     start: Instant,
 }
@@ -62,16 +59,14 @@ impl<'a> Job<'a> {
     /// [`crate::Error::Parameter`] for an impossible request and for settings that exclude each other.
     pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         check(request)?;
+        if settings.kernel == Kernel::Reference && settings.sampling == Sampling::MisLt {
+            return Err(Error::parameter("kernel", "the reference has no light tracing")
+                .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
+        }
         let start = Instant::now();
-        let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
-        let strategies = Strategies::new(scene, settings, &needs)?;
-        let of_mesh = |object: &Object| if let Shape::Mesh(mesh) = &object.shape { mesh.triangles.len() } else { 0 };
-        let triangles: usize = scene.objects.iter().map(of_mesh).sum();
-        memory::request(triangles * MeshBvh::BYTES_PER_TRIANGLE, || format!("the tree of {triangles} triangles"))?;
-        let geometry = Geometry::new(scene, needs.meshes);
-        let integrator = Integrator::new(scene, request, settings, strategies, geometry)?;
+        let prepared = PreparedScene::new(scene, request, settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
-        Ok(Self { integrator, settings: *settings, needs, lens, start })
+        Ok(Self { scene: prepared, settings: *settings, lens, start })
     }
 
     /// An empty film for this render.
@@ -79,14 +74,14 @@ impl<'a> Job<'a> {
     /// # Errors
     /// As [`Film::new`].
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
-        let Request { width, height, spp, .. } = self.integrator.request;
+        let Request { width, height, spp, .. } = self.scene.request;
         let classes = self.settings.paths.map(PathClasses::up_to);
         let film = Film::new(width, height, classes)?;
-        let film = if self.integrator.light_tracing.is_some() { film.with_splats()? } else { film };
+        let film = if self.scene.light_tracing.is_some() { film.with_splats()? } else { film };
         // Writing the file takes memory, too: images of the mean, of its error and of every path class, and the compressed
         // sums, about half as large as the film. Make sure of it now, so that the result is not lost at the end.
         let (classes, splats) =
-            (classes.map_or(0, PathClasses::count), usize::from(self.integrator.light_tracing.is_some()));
+            (classes.map_or(0, PathClasses::count), usize::from(self.scene.light_tracing.is_some()));
         let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
         memory::request(width * height * (sums + (2 + classes) * size_of::<Rgb>()), || {
             format!("the files of a film of {width}x{height} pixels")
@@ -97,7 +92,7 @@ impl<'a> Job<'a> {
     /// Equal for renders whose samples are the same; the number of samples is no part of it.
     #[must_use]
     pub fn fingerprint(&self) -> String {
-        fingerprint::of(self.integrator.scene, &self.integrator.request, &self.settings)
+        fingerprint::of(self.scene.scene, &self.scene.request, &self.settings)
     }
 
     /// Wall-clock time since the preparation began.
@@ -109,30 +104,18 @@ impl<'a> Job<'a> {
     /// What the scene does not need and the kernel hence does not have.
     #[must_use]
     pub fn left_out(&self) -> Vec<&'static str> {
-        let mut list = self.needs.left_out(self.integrator.scene);
-        if self.integrator.light_tracing.is_none() && !self.settings.general {
-            list.push("light tracing");
-        }
-        list
+        self.scene.needs.left_out(self.scene.scene)
     }
 
     /// Renders the samples of the range that `part` does not have yet, until `control` stops it. The part must be one of
-    /// [`Job::part`], or the settings [`camera_paths_only`](Settings::camera_paths_only).
+    /// [`Job::part`].
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
-        let kernels: [Kernel<'a>; Needs::LEAN.len()] = [
-            Self::accumulate::<{ Needs::LEAN[0] }>,
-            Self::accumulate::<{ Needs::LEAN[1] }>,
-            Self::accumulate::<{ Needs::LEAN[2] }>,
-            Self::accumulate::<{ Needs::LEAN[3] }>,
-            Self::accumulate::<{ Needs::LEAN[4] }>,
-        ];
-        let kernel = kernels[self.needs.kernel()];
         let mut start = samples.start;
         while start < samples.end && !control.stop() {
             let round = start..(start + ROUND.min(samples.end - start));
             start = round.end;
             while let Some(task) = part.next(round.clone()) {
-                part.film.accumulate(|row| self.row(row, &|n| task.left(n), kernel, control));
+                part.film.accumulate(|row| self.row(row, &|n| task.left(n), control));
                 if control.stop() {
                     return;
                 }
@@ -141,71 +124,128 @@ impl<'a> Job<'a> {
     }
 
     /// Renders the samples that the pixels of a row still need.
-    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, kernel: Kernel<'a>, control: &dyn Control) {
-        let mut work = self.integrator.workspace(&self.settings);
-        let (mut filled, mut done) = (0, 0);
-        let width = self.integrator.request.width;
-        for x in 0..width {
+    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, control: &dyn Control) {
+        let mut batch = Batch::new(self);
+        let mut done = 0;
+        for x in 0..self.scene.request.width {
             for sample in left(row.samples(x)) {
-                work.numbers.assign(filled, self.pixel(row, x), sample);
-                (work.pixel[filled], work.sample[filled]) = (x as u32, sample);
-                filled += 1;
-                if filled == LANES {
+                batch.assign(self.pixel(row, x), x, sample);
+                if batch.count == LANES {
                     if control.stop() {
-                        return self.light_paths(&mut work, row, 1);
+                        return batch.trace_light_paths(self, row, 1);
                     }
-                    kernel(self, &mut work, row, filled);
-                    done += filled as u64;
-                    filled = 0;
+                    done += batch.trace(self, row);
                 }
             }
         }
-        kernel(self, &mut work, row, filled);
-        self.light_paths(&mut work, row, 1);
-        control.done(done + filled as u64);
-    }
-
-    /// Traces the camera samples in the first `count` slots and adds them to the film.
-    fn accumulate<const NEEDS: u32>(&self, work: &mut Workspace, row: &mut Row, count: usize) {
-        self.integrator.start(work, count, &self.lens, row.y() as u32);
-        self.integrator.trace::<NEEDS>(work, &self.lens);
-        let classes = work.layers.len() / LANES;
-        for slot in 0..count {
-            let layers = &work.layers[slot * classes..][..classes];
-            row.add(work.pixel[slot] as usize, at(&work.radiance, slot), layers);
-        }
-        if self.integrator.light_tracing.is_some() {
-            for slot in 0..count {
-                let pixel = self.pixel(row, work.pixel[slot] as usize);
-                let path = LightTracing::path(self.settings.seed, pixel, work.sample[slot]);
-                work.waiting.extend(path.map(|number| (pixel, number)));
-            }
-            self.light_paths(work, row, LANES);
-        }
-    }
-
-    /// Traces the light paths of the samples so far, in batches, while at least so many are waiting.
-    fn light_paths(&self, work: &mut Workspace, row: &mut Row, at_least: usize) {
-        while work.waiting.len() >= at_least {
-            let count = work.waiting.len().min(LANES);
-            for slot in 0..count {
-                let (pixel, number) = work.waiting[slot];
-                work.numbers.assign(slot, pixel, number);
-            }
-            work.waiting.drain(..count);
-            self.integrator.trace_light_paths(work, count, &self.lens);
-            work.splats.drain(..).for_each(|splat| row.splat(splat));
-        }
+        done += batch.trace(self, row);
+        batch.trace_light_paths(self, row, 1);
+        control.done(done);
     }
 
     /// The number of a pixel, row by row.
     fn pixel(&self, row: &Row, x: usize) -> u64 {
-        (row.y() * self.integrator.request.width + x) as u64
+        (row.y() * self.scene.request.width + x) as u64
     }
 }
 
-/// [`Job::accumulate`] for some set of needs.
-type Kernel<'a> = fn(&Job<'a>, &mut Workspace, &mut Row, usize);
+/// Camera samples that are traced together, and the light paths that come with them.
+struct Batch<'a> {
+    /// The random numbers of the camera samples.
+    numbers: SampleLanes,
+    /// How many camera samples are assigned.
+    count: usize,
+    /// The column of each.
+    column: [u32; LANES],
+    /// The number of each in its pixel.
+    sample: [u32; LANES],
+    radiance: Radiance,
+    tracer: Tracer<'a>,
+    /// The random numbers of the light paths.
+    light_numbers: SampleLanes,
+    /// Pixel and number of light paths still to be traced.
+    waiting: Vec<(u64, u32)>,
+    light_paths: LightPathBuffers,
+    splats: Vec<Splat>,
+}
+
+/// The implementation that traces camera samples.
+enum Tracer<'a> {
+    Lanes(Box<Buffers>),
+    Reference(Reference<'a>),
+}
+
+impl<'a> Batch<'a> {
+    fn new(job: &'a Job<'a>) -> Self {
+        let numbers = || SampleLanes::new(job.settings.stream, job.settings.seed);
+        Self {
+            numbers: numbers(),
+            count: 0,
+            column: [0; LANES],
+            sample: [0; LANES],
+            radiance: Radiance::new(job.scene.classes),
+            tracer: match job.settings.kernel {
+                Kernel::Lanes => Tracer::Lanes(Box::default()),
+                Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.lens)),
+            },
+            light_numbers: numbers(),
+            waiting: Vec::new(),
+            light_paths: LightPathBuffers::default(),
+            splats: Vec::new(),
+        }
+    }
+
+    /// Adds a camera sample.
+    fn assign(&mut self, pixel: u64, column: usize, sample: u32) {
+        self.numbers.assign(self.count, pixel, sample);
+        (self.column[self.count], self.sample[self.count]) = (column as u32, sample);
+        self.count += 1;
+    }
+
+    /// Traces the camera samples, adds them to the film, and returns their number.
+    fn trace(&mut self, job: &Job, row: &mut Row) -> u64 {
+        let count = std::mem::take(&mut self.count);
+        let y = row.y() as u32;
+        match &mut self.tracer {
+            Tracer::Lanes(buffers) => {
+                let samples = (&self.column, y, count);
+                trace(&job.scene, &job.lens, samples, &self.numbers, buffers, &mut self.radiance);
+            }
+            Tracer::Reference(reference) => {
+                self.radiance.clear(count);
+                for slot in 0..count {
+                    let add = |class, value| self.radiance.add(slot as u32, class, value);
+                    reference.trace(&self.numbers, slot as u32, [self.column[slot], y], add);
+                }
+            }
+        }
+        for slot in 0..count {
+            row.add(self.column[slot] as usize, at(&self.radiance.sum, slot), self.radiance.by_class(slot));
+        }
+        if job.scene.light_tracing.is_some() {
+            for slot in 0..count {
+                let pixel = job.pixel(row, self.column[slot] as usize);
+                let path = LightTracing::path(job.settings.seed, pixel, self.sample[slot]);
+                self.waiting.extend(path.map(|number| (pixel, number)));
+            }
+            self.trace_light_paths(job, row, LANES);
+        }
+        count as u64
+    }
+
+    /// Traces the light paths of the samples so far, in batches, while at least so many are waiting.
+    fn trace_light_paths(&mut self, job: &Job, row: &mut Row, at_least: usize) {
+        while self.waiting.len() >= at_least {
+            let count = self.waiting.len().min(LANES);
+            for (slot, (pixel, number)) in self.waiting.drain(..count).enumerate() {
+                self.light_numbers.assign(slot, pixel, number);
+            }
+            let samples = (&self.light_numbers, count);
+            trace_light_paths(&job.scene, &job.lens, samples, &mut self.light_paths, &mut self.splats);
+            self.splats.drain(..).for_each(|splat| row.splat(splat));
+        }
+    }
+}
 
 /// A finished image and how it was rendered.
 #[derive(Debug, Clone)]

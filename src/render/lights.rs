@@ -1,61 +1,21 @@
 //! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf.
 
-use super::cut_lights;
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
+use super::lanes::{BLOCK, Lane, Lane3, NOTHING, ZERO_BLOCK3, at, block, blocks, put, set};
+use super::light_sample::{LightPoint, LightSample, LightSampleLanes, SampleLight};
+use super::light_tree::LightBounds;
 use super::settings::Settings;
 use super::solids;
+use super::triangle_light::TriangleLight;
 use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
-use crate::error::Result;
 use crate::math::circular::Circular;
-use crate::math::{Rgb, map_array};
+use crate::math::{Rgb, map_array, mean_rgb};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::scene::{EmitterVisibility, Falloff, Light, Rectangle, Scene, Shape, Sphere};
+use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use pulp::Arch;
 use std::array::from_mut;
 use std::f32::consts::PI;
-
-/// A direction towards a light.
-#[derive(Debug, Clone, Copy)]
-pub struct LightSample {
-    /// Unit direction towards the light.
-    pub wi: Vec3,
-    /// To the light; infinite for lights at infinity.
-    pub distance: f32,
-    /// What arrives, divided by the pdf: radiance over pdf per solid angle, or irradiance where the light has
-    /// no extent. Black where the light does not reach.
-    pub weight: Rgb,
-    /// Density per solid angle; infinite where the light has no extent.
-    pub pdf: f32,
-}
-
-/// Samples directions towards a light.
-pub trait SampleLight {
-    /// A direction towards the light from a point.
-    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
-
-    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
-    fn pdf(&self, point: Vec3) -> f32;
-}
-
-/// Directions towards a light from many points.
-pub struct LightSamples {
-    /// Unit directions towards the light.
-    pub wi: Lane3,
-    /// To the light.
-    pub distance: Lane,
-    /// As [`LightSample::weight`].
-    pub weight: Lane3,
-    /// As [`LightSample::pdf`].
-    pub pdf: Lane,
-}
-
-impl Default for LightSamples {
-    fn default() -> Self {
-        Self { wi: ZERO3, distance: [0.0; LANES], weight: ZERO3, pdf: [0.0; LANES] }
-    }
-}
 
 /// A direction towards a light from each of the first `count` positions.
 pub fn sample_many(
@@ -64,7 +24,7 @@ pub fn sample_many(
     positions: &Lane3,
     count: usize,
     u: &[Lane; 2],
-    out: &mut LightSamples,
+    out: &mut LightSampleLanes,
 ) {
     match &light.kind {
         // A loop without a case distinction inside, which vectorizes.
@@ -78,7 +38,7 @@ struct SampleMany<'a, L> {
     positions: &'a Lane3,
     count: usize,
     u: &'a [Lane; 2],
-    out: &'a mut LightSamples,
+    out: &'a mut LightSampleLanes,
 }
 
 impl<L: SampleLight> Wide for SampleMany<'_, L> {
@@ -118,6 +78,7 @@ pub enum Kind {
     Rectangle(RectangleLight),
     /// By [`Conventions::inverse_distance`](crate::errata::Conventions::inverse_distance).
     InverseDistanceRectangle(RectangleLight),
+    Triangle(TriangleLight),
     Sphere(SphereLight),
     Point {
         position: Vec3,
@@ -131,17 +92,6 @@ pub enum Kind {
     Hemisphere {
         radiance: Rgb,
     },
-}
-
-/// A place on a light, sampled with equal density per area.
-#[derive(Debug, Clone, Copy)]
-pub struct Start {
-    /// In the world.
-    pub position: Vec3,
-    /// Unit normal on the side that emits.
-    pub normal: Vec3,
-    /// Whether the back emits, too.
-    pub two_sided: bool,
 }
 
 /// An emissive rectangle in its own axes.
@@ -159,6 +109,7 @@ pub struct RectangleLight {
 pub struct SphereLight {
     sphere: Sphere,
     radiance: Rgb,
+    two_sided: bool,
 }
 
 impl RectangleLight {
@@ -178,14 +129,6 @@ impl RectangleLight {
     #[inline(always)]
     pub fn place(&self, x: f32, y: f32) -> Vec3 {
         self.centre + self.axes[0] * (x * self.half[0]) + self.axes[1] * (y * self.half[1])
-    }
-
-    /// [`SampleLight::pdf`] as it would be if all of the rectangle were where its centre is: shorter to say.
-    #[inline(always)]
-    pub fn pdf_from_afar(&self, point: Vec3) -> f32 {
-        let to = self.centre - point;
-        let d2 = to.length_squared();
-        d2 * d2.sqrt() / (4.0 * self.half[0] * self.half[1] * self.axes[2].dot(to).abs())
     }
 
     /// The rectangle's extent along its axes as seen from a point, its distance, and on which side the point is.
@@ -244,8 +187,8 @@ impl SampleLight for SphereLight {
         let found = self.sphere.distance(point, wi);
         let nearest = axis.dot(self.sphere.centre - point).max(0.0);
         let distance = if found.is_finite() { found } else { nearest };
-        // Only the outside emits. A point of the sphere itself may by rounding be inside.
-        let scale = if one_minus_cos_half_angle < 2.0 { solid_angle } else { 0.0 };
+        // A point of the sphere itself may by rounding be inside.
+        let scale = if self.two_sided || one_minus_cos_half_angle < 2.0 { solid_angle } else { 0.0 };
         LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
     }
 
@@ -256,11 +199,8 @@ impl SampleLight for SphereLight {
 }
 
 impl Sampled {
-    /// All lights of a scene that are sampled at every hit.
-    ///
-    /// # Errors
-    /// As [`cut_lights::of`].
-    pub fn all(scene: &Scene, settings: &Settings) -> Result<Vec<Self>> {
+    /// The lights of a scene that are sampled, and `fixed` ones: all, or those that rays cannot find.
+    pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
             let panel = RectangleLight::new(rectangle, radiance, two_sided);
             if settings.model.conventions.inverse_distance {
@@ -269,59 +209,96 @@ impl Sampled {
                 Kind::Rectangle(panel)
             }
         };
-        let emitters = scene.objects.iter().enumerate().filter_map(|(i, object)| {
+        let of_object = |(i, object): (usize, &Object)| {
             let emission =
                 object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
-            let kind = match &object.shape {
-                Shape::Rectangle(r) => panel(r, emission.radiance, emission.two_sided),
-                // From inside a sphere only its back is seen.
-                Shape::Sphere(s) if !emission.two_sided => {
-                    Kind::Sphere(SphereLight { sphere: *s, radiance: emission.radiance })
+            let Emission { radiance, two_sided, .. } = emission;
+            let kinds = match &object.shape {
+                Shape::Rectangle(r) => vec![panel(r, radiance, two_sided)],
+                Shape::Sphere(sphere) => vec![Kind::Sphere(SphereLight { sphere: *sphere, radiance, two_sided })],
+                Shape::Mesh(mesh) => {
+                    // A triangle without an area keeps its number and is never sampled.
+                    let triangle = |i| {
+                        let (corners, normal) = mesh.facet(i).unwrap_or_default();
+                        Kind::Triangle(TriangleLight::new(corners, normal, radiance, two_sided))
+                    };
+                    (0..mesh.triangles.len() as u32).map(triangle).collect()
                 }
-                _ => return None,
             };
-            Some(Self { kind, object: i as u32 })
-        });
-        let from_map = cut_lights::of(scene, settings)?;
-        let others = scene.lights.iter().chain(&from_map).map(|light| {
+            Some(kinds.into_iter().map(move |kind| Self { kind, object: i as u32 }))
+        };
+        let emitters = scene.objects.iter().enumerate().filter_map(of_object).flatten();
+        let emitters = emitters.filter(|_| settings.sampling.by_light());
+        let others = scene.lights.iter().chain(fixed).map(|light| {
             let kind = match *light {
                 Light::Rectangle { ref rectangle, radiance } => panel(rectangle, radiance, false),
                 Light::Point { position, intensity, falloff } => Kind::Point { position, intensity, falloff },
                 Light::Directional { direction, irradiance } => Kind::Directional { towards: -direction, irradiance },
                 Light::Hemisphere { radiance } => Kind::Hemisphere { radiance },
             };
-            Self { kind, object: super::lanes::NOTHING }
+            Self { kind, object: NOTHING }
         });
-        Ok(emitters.chain(others).collect())
+        emitters.chain(others).collect()
     }
 
     /// The radiance and the area of an emissive object, if paths can start there.
     pub fn emitted(&self) -> Option<(Rgb, f32)> {
         match &self.kind {
-            _ if self.object == super::lanes::NOTHING => None,
+            _ if self.object == NOTHING => None,
             Kind::Rectangle(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
+            Kind::Triangle(triangle) => Some(triangle.emitted()),
             Kind::Sphere(light) => Some((light.radiance, 4.0 * PI * light.sphere.radius * light.sphere.radius)),
             _ => None,
         }
     }
 
-    /// A point on an emissive object.
-    pub fn start(&self, u: [f32; 2]) -> Option<Start> {
+    /// A point of an emissive object, sampled uniformly by area.
+    pub fn point(&self, u: [f32; 2]) -> Option<LightPoint> {
         match &self.kind {
-            Kind::Rectangle(panel) => Some(Start {
+            Kind::Rectangle(panel) => Some(LightPoint {
                 position: panel.place(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0),
                 normal: panel.axes[2],
                 two_sided: panel.two_sided,
             }),
+            Kind::Triangle(triangle) => Some(triangle.point(u)),
             Kind::Sphere(light) => {
                 let (z, (sin_phi, cos_phi)) = (1.0 - 2.0 * u[0], f32::sin_cos_turns(u[1]));
                 let sin = (1.0 - z * z).max(0.0).sqrt();
                 let normal = Vec3::new(sin * cos_phi, sin * sin_phi, z);
                 let position = light.sphere.centre + light.sphere.radius * normal;
-                Some(Start { position, normal, two_sided: false })
+                Some(LightPoint { position, normal, two_sided: light.two_sided })
             }
             _ => None,
         }
+    }
+
+    /// The absolute cosine between the light's normal at a point of it and a direction; 0 of a light without a surface.
+    #[inline]
+    pub fn cos_at(&self, point: Vec3, w: Vec3) -> f32 {
+        match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.axes[2].dot(w).abs(),
+            Kind::Triangle(triangle) => triangle.normal().dot(w).abs(),
+            Kind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+        }
+    }
+
+    /// Where it is and how it emits, for selecting one of many lights; `None` of lights at infinity.
+    pub fn bounds(&self) -> Option<LightBounds> {
+        Some(match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
+                let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| panel.place(x, y));
+                let intensity = mean_rgb(panel.radiance) as f32 * 4.0 * panel.half[0] * panel.half[1];
+                LightBounds::plane(corners, panel.axes[2], intensity, panel.two_sided)
+            }
+            Kind::Triangle(triangle) => triangle.bounds(),
+            Kind::Sphere(SphereLight { sphere, radiance, .. }) => {
+                let intensity = mean_rgb(*radiance) as f32 * PI * sphere.radius * sphere.radius;
+                LightBounds::sphere(sphere.centre, sphere.radius, intensity)
+            }
+            Kind::Point { position, intensity, .. } => LightBounds::sphere(*position, 0.0, mean_rgb(*intensity) as f32),
+            Kind::Directional { .. } | Kind::Hemisphere { .. } => return None,
+        })
     }
 
     /// Whether its light comes from more than one direction.
@@ -339,6 +316,7 @@ impl SampleLight for Sampled {
                 let sample = panel.sample(point, u);
                 LightSample { weight: sample.weight * falloff_error(sample.distance), ..sample }
             }
+            Kind::Triangle(triangle) => triangle.sample(point, u),
             Kind::Sphere(light) => light.sample(point, u),
             Kind::Point { position, intensity, falloff } => {
                 let to = *position - point;
@@ -367,6 +345,7 @@ impl SampleLight for Sampled {
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.pdf(point),
             Kind::Sphere(light) => light.pdf(point),
+            Kind::Triangle(triangle) => triangle.pdf(point),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
     }

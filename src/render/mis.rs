@@ -1,16 +1,11 @@
 //! Weights of multiple importance sampling.
 
-/// The weight of a sample of pdf `p` when another strategy finds the same light with pdf `q`: p² / (p² + q²).
+/// The weight of a sample from a technique of density `own` when two other techniques find the same path with the densities
+/// `others`: the power heuristic own² / (own² + Σ others²). A density counts the samples of its technique.
+///
 /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 4.
 #[inline(always)]
-pub fn power_heuristic(p: f32, q: f32) -> f32 {
-    let ratio = q / p;
-    1.0 / (1.0 + ratio * ratio)
-}
-
-/// The weight of a sample over its pdf `p` when another strategy, of pdf `q` there, takes as many samples:
-/// (p / (p + q)) / p. Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.
-#[inline]
-pub fn balance_weight_over_pdf(p: f64, q: f64) -> f64 {
-    1.0 / (p + q)
+pub fn power_heuristic(own: f32, others: [f32; 2]) -> f32 {
+    let [a, b] = [others[0] / own, others[1] / own];
+    1.0 / (1.0 + a * a + b * b)
 }

@@ -1,283 +1,199 @@
-//! A scalar path tracer that draws the integrator's random numbers: what the textbook describes, one path after the other.
+//! The reference: a path tracer as the textbook describes it, one path after the other.
 //!
-//! Tests compare the integrator with it, sample by sample. It knows light sampling, BSDF sampling and their combination,
-//! but not light tracing, caustic cones and product warps.
+//! It renders with every BSDF and light of the program, by light sampling, BSDF sampling, or both combined by multiple
+//! importance sampling, with Russian roulette. It draws the random numbers of [`super::kernel`], which is tested against it
+//! sample by sample.
+//!
+//! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
 
-use super::integrator::{Integrator, ROULETTE_AFTER, ROULETTE_BELOW, SHORT_OF_LIGHT};
-use super::job::Job;
+use super::departure::{Departure, EmitterHit, LightSamples};
+use super::environment::BsdfOnly;
+use super::film::PathClass;
+use super::geometry::Surface;
 use super::lanes::{Hits, LANES, NOTHING, Rays, at, set};
-use super::lights::SampleLight;
-use super::mis::{balance_weight_over_pdf, power_heuristic};
+use super::lens::Lens;
+use super::mis::power_heuristic;
+use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::sample_lanes::SampleLanes;
-use super::settings::Sampling;
 use super::shaders::{Kind, SurfaceShader};
-use super::strategies::BsdfOnly;
-use super::workspace::Dimensions;
-use crate::bsdf::{Bsdf, Scatter};
+use crate::bsdf::{BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
-use crate::render::geometry::Surface;
-use crate::scene::EmitterVisibility;
 use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
-
-/// How far light samples have counted the light that the next ray of a path finds.
-#[derive(Clone, Copy)]
-enum Counted {
-    /// Not at all: light samples cannot find it.
-    Nothing,
-    /// All light of sampled lights.
-    All,
-    /// A part: the pdf of the ray's direction gives the MIS weight against area lights; that against the environment is known.
-    Part { pdf: f32, environment: f32 },
-}
-
-/// A point on a diffuse (without `bsdf`) or rough surface.
-struct Vertex<'a> {
-    surface: Surface,
-    frame: Frame,
-    /// Offset from a diffuse surface.
-    position: Vec3,
-    wo: Vec3,
-    albedo: Rgb,
-    bsdf: Option<&'a Bsdf>,
-}
-
-impl Vertex<'_> {
-    /// The BSDF times the cosine, and the pdf of BSDF samples (0 of diffuse surfaces).
-    fn eval(&self, wi: Vec3) -> (Rgb, f32) {
-        let local = self.frame.to_local(wi);
-        let Some(bsdf) = self.bsdf else { return (self.albedo * (FRAC_1_PI * local.z.max(0.0)), 0.0) };
-        let (f, pdf) = bsdf.eval_pdf(self.wo, local);
-        (if self.surface.normal.dot(wi) > 0.0 { f * local.z.max(0.0) } else { Rgb::ZERO }, pdf)
-    }
-
-    fn ray_origin(&self, wi: Vec3) -> Vec3 {
-        if self.bsdf.is_some() { self.surface.ray_origin(wi) } else { self.position }
-    }
-}
 
 /// The path tracer, with room for the ray that it traces.
 pub struct Reference<'a> {
-    job: &'a Job<'a>,
-    numbers: SampleLanes,
+    scene: &'a PreparedScene<'a>,
+    lens: &'a Lens,
     rays: Box<Rays>,
     hits: Box<Hits>,
 }
 
+/// A point on a surface that a path has hit.
+struct Vertex<'a> {
+    surface: Surface,
+    shader: &'a SurfaceShader,
+    frame: Frame,
+    /// To the viewer, in the shading frame.
+    wo: Vec3,
+}
+
+impl Vertex<'_> {
+    /// The BSDF times the cosine, and the pdf of BSDF sampling, for a direction in the world.
+    fn eval(&self, wi: Vec3) -> (Rgb, f32) {
+        let local = self.frame.to_local(wi);
+        let (f, pdf) = self.shader.bsdf.eval_pdf(self.wo, local);
+        // Black where the normals disagree on the side.
+        let agree = self.surface.normal.dot(wi) * local.z > 0.0;
+        if agree { (f * local.z.abs(), pdf) } else { (Rgb::ZERO, pdf) }
+    }
+
+    /// Samples the BSDF, and a direction in the world.
+    fn sample(&self, uc: f32, u: [f32; 2]) -> Option<(BsdfSample, Vec3)> {
+        let sample = self.shader.bsdf.sample(self.wo, uc, u)?;
+        let wi = self.frame.to_world(sample.wi);
+        let agree = sample.is_delta() || self.surface.normal.dot(wi) * sample.wi.z > 0.0;
+        (agree && sample.weight != Rgb::ZERO).then_some((sample, wi))
+    }
+}
+
 impl<'a> Reference<'a> {
-    pub fn new(job: &'a Job<'a>) -> Self {
-        let numbers = SampleLanes::new(job.settings.stream, job.settings.seed);
-        Self { job, numbers, rays: Box::default(), hits: Box::default() }
+    /// A path tracer for a scene and a camera.
+    pub fn new(scene: &'a PreparedScene<'a>, lens: &'a Lens) -> Self {
+        Self { scene, lens, rays: Box::default(), hits: Box::default() }
     }
 
-    fn integrator(&self) -> &'a Integrator<'a> {
-        &self.job.integrator
-    }
-
-    /// The radiance of one camera sample.
-    pub fn radiance(&mut self, x: u32, y: u32, sample: u32) -> Rgb {
-        let integrator = self.integrator();
-        let max_depth = integrator.request.max_depth;
-        self.numbers.assign(0, u64::from(y) * integrator.request.width as u64 + u64::from(x), sample);
+    /// Traces the camera sample of a slot, which belongs to a pixel, and calls `add` with the light that it finds.
+    pub fn trace(&mut self, numbers: &SampleLanes, slot: u32, [x, y]: [u32; 2], mut add: impl FnMut(PathClass, Rgb)) {
+        let scene = self.scene;
         // Generate the camera ray.
-        let u = self.numbers.short_pair(0, 0, (0, 1)).map(|u| [u; LANES]);
-        self.job.lens.rays(integrator.arch, &[x; LANES], y, &u, 1, &mut self.rays);
-        let (mut origin, mut direction) = (at(&self.rays.origin, 0), at(&self.rays.direction, 0));
-        let (mut sum, mut throughput, mut counted) = (Rgb::ZERO, Rgb::ONE, Counted::Nothing);
-        for scatterings in 0..=max_depth {
+        let u = numbers.short_pair(slot, 0, (0, 1)).map(|u| [u; LANES]);
+        self.lens.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
+        let mut ray = [at(&self.rays.origin, 0), at(&self.rays.direction, 0)];
+        let (mut throughput, mut path_class, mut departure) = (Rgb::ONE, PathClass::DIRECT, Departure::CAMERA);
+        for scatterings in 0..=scene.request.max_depth {
             // Add the light that the ray finds.
-            let Some((object, surface)) = self.nearest(origin, direction) else {
-                let share = match counted {
-                    Counted::Nothing => 1.0,
-                    Counted::All => 0.0,
-                    Counted::Part { environment, .. } => environment,
-                };
-                sum += throughput * self.environment(direction) * share;
-                break;
-            };
-            let shader = &integrator.shaders[object];
-            sum += throughput * self.emitted(shader, &surface, direction) * self.share(shader, counted, origin);
-            if scatterings == max_depth {
-                break;
+            add(path_class, throughput * self.emission(ray, &departure));
+            let Some(vertex) = self.nearest(ray) else { return };
+            if vertex.shader.kind == Kind::Black || scatterings == scene.request.max_depth {
+                return;
             }
-            // Add direct light, and sample the next direction.
-            let dimensions = integrator.dimensions(scatterings);
-            let surface = if shader.two_sided { surface.facing(-direction) } else { surface };
-            let frame = surface.frame(-direction);
-            let wo = frame.to_local(-direction);
-            let u = self.numbers.short_pair(0, dimensions.bsdf(), (0, 1));
-            let [uc, roulette] = self.numbers.short_pair(0, dimensions.choice(), (0, 1));
-            match &shader.kind {
-                Kind::Black => break,
-                &Kind::Diffuse { albedo } => {
-                    let side = if surface.normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
-                    let position = surface.position + surface.normal * (side * surface.offset);
-                    let frame = Frame::from_normal(surface.shading * side);
-                    let vertex = Vertex { surface, frame, position, wo, albedo, bsdf: None };
-                    sum += throughput * self.direct(&vertex, dimensions);
-                    let local = BsdfOnly::Bsdf.sample(u.map(f64::from)).as_vec3();
-                    (origin, direction) = (position, frame.to_world(local));
-                    throughput *= albedo;
-                    counted = Counted::All;
-                }
-                Kind::Delta(bsdf) => {
-                    let Some(sample) = bsdf.sample(wo, uc, [0.0; 2]) else { break };
-                    direction = frame.to_world(sample.wi);
-                    origin = surface.ray_origin(direction);
-                    throughput *= sample.weight;
-                    counted = Counted::Nothing;
-                }
-                Kind::Rough(bsdf) => {
-                    if surface.normal.dot(direction) > 0.0 {
-                        break;
-                    }
-                    let position = surface.position;
-                    let vertex = Vertex { surface, frame, position, wo, albedo: Rgb::ONE, bsdf: Some(bsdf) };
-                    sum += throughput * self.direct(&vertex, dimensions);
-                    let Some(sample) = bsdf.sample(wo, 0.0, u) else { break };
-                    direction = frame.to_world(sample.wi);
-                    if sample.weight == Rgb::ZERO || surface.normal.dot(direction) <= 0.0 {
-                        break;
-                    }
-                    origin = surface.ray_origin(direction);
-                    throughput *= sample.weight;
-                    counted = match integrator.sampling {
-                        Sampling::Bsdf => Counted::Part { pdf: f32::MAX, environment: 1.0 },
-                        Sampling::Light | Sampling::Hemisphere => Counted::All,
-                        Sampling::Mis => {
-                            let other = integrator.environment_pdf(direction, frame.z) as f32;
-                            let environment =
-                                power_heuristic(sample.pdf, integrator.request.light_samples as f32 * other);
-                            Counted::Part { pdf: sample.pdf, environment }
-                        }
-                    };
-                }
+            // Add direct light, of which a delta BSDF scatters none.
+            path_class = path_class.then(vertex.shader.kind == Kind::Delta);
+            add(path_class, throughput * self.direct_light(&vertex, numbers, slot, scatterings));
+            // Sample the next direction.
+            let dimensions = scene.dimensions(scatterings);
+            let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
+            let u = numbers.short_pair(slot, dimensions.bsdf(), (0, 1));
+            let Some((sample, wi)) = vertex.sample(uc, u) else { return };
+            departure = Departure::CAMERA;
+            if !sample.is_delta() {
+                departure.light_samples = scene.light_samples(sample.pdf, vertex.frame.z, vertex.shader.kind);
             }
+            ray = [vertex.surface.ray_origin(wi), wi];
+            throughput *= sample.weight;
             // Russian roulette
             if scatterings >= ROULETTE_AFTER {
                 let survival = (throughput.max_element() / ROULETTE_BELOW).min(1.0);
                 if roulette >= survival {
-                    break;
+                    return;
                 }
                 throughput /= survival;
             }
         }
-        sum
     }
 
     /// Direct light at a vertex, scattered towards the viewer.
-    fn direct(&mut self, vertex: &Vertex, dimensions: Dimensions) -> Rgb {
-        let integrator = self.integrator();
-        let samples = integrator.request.light_samples;
-        let is_rough = vertex.bsdf.is_some();
-        let by_mis = is_rough && integrator.sampling == Sampling::Mis;
+    fn direct_light(&mut self, vertex: &Vertex, numbers: &SampleLanes, slot: u32, scatterings: u32) -> Rgb {
+        let scene = self.scene;
+        let dimensions = scene.dimensions(scatterings);
+        let by_mis = scene.sampling.is_mis();
+        let position = vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo));
+        let normal = (vertex.shader.kind != Kind::Transmitting).then_some(vertex.frame.z);
         let mut sum = Rgb::ZERO;
-        // Sample each area light, and each light that rays cannot hit.
-        for (number, light) in integrator.lights.iter().enumerate() {
-            if !integrator.sampling.by_light() && light.object != NOTHING {
-                continue;
-            }
-            let count = if light.has_extent() { samples } else { 1 };
-            for index in 0..count {
-                let u = self.numbers.short_pair(0, dimensions.light(number), (index, count));
-                let sample = light.sample(vertex.position, u);
+        // Sample the lights.
+        for (number, &round) in scene.lights.rounds().iter().enumerate() {
+            for index in 0..round.count {
+                let sub_sample = (index, round.count);
+                let [choice, _] = numbers.short_pair(slot, dimensions.light_choice(), sub_sample);
+                let u = numbers.short_pair(slot, dimensions.light(number), sub_sample);
+                let chosen = match round.light {
+                    Some(light) => Some((light, 1.0)),
+                    None => scene.lights.selection(position, normal).and_then(|tree| tree.sample(choice)),
+                };
+                let Some((light, probability)) = chosen else { continue };
+                let sample = scene.lights.sample(light, probability, position, u);
                 let (f, pdf) = vertex.eval(sample.wi);
-                let share = if by_mis && light.object != NOTHING {
-                    power_heuristic(count as f32 * sample.pdf, pdf)
-                } else {
-                    1.0
-                };
-                if f != Rgb::ZERO && !self.is_occluded(vertex, sample.wi, sample.distance, light.object) {
-                    sum += f * sample.weight * (share / count as f32);
-                }
+                let other = if by_mis && scene.lights.is_found_by_rays(light) { pdf } else { 0.0 };
+                let share = power_heuristic(round.count as f32 * sample.pdf, [other, 0.0]);
+                let value = f * sample.weight * (share / round.count as f32);
+                sum += self.unoccluded(vertex, light, sample.wi, sample.distance, value);
             }
         }
-        // Sample the environment.
-        if let (Some(environment), Some(sampler)) = (&integrator.scene.environment, integrator.strategies.light()) {
-            for index in 0..samples {
-                let u = self.numbers.pair(0, dimensions.environment(), (index, samples));
-                let normal = environment.to_map(vertex.frame.z.as_dvec3());
-                let Some(sample) = sampler.sample_for(u, normal) else { continue };
-                let wi = (environment.to_world * sample.wi).as_vec3();
+        let count = scene.request.light_samples;
+        for index in 0..count {
+            let sub_sample = (index, count);
+            // Sample the environment.
+            if let Some(environment) = &scene.environment
+                && let Some(sample) =
+                    environment.sample(numbers.pair(slot, dimensions.environment(), sub_sample), vertex.frame.z)
+            {
+                let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
-                let over_pdf = if is_rough {
-                    let light_pdf = sample.pdf as f32;
-                    let share = if by_mis { power_heuristic(samples as f32 * light_pdf, pdf) } else { 1.0 };
-                    share / light_pdf
-                } else {
-                    let cos = f64::from(vertex.frame.z.dot(wi));
-                    let other = integrator.strategies.bsdf_only().map_or(0.0, |strategy| strategy.pdf(cos));
-                    balance_weight_over_pdf(sample.pdf, other) as f32
-                };
-                if f != Rgb::ZERO && !self.is_occluded(vertex, wi, f32::INFINITY, NOTHING) {
-                    sum += f * environment.scale * sample.radiance * (over_pdf / samples as f32);
-                }
+                let share = power_heuristic(density, [if by_mis { pdf } else { 0.0 }, 0.0]);
+                let value = f * sample.radiance * (share / density);
+                sum += self.unoccluded(vertex, NOTHING, wi, f32::INFINITY, value);
             }
-        }
-        // Sample directions by the surface alone.
-        let hemisphere = integrator.sampling == Sampling::Hemisphere;
-        let strategy =
-            if is_rough { hemisphere.then_some(BsdfOnly::Hemisphere) } else { integrator.strategies.bsdf_only() };
-        for index in 0..strategy.map_or(0, |_| samples) {
-            let Some(strategy) = strategy else { break };
-            let local = strategy.sample(self.numbers.pair(0, dimensions.bsdf_direct(), (index, samples)));
-            let wi = vertex.frame.to_world(local.as_vec3());
-            let other = if is_rough { 0.0 } else { integrator.environment_pdf(wi, vertex.frame.z) };
-            let weight = balance_weight_over_pdf(strategy.pdf(local.z), other) as f32 / samples as f32;
-            let found = match self.nearest(vertex.ray_origin(wi), wi) {
-                None => self.environment(wi),
-                // Beside light samples only the environment counts.
-                Some(_) if integrator.sampling.by_light() => Rgb::ZERO,
-                Some((object, surface)) => self.emitted(&integrator.shaders[object], &surface, wi),
-            };
-            sum += vertex.eval(wi).0 * found * weight;
+            // Sample directions without regard to light.
+            if let Some(strategy) = BsdfOnly::of(scene.sampling, vertex.shader.kind.is_diffuse()) {
+                let local = strategy.sample(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
+                let wi = vertex.frame.to_world(local.as_vec3());
+                let weight = 1.0 / (strategy.pdf(local.z) as f32 * count as f32);
+                let departure = Departure { light_samples: LightSamples::NotTaken, ..Departure::CAMERA };
+                sum += vertex.eval(wi).0 * self.emission([vertex.surface.ray_origin(wi), wi], &departure) * weight;
+            }
         }
         sum
     }
 
-    /// The share of an emitter's light that light samples have not counted, on a ray from `origin`.
-    fn share(&self, shader: &SurfaceShader, counted: Counted, origin: Vec3) -> f32 {
-        let integrator = self.integrator();
-        let Some(emission) = &shader.emission else { return 0.0 };
-        match (counted, emission.visibility, shader.light) {
-            (Counted::Nothing, ..) => 1.0,
-            (_, EmitterVisibility::CameraOnly, _) | (Counted::All, _, Some(_)) => 0.0,
-            (Counted::All, _, None) => f32::from(u8::from(integrator.sampling.by_light())),
-            (Counted::Part { .. }, _, None) => 1.0,
-            (Counted::Part { pdf, .. }, _, Some(light)) => {
-                power_heuristic(pdf, integrator.request.light_samples as f32 * integrator.lights[light].pdf(origin))
-            }
+    /// The value of a shadow ray that is not occluded.
+    fn unoccluded(&mut self, vertex: &Vertex, light: u32, wi: Vec3, distance: f32, value: Rgb) -> Rgb {
+        let ray = [vertex.surface.ray_origin(wi), wi];
+        self.set_ray(ray);
+        let object = self.scene.lights.all.get(light as usize).map_or(NOTHING, |light| light.object);
+        let limit = [self.scene.shadow_limit(object, ray, distance); LANES];
+        let mut blocked = [0; LANES];
+        self.scene.geometry.occluded(&self.rays, 1, &limit, &mut blocked);
+        if blocked[0] == 0 { value } else { Rgb::ZERO }
+    }
+
+    /// The light that a ray finds, weighted for a path with this departure.
+    fn emission(&mut self, ray: [Vec3; 2], departure: &Departure) -> Rgb {
+        let (scene, [origin, wi]) = (self.scene, ray);
+        let Some(vertex) = self.nearest(ray) else {
+            return scene.environment_radiance(wi) * scene.environment_weight(departure, origin, wi);
+        };
+        let Some(emission) = &vertex.shader.emission else { return Rgb::ZERO };
+        let Surface { normal, position, .. } = scene.geometry.surface(&self.rays, &self.hits, 0);
+        let light = vertex.shader.light.map(|first| first + scene.geometry.triangle(&self.hits, 0));
+        let hit = EmitterHit { visibility: emission.visibility, light, cos: normal.dot(wi).abs(), position };
+        vertex.shader.emitted(normal, wi) * scene.emitter_weight(departure, origin, wi, &hit)
+    }
+
+    /// The first surface along a ray.
+    fn nearest(&mut self, ray: [Vec3; 2]) -> Option<Vertex<'a>> {
+        self.set_ray(ray);
+        self.scene.geometry.nearest(&self.rays, 1, &mut self.hits);
+        if self.hits.object[0] == NOTHING {
+            return None;
         }
+        let shader = &self.scene.shaders[self.hits.object[0] as usize];
+        let surface = shader.facing(self.scene.geometry.surface(&self.rays, &self.hits, 0), -ray[1]);
+        let frame = surface.frame(-ray[1]);
+        Some(Vertex { surface, shader, frame, wo: frame.to_local(-ray[1]) })
     }
 
-    /// The radiance that a surface emits against `direction`.
-    fn emitted(&self, shader: &SurfaceShader, surface: &Surface, direction: Vec3) -> Rgb {
-        let emission = shader.emission.filter(|emission| emission.is_emitted(surface.normal, direction));
-        emission.map_or(Rgb::ZERO, |emission| emission.radiance)
-    }
-
-    fn environment(&self, direction: Vec3) -> Rgb {
-        let environment = self.integrator().scene.environment.as_ref();
-        environment.map_or(Rgb::ZERO, |environment| environment.radiance(direction.as_dvec3()))
-    }
-
-    /// The nearest object along a ray, and its surface there.
-    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> Option<(usize, Surface)> {
+    fn set_ray(&mut self, [origin, direction]: [Vec3; 2]) {
         set(&mut self.rays.origin, 0, origin);
         set(&mut self.rays.direction, 0, direction);
-        let geometry = &self.job.integrator.geometry;
-        geometry.nearest(&self.rays, 1, &mut self.hits);
-        let object = self.hits.object[0];
-        (object != NOTHING).then(|| (object as usize, geometry.surface(&self.rays, &self.hits, 0)))
-    }
-
-    /// Whether an object other than `light` is nearer than `distance`.
-    fn is_occluded(&mut self, vertex: &Vertex, wi: Vec3, distance: f32, light: u32) -> bool {
-        set(&mut self.rays.origin, 0, vertex.ray_origin(wi));
-        set(&mut self.rays.direction, 0, wi);
-        let mut blocked = [0; LANES];
-        let limit = [distance * SHORT_OF_LIGHT; LANES];
-        self.job.integrator.geometry.occluded(&self.rays, 1, &limit, light, &mut blocked);
-        blocked[0] != 0
     }
 }

@@ -6,33 +6,35 @@ use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
 use crate::scene::scattering::ScatterModel;
 
-/// How directions towards the light are chosen at a hit.
+/// Which techniques find the light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sampling {
-    /// Light samples: the solid angle of area lights, the density of the environment's sampler.
+    /// Light sampling (next event estimation): by the solid angle of area lights and the pdf of the environment's sampler.
     Light,
-    /// BSDF samples.
+    /// BSDF sampling.
     Bsdf,
-    /// By both, combined by multiple importance sampling, as far as both are of use: at a diffuse surface the solid angle of
-    /// an area light, or the environment's radiance × cosine, makes BSDF samples useless.
-    /// Caustics on what the camera sees come from light tracing (`light_tracing/`).
-    #[default]
+    /// Light and BSDF sampling, combined by multiple importance sampling with the power heuristic.
     Mis,
-    /// Uniformly over the hemisphere.
+    /// [`Sampling::Mis`], and light tracing as a third technique of the combination: paths that start at lights and are
+    /// connected to the camera.
+    #[default]
+    MisLt,
+    /// Uniform sampling of the hemisphere.
     Hemisphere,
 }
 
 impl Sampling {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Light, Self::Bsdf, Self::Mis, Self::Hemisphere];
+    pub const ALL: [Self; 5] = [Self::Light, Self::Bsdf, Self::Mis, Self::MisLt, Self::Hemisphere];
 
-    /// Its name at the command line and in metadata.
+    /// Its name at the command line, in tables and in metadata.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Light => "light",
             Self::Bsdf => "bsdf",
             Self::Mis => "mis",
+            Self::MisLt => "mis+lt",
             Self::Hemisphere => "hemisphere",
         }
     }
@@ -41,40 +43,66 @@ impl Sampling {
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
-            Self::Light => "by the lights: their solid angles, the environment's radiance",
-            Self::Bsdf => "by the material",
-            Self::Mis => "by both, combined by multiple importance sampling; caustics by light tracing",
-            Self::Hemisphere => "uniformly over the hemisphere",
+            Self::Light => "light sampling: solid angles of area lights, the environment's radiance",
+            Self::Bsdf => "BSDF sampling",
+            Self::Mis => "light and BSDF sampling, combined by multiple importance sampling",
+            Self::MisLt => "mis with light tracing as a third technique",
+            Self::Hemisphere => "uniform sampling of the hemisphere",
         }
     }
 
     /// Whether lights are sampled; otherwise only sampled directions that hit emitters find light.
     #[must_use]
     pub fn by_light(self) -> bool {
-        matches!(self, Self::Light | Self::Mis)
+        matches!(self, Self::Light | Self::Mis | Self::MisLt)
     }
+
+    /// Whether light and BSDF samples are combined.
+    #[must_use]
+    pub fn is_mis(self) -> bool {
+        matches!(self, Self::Mis | Self::MisLt)
+    }
+}
+
+/// Which implementation of the integrator renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kernel {
+    /// Many paths side by side, in loops that vectorize.
+    #[default]
+    Lanes,
+    /// One path after the other: the reference that the other one is tested against. It has no light tracing.
+    Reference,
 }
 
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
-    /// How directions towards the light are chosen.
+    /// Which techniques find the light.
     pub sampling: Sampling,
     /// Where random numbers come from.
     pub stream: StreamKind,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How the environment map is sampled.
-    pub density: MapSampling,
+    /// How the environment map is sampled; by default [`Settings::map_sampling`].
+    pub density: Option<MapSampling>,
     /// Models of scattering, and conventions.
     pub model: ScatterModel,
     /// Separate the light by path class, up to this many scatterings.
     pub paths: Option<u32>,
-    /// No light tracing: every sample then contributes to its own pixel only, and rows of an image can be rendered
-    /// separately.
-    pub camera_paths_only: bool,
-    /// Run the kernel with nothing left out, for comparison.
+    /// Prepare and run everything, also what the scene does not need, for comparison.
     pub general: bool,
+    /// Which implementation renders.
+    pub kernel: Kernel,
+}
+
+impl Settings {
+    /// How the environment map is sampled. Where BSDF samples are combined with light samples, these leave to them what is
+    /// dimmer than the mean.
+    #[must_use]
+    pub fn map_sampling(&self) -> MapSampling {
+        let usual = if self.sampling.is_mis() { MapSampling::COSINE_COMPENSATED } else { MapSampling::COSINE };
+        self.density.unwrap_or(usual)
+    }
 }
 
 /// Most light samples at a hit, and most scatterings.

@@ -16,7 +16,44 @@ impl Solid for Sphere {
     }
 }
 
-/// 1 − cos of half the angle that a sphere fills, from the squared sine of it (radius over distance, if that is below 1).
+/// A shape that emits light.
+pub trait Light {
+    /// Distance along a ray that ends on the shape to where it comes as near as `margin`; not above 0 where it starts
+    /// no farther away.
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32;
+}
+
+/// The plane n · p = `height` of a rectangle.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    normal: Vec3,
+    height: f32,
+}
+
+impl From<&Rectangle> for Plane {
+    fn from(rectangle: &Rectangle) -> Self {
+        Self { normal: rectangle.normal(), height: rectangle.normal().dot(rectangle.centre()) }
+    }
+}
+
+impl Light for Plane {
+    #[inline(always)]
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32 {
+        ((self.normal.dot(origin) - self.height).abs() - margin) / self.normal.dot(direction).abs()
+    }
+}
+
+impl Light for Sphere {
+    #[inline(always)]
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32 {
+        let larger = Self { radius: self.radius + margin, ..*self };
+        let is_outside = origin.distance_squared(self.centre) > larger.radius * larger.radius;
+        if is_outside { larger.distance(origin, direction) } else { 0.0 }
+    }
+}
+
+/// 1 − cos of half the angle that a sphere fills, from the squared sine of it (radius over distance, if that is below
+/// 1).
 #[inline(always)]
 pub fn one_minus_cos_half_angle(sin2: f32) -> f32 {
     // 1 − √(1 − s²) without the cancellation.
@@ -82,8 +119,8 @@ impl Solid for TiltedPanel {
     }
 }
 
-/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and area lights often are: a third
-/// of the arithmetic.
+/// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and area lights often are:
+/// a third of the arithmetic.
 #[derive(Debug, Clone, Copy)]
 pub struct AxisPanel<const AXIS: usize> {
     height: f32,

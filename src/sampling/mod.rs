@@ -1,4 +1,4 @@
-//! Sampling: random number streams, warps, tables, normals of microfacets, rectangles.
+//! Sampling: random number streams, warps, tables, normals of microfacets, rectangles, triangles.
 
 pub mod alias;
 pub mod batch;
@@ -6,6 +6,7 @@ mod direction;
 pub mod normals;
 pub(crate) mod prefetch;
 pub mod rectangle;
+pub mod spherical_triangle;
 pub mod table;
 pub mod warp;
 

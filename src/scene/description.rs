@@ -65,6 +65,12 @@ pub enum Shape {
     Mesh(Arc<Mesh>),
 }
 
+impl From<Mesh> for Shape {
+    fn from(mesh: Mesh) -> Self {
+        Self::Mesh(Arc::new(mesh))
+    }
+}
+
 /// Image size and sampling that a scene asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request {

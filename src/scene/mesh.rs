@@ -93,11 +93,9 @@ impl Mesh {
     #[must_use]
     pub fn facet(&self, triangle: u32) -> Option<([Vec3; 3], Vec3)> {
         let vertices = *self.triangles.get(triangle as usize)?;
-        let [a, b, c] = vertices.map(|i| self.positions.get(i as usize).copied().filter(|p| usable(*p)));
+        let [a, b, c] = vertices.map(|i| self.positions.get(i as usize).copied());
         let corners = [a?, b?, c?];
-        // In f64 no product under- or overflows.
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
-        Some((corners, (b - a).cross(c - a).try_normalize()?.as_vec3()))
+        Some((corners, normal_of(corners)?))
     }
 
     /// The normals for shading at the corners of a triangle whose own normal is given.
@@ -195,6 +193,17 @@ impl Mesh {
     }
 }
 
+/// The unit normal of a triangle; `None` when a corner is not where [`Mesh::validate`] allows, or all are on a line.
+#[inline]
+pub(super) fn normal_of(corners: [Vec3; 3]) -> Option<Vec3> {
+    if !corners.into_iter().all(usable) {
+        return None;
+    }
+    // In f64 no product under- or overflows.
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    Some((b - a).cross(c - a).try_normalize()?.as_vec3())
+}
+
 fn usable(position: Vec3) -> bool {
     position.abs().max_element() <= Mesh::FARTHEST && !position.is_nan()
 }
@@ -203,7 +212,7 @@ fn usable(position: Vec3) -> bool {
 mod tests {
     use super::*;
     use crate::sampling::stream::{Independent, Stream};
-    use crate::scene::{MeshBvh, Ray};
+    use crate::scene::{Bvh, Ray, Shape};
 
     fn random(i: u64, j: u64) -> f32 {
         (2.0 * Independent::new(7, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -263,7 +272,7 @@ mod tests {
             let (p, q, r) = (random_vec(i, 1), random_vec(i, 2), random_vec(i, 3));
             let thin = [1.0, 1e-2, 1e-4, 1e-6][i as usize / 3 % 4];
             let mesh = triangle([p + offset, q + offset, p + offset + 0.5 * (q - p) + thin * r]);
-            let bvh = MeshBvh::build(&[&mesh]);
+            let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
             let (u, v) = (random(i, 12).abs(), random(i, 13).abs());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             // None when rounding has put all corners on a line.

@@ -14,7 +14,7 @@ pub mod scattering;
 pub mod sphere;
 pub mod statue;
 
-pub use bvh::{MeshBvh, MeshHit, Rays};
+pub use bvh::{Bvh, Hit, Rays};
 pub use camera::{Camera, Projection, Ray};
 pub use description::{Object, Request, Scene, Shape};
 pub use environment::Environment;

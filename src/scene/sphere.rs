@@ -1,5 +1,6 @@
 //! The sphere, and where a ray meets it.
 
+use super::mesh::Mesh;
 use glam::Vec3;
 
 /// A sphere in the world.
@@ -32,6 +33,17 @@ impl Sphere {
         let t = if near >= 0.0 { near } else { far };
         if t >= 0.0 { t } else { f32::INFINITY }
     }
+
+    /// Least and largest coordinates. `None` for a sphere on which [`distance`](Self::distance) is of no use: the
+    /// square of its radius is not a normal number, or it reaches beyond ±[`Mesh::FARTHEST`], or one of its numbers is
+    /// NaN.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let [low, high] = [self.centre - self.radius, self.centre + self.radius];
+        let within = |corner: Vec3| corner.abs().cmple(Vec3::splat(Mesh::FARTHEST)).all();
+        let usable = self.radius > 0.0 && (self.radius * self.radius).is_normal() && within(low) && within(high);
+        usable.then_some([low, high])
+    }
 }
 
 #[cfg(test)]
@@ -48,6 +60,17 @@ mod tests {
         assert_eq!(along(1.0, -1.0), 0.0, "touching the pole");
         assert_eq!(along(3.0, 1.0), f32::INFINITY, "behind");
         assert_eq!(UNIT.distance(Vec3::new(2.0, 0.0, 3.0), Vec3::NEG_Z), f32::INFINITY, "beside");
+    }
+
+    #[test]
+    fn degenerate_spheres_have_no_bounds() {
+        assert_eq!(UNIT.bounds(), Some([Vec3::NEG_ONE, Vec3::ONE]));
+        for radius in [0.0, -1.0, 1e-30, 1e16, f32::INFINITY, f32::NAN] {
+            assert_eq!(Sphere { radius, ..UNIT }.bounds(), None, "{radius}");
+        }
+        for centre in [Vec3::NAN, Vec3::INFINITY, 1e16 * Vec3::X] {
+            assert_eq!(Sphere { centre, ..UNIT }.bounds(), None, "{centre}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
 use crate::raster::{Image, Metadata};
 use crate::render::film::{Film, Part, PathClasses};
-use crate::render::{Dropped, Job, Settings, Silent, render};
+use crate::render::{Dropped, Job, Sampling, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
 use serde::Serialize;
@@ -103,7 +103,7 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let by_class = Settings { paths: Some(CLASS_DEPTH), camera_paths_only: true, ..*settings };
+    let by_class = Settings { paths: Some(CLASS_DEPTH), sampling: Sampling::Mis, ..*settings };
     let (layers, dropped) = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);

@@ -14,6 +14,7 @@ pub mod pixel_mean;
 pub mod proposal;
 pub mod roughness;
 pub mod sampling_strategies;
+pub mod scaling;
 pub mod sphere;
 pub mod stability;
 pub mod validation;

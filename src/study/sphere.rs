@@ -144,7 +144,7 @@ const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
 /// Renders the sphere by every strategy at each number of samples per pixel.
 pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, settings: &Settings) -> Result<Vec<Series>> {
     let series = |(strategy, sampling, density)| {
-        let settings = Settings { sampling, density, ..*settings };
+        let settings = Settings { sampling, density: Some(density), ..*settings };
         let shots = spp.iter().map(|&spp| render_sphere(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
         let errors: Vec<_> = shots.iter().map(|shot| (shot.row.spp, shot.group_errors)).collect();
         let rows = shots.iter().map(|shot| shot.row).collect();
@@ -230,7 +230,7 @@ mod tests {
             (Sampling::Mis, MapSampling::MAP, 0.02),
             (Sampling::Mis, MapSampling::COMPENSATED, 0.02),
         ] {
-            let settings = Settings { sampling, density, ..Settings::default() };
+            let settings = Settings { sampling, density: Some(density), ..Settings::default() };
             let shot = render_sphere(&map, 64, &exact, &settings).unwrap();
             assert!(shot.row.rel_rmse < tolerance, "{sampling:?} {density:?}: {:?}", shot.row);
             assert!(shot.row.rel_bias.abs() < 2e-3, "{sampling:?} {density:?}: {:?}", shot.row);

@@ -12,6 +12,7 @@ pub mod map;
 pub mod metals;
 pub mod planted;
 pub mod proposal;
+pub mod scaling;
 pub mod sphere;
 pub mod stability;
 pub mod stability_summary;

@@ -97,7 +97,10 @@ fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
         (&["envmap", "cut", "map.hdr", "--split", "variance", "--memory", "80M"], "the summed-area tables of a map"),
         (&["validate", "map/map/alias", "--envmap", "map.hdr", "--memory", "90M"], "the test map/map/alias"),
         (&["render", "furnace", "-r", "2000", "2000", "--memory", "200M"], "a film of 2000x2000 pixels"),
-        (&["render", "furnace", "-r", "1200", "1200", "--memory", "200M"], "the files of a film of 1200x1200 pixels"),
+        (
+            &["render", "furnace", "-r", "1200", "1200", "--sampling", "mis", "--memory", "200M"],
+            "the files of a film of 1200x1200 pixels",
+        ),
         (
             &["render", "furnace", "-r", "300", "300", "--paths", "6", "--memory", "200M"],
             "a film of 300x300 pixels in ",

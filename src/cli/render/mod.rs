@@ -16,7 +16,7 @@ use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::raster::{Metadata, ToneMap};
 use crate::render::film::{Part, shard};
-use crate::render::{Job, Sampling, Settings};
+use crate::render::{Job, Kernel, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
 use crate::view::text::counted;
@@ -46,16 +46,15 @@ pub struct Render {
     /// The same as -o
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// How directions towards the light are sampled. A diffuse surface needs no BSDF samples where the light density contains
-    /// the cosine
-    #[arg(long, default_value = Sampling::default().name(),
-          value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
-    sampling: Sampling,
+    /// Which techniques find the light (default: mis+lt, with --kernel reference mis). With mis, diffuse surfaces take no BSDF
+    /// samples of an environment whose light density contains the cosine
+    #[arg(long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
+    sampling: Option<Sampling>,
     /// The same as --sampling hemisphere
     #[arg(short = 'H', conflicts_with = "sampling")]
     hemisphere: bool,
-    #[arg(long, value_name = "NAME", help = density_help(), default_value = "cosine", value_parser = map_sampling)]
-    light_density: MapSampling,
+    #[arg(long, value_name = "NAME", help = density_help(), value_parser = map_sampling)]
+    light_density: Option<MapSampling>,
     /// Owen-scrambled Sobol' or independent random numbers
     #[arg(long, default_value = "sobol",
           value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
@@ -79,13 +78,20 @@ pub struct Render {
     /// Render the I-th of N equal shares of the samples, for `etalon merge`
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Run the kernel with nothing left out: the same image, for comparison
+    /// Prepare and run everything, also what the scene does not need: the same image, for comparison
     #[arg(long)]
     general: bool,
+    /// The implementation that renders
+    #[arg(long, default_value = "lanes", value_parser = choice([
+        ("lanes", "many paths side by side, in loops that vectorize", Kernel::Lanes),
+        ("reference", "one path after the other, as the textbook describes it; no light tracing", Kernel::Reference),
+    ]))]
+    kernel: Kernel,
 }
 
 fn density_help() -> String {
-    format!("How directions towards the environment are sampled. {}", map_samplers(|_| true))
+    let usual = "default: cosine-compensated with mis and mis+lt, otherwise cosine";
+    format!("How directions towards the environment are sampled ({usual}). {}", map_samplers(|_| true))
 }
 
 const AFTER_HELP: &str = "\
@@ -221,15 +227,19 @@ impl Render {
     }
 
     fn settings(&self, seed: u64) -> Result<Settings> {
+        let usual = match self.kernel {
+            Kernel::Lanes => Sampling::default(),
+            Kernel::Reference => Sampling::Mis,
+        };
         Ok(Settings {
-            sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling },
+            sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling.unwrap_or(usual) },
             density: self.light_density,
             stream: self.stream,
             seed,
             model: self.model.model()?,
             paths: self.paths,
             general: self.general,
-            ..Settings::default()
+            kernel: self.kernel,
         })
     }
 
@@ -242,7 +252,7 @@ impl Render {
             .with("lightSamples", request.light_samples)
             .with("maxDepth", request.max_depth)
             .with("sampling", settings.sampling.name())
-            .with("lightDensity", settings.density.density())
+            .with("lightDensity", settings.map_sampling().density())
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
             .with("fresnel", lower(settings.model.dielectric))

@@ -25,8 +25,7 @@ pub const ENTRY: &Entry = &Entry {
 pub fn compensated(map: Arc<EnvMap>) -> TexelSampler {
     let g = map.geometry();
     let (width, height) = (g.width(), g.height());
-    let row_sum = |y: usize| (0..width).map(|x| map.mean_rgb(x, y)).sum::<f64>() * g.solid_angle(y);
-    let mean = (0..height).map(row_sum).sum::<f64>() / (4.0 * std::f64::consts::PI);
+    let mean = map.mean();
     // In a constant map rounding leaves texels slightly above the mean; they do not count.
     let floor = mean * (1.0 + 1e-6);
     let table = Table2::new(width, height, |x, y| {

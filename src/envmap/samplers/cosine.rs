@@ -1,13 +1,17 @@
 //! Sampling a map in proportion to radiance × cosine: the directions that light a surface of a given normal.
 //!
 //! The map is a pyramid of blocks. Each block stores its flux F = ∫ I dω and its first moment M = ∫ I ω dω. The light that
-//! it sends to a surface of normal n is exactly n·M if it is wholly above the horizon, 0 if it is wholly below, and close to F r (1 + x)²/4 with x = n·M / (F r) if the horizon cuts it (r the sine of its angular
-//! radius; exact if cosines are uniform over ±r). A sample descends from the whole map to a block of the finest
-//! level, choosing at each step between two halves twice, and takes a texel of that block by its flux. For a diffuse
-//! surface that sees the whole map nearly every sample then has the same weight, the irradiance itself.
+//! it sends to a surface of normal n is exactly n·M if it is wholly above the horizon, 0 if it is wholly below, and close to
+//! F r (1 + x)²/4 with x = n·M / (F r) if the horizon cuts it (r the sine of its angular radius; exact if cosines are uniform
+//! over ±r). A sample descends from the whole map to a block of the finest level, choosing at each step between two halves
+//! twice, and takes a texel of that block by its flux. For a diffuse surface that sees the whole map nearly every sample
+//! then has the same weight, the irradiance itself.
+//!
+//! Its variant for MIS takes what exceeds the map's mean in place of the radiance. Light samples then all go to bright light,
+//! and none to light that BSDF samples find well.
 //!
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
-//! moments in place of wavelet products are new here.
+//! moments in place of wavelet products are new here. Compensation: Karlík et al., "MIS Compensation", 2019.
 
 use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
@@ -28,6 +32,16 @@ pub const ENTRY: &Entry = &Entry {
     method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::new(map)))),
 };
 
+/// The entry in the registry of its variant for MIS.
+pub const COMPENSATED: &Entry = &Entry {
+    name: "cosine-compensated",
+    density: "cosine-compensated",
+    doc: "radiance minus its mean, times the cosine at the surface (0 where the map is dimmer: for MIS only)",
+    complete: false,
+    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map)))),
+    ..*ENTRY
+};
+
 /// The finest level has at most so many blocks; in larger maps they are of several texels.
 const FINEST: usize = 1 << 19;
 
@@ -42,6 +56,8 @@ const ROOT: usize = 8;
 #[derive(Debug, Clone)]
 pub struct CosineSampler {
     map: Arc<EnvMap>,
+    /// Radiance that is left out.
+    threshold: f64,
     /// Side of a block of the finest level, in texels.
     side: usize,
     /// The energies of these blocks, if they are of several texels.
@@ -192,15 +208,29 @@ fn pairs(weights: Vec4) -> ([f64; 2], [[f64; 2]; 2]) {
 }
 
 impl CosineSampler {
-    /// Builds the pyramid of a map, from the finest level up.
+    /// By radiance × cosine.
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
+        Self::above(map, 0.0)
+    }
+
+    /// By the radiance above the map's mean, × cosine: MIS compensation, as in `compensated.rs`. A constant map has no
+    /// samples: those of the BSDF are all that it needs.
+    #[must_use]
+    pub fn compensated(map: Arc<EnvMap>) -> Self {
+        // In a constant map rounding leaves texels slightly above the mean; they do not count.
+        let threshold = map.mean() * (1.0 + 1e-6);
+        Self::above(map, threshold)
+    }
+
+    /// Builds the pyramid of what exceeds a radiance, from the finest level up.
+    fn above(map: Arc<EnvMap>, threshold: f64) -> Self {
         let g = map.geometry();
         let mut side = 1;
         while g.width().div_ceil(side) * g.height().div_ceil(side) > FINEST {
             side *= 2;
         }
-        let (mut columns, mut blocks) = (g.width().div_ceil(side), finest_blocks(&map, side));
+        let (mut columns, mut blocks) = (g.width().div_ceil(side), finest_blocks(&map, side, threshold));
         let mut levels = vec![Level::new(&map, side, columns, &blocks)];
         let mut block_side = side;
         while levels[levels.len() - 1].quads.len() > ROOT {
@@ -209,7 +239,7 @@ impl CosineSampler {
             levels.push(Level::new(&map, block_side, columns, &blocks));
         }
         levels.reverse();
-        let mut sampler = Self { map, side, energies: Vec::new(), levels };
+        let mut sampler = Self { map, threshold, side, energies: Vec::new(), levels };
         if side > 1 {
             sampler.energies = sampler.block_energies();
         }
@@ -229,7 +259,13 @@ impl CosineSampler {
         let g = self.map.geometry();
         let (x0, y0) = (bx * self.side, by * self.side);
         (y0..(y0 + self.side).min(g.height()))
-            .flat_map(move |y| (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.map.energy(x, y))))
+            .flat_map(move |y| (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.energy(x, y))))
+    }
+
+    /// Energy of a texel above the threshold.
+    #[inline]
+    fn energy(&self, x: usize, y: usize) -> f64 {
+        (self.map.mean_rgb(x, y) - self.threshold).max(0.0) * self.map.geometry().solid_angle(y)
     }
 }
 
@@ -266,6 +302,9 @@ impl SurfaceSampler for CosineSampler {
         let n = normal.as_vec3();
         let g = self.map.geometry();
         let (tx, ty) = g.texel(wi);
+        if self.energy(tx, ty) <= 0.0 {
+            return 0.0;
+        }
         let (bx, by) = (tx / self.side, ty / self.side);
         // The product of the probabilities of the choices that lead to the texel.
         let root = Root::new(&self.levels[0], n);
@@ -279,7 +318,7 @@ impl SurfaceSampler for CosineSampler {
         }
         if self.side > 1 {
             let total = self.energies[by * g.width().div_ceil(self.side) + bx];
-            probability *= if total > 0.0 { self.map.energy(tx, ty) / total } else { 0.0 };
+            probability *= self.energy(tx, ty) / total;
         }
         probability / g.solid_angle(ty)
     }
@@ -296,14 +335,14 @@ fn halved(columns: usize, blocks: &[Vec4]) -> (usize, Vec<Vec4>) {
 }
 
 /// Moments and fluxes of the blocks of the finest level.
-fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
+fn finest_blocks(map: &EnvMap, side: usize, threshold: f64) -> Vec<Vec4> {
     let g = map.geometry();
     let columns = g.width().div_ceil(side);
     let mut blocks = vec![Vec4::ZERO; columns * g.height().div_ceil(side)];
     blocks.par_chunks_mut(columns).enumerate().for_each(|(by, row)| {
         for y in by * side..((by + 1) * side).min(g.height()) {
             for x in 0..g.width() {
-                let radiance = map.mean_rgb(x, y);
+                let radiance = (map.mean_rgb(x, y) - threshold).max(0.0);
                 let moment = g.moment(x, y) * radiance;
                 row[x / side] += moment.as_vec3().extend((radiance * g.solid_angle(y)) as f32);
             }
@@ -313,31 +352,4 @@ fn finest_blocks(map: &EnvMap, side: usize) -> Vec<Vec4> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::Rgb;
-    use crate::raster::Image;
-
-    #[test]
-    fn sample_weights_are_the_irradiance() {
-        let map =
-            Arc::new(EnvMap::new(Image::from_fn(256, 128, |x, y| Rgb::splat(((x / 9 + y / 7) % 4) as f32 + 0.1))));
-        let sampler = CosineSampler::new(map.clone());
-        for n in [DVec3::Y, DVec3::NEG_Y, DVec3::new(0.6, 0.0, 0.8), DVec3::new(-0.48, 0.6, 0.64)] {
-            let expected = crate::envmap::irradiance::IrradianceTree::new(&map).irradiance(n).value.x;
-            let (mut sum, mut sum2) = (0.0, 0.0);
-            let count = 4096;
-            for i in 0..count {
-                let u = [(f64::from(i) + 0.5) / f64::from(count), (f64::from(i) * 0.618_034).fract()];
-                let weight =
-                    sampler.sample_for(u, n).map_or(0.0, |s| f64::from(s.radiance.x) * s.wi.dot(n).max(0.0) / s.pdf);
-                sum += weight;
-                sum2 += weight * weight;
-            }
-            let (mean, mean2) = (sum / f64::from(count), sum2 / f64::from(count));
-            assert!((mean / expected - 1.0).abs() < 2e-3, "{mean} against {expected}");
-            // A sampler of the map alone has 1.67 for a constant map.
-            assert!(mean2 / (mean * mean) - 1.0 < 0.1, "relative variance {}", mean2 / (mean * mean) - 1.0);
-        }
-    }
-}
+mod tests;

@@ -31,6 +31,7 @@ pub const ALL: &[&Entry] = &[
     texels::ALIAS,
     compensated::ENTRY,
     cosine::ENTRY,
+    cosine::COMPENSATED,
     strata::ENTRY,
     cut_lights::MEDIAN_CUT,
     cut_lights::VARIANCE_CUT,
@@ -49,6 +50,8 @@ impl MapSampling {
     pub const MAP: Self = Self::new(texels::CDF);
     /// Radiance times the cosine at the surface.
     pub const COSINE: Self = Self::new(cosine::ENTRY);
+    /// Radiance minus its mean, times the cosine at the surface.
+    pub const COSINE_COMPENSATED: Self = Self::new(cosine::COMPENSATED);
     /// Radiance minus its mean.
     pub const COMPENSATED: Self = Self::new(compensated::ENTRY);
 
@@ -130,12 +133,6 @@ impl MapSampling {
         ALL.iter()
             .map(|entry| if entry.has_regions { format!("{}-K", entry.name) } else { entry.name.into() })
             .collect()
-    }
-}
-
-impl Default for MapSampling {
-    fn default() -> Self {
-        Self::COSINE
     }
 }
 

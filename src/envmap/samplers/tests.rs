@@ -65,7 +65,8 @@ fn samples_carry_the_pdf_of_their_direction_to_the_last_bit() {
                     assert_eq!(s.radiance, map.radiance(s.wi));
                 }
                 let all = matches!(entry.method, Method::Directions(_));
-                assert!(drawn == 3602 || !all && drawn > 1000, "{}: {drawn}", entry.name);
+                // MIS compensation by the normal leaves a constant map to the BSDF, and a normal without bright light.
+                assert!(drawn == 3602 || !all && (drawn > 1000 || !entry.complete), "{}: {drawn}", entry.name);
             }
         }
     }
@@ -108,7 +109,7 @@ fn densities_integrate_to_one_and_are_complete_where_they_say_so() {
                 match entry.method {
                     Method::Directions(_) => assert!((mass - 1.0).abs() < 1e-9, "{}: {mass}", entry.name),
                     // What is missing are descents that ended among blocks without light above the horizon.
-                    _ => assert!(mass > 0.5 && mass < 1.0 + 1e-6, "{}: {mass}", entry.name),
+                    _ => assert!((mass > 0.5 || !entry.complete) && mass < 1.0 + 1e-6, "{}: {mass}", entry.name),
                 }
                 assert!(missed == 0 || !entry.complete, "{}: {missed}", entry.name);
                 // What is said to miss light does so on the largest map.

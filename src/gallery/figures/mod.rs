@@ -15,6 +15,7 @@ mod metals_table;
 mod proposal;
 mod roughness;
 mod sampling;
+mod scaling;
 mod sphere;
 mod stability;
 mod validation;
@@ -40,6 +41,7 @@ pub fn registry() -> Vec<Figure> {
         error_time_roughness::figures(),
         error_depth::figures(),
         median_cut_error::figures(),
+        scaling::figures(),
         stability::figures(),
     ]
     .into_iter()

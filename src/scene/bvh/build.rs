@@ -1,4 +1,4 @@
-//! From a heap of triangles to a tree of boxes with eight children each, by the surface area heuristic.
+//! From a heap of primitives to a tree of boxes with eight children each, by the surface area heuristic.
 //!
 //! A box is split where the expected cost Σ area · ⌈count / 8⌉ of its halves is least, tried at the borders of 16 bins
 //! of centroids along each axis. Source: Wald, "On fast construction of SAH-based bounding volume hierarchies",
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 /// Borders between bins are where a box may be split.
 const BINS: usize = 16;
 
-/// Below this many levels boxes are halved by count, which bounds depth and time for triangles in any position.
+/// Below this many levels boxes are halved by count, which bounds depth and time for primitives in any position.
 const HEURISTIC_LEVELS: usize = 32;
 
-/// Boxes with fewer triangles are not worth another thread.
+/// Boxes with fewer primitives are not worth another thread.
 const PARALLEL: usize = 4096;
 
 /// An axis-parallel box.
@@ -52,18 +52,34 @@ impl Bounds {
     }
 }
 
-/// A triangle to sort into the tree.
+/// What a pack has eight of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Triangle,
+    Sphere,
+}
+
+/// A primitive by the number of its shape and, in meshes and rectangles, of the triangle in it. Of two hits at the same
+/// distance the lower one counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Id {
+    pub shape: u32,
+    pub triangle: u32,
+}
+
+/// A primitive to sort into the tree.
 #[derive(Debug, Clone, Copy)]
 pub struct Item {
     pub bounds: Bounds,
-    pub triangle: u32,
+    pub kind: Kind,
+    pub id: Id,
 }
 
 /// A tree, or a part of one.
 #[derive(Debug)]
 pub enum Branch {
-    /// Up to [`WIDTH`] triangles.
-    Leaf(Vec<u32>),
+    /// Up to [`WIDTH`] primitives of one kind.
+    Leaf(Kind, Vec<Id>),
     /// Up to [`WIDTH`] boxes.
     Node(Vec<(Bounds, Branch)>),
 }
@@ -75,7 +91,7 @@ pub fn build(items: &mut [Item]) -> Branch {
 
 fn branch(items: &mut [Item], level: usize) -> Branch {
     if items.len() <= WIDTH {
-        return Branch::Leaf(items.iter().map(|i| i.triangle).collect());
+        return leaf(items);
     }
     let many = items.len() >= PARALLEL;
     let whole = around(items);
@@ -90,6 +106,21 @@ fn branch(items: &mut [Item], level: usize) -> Branch {
     }
     let grow = |(bounds, items)| (bounds, branch(items, level + 1));
     Branch::Node(if many { parts.into_par_iter().map(grow).collect() } else { parts.into_iter().map(grow).collect() })
+}
+
+/// Up to [`WIDTH`] items: a leaf, or one for each kind.
+fn leaf(items: &mut [Item]) -> Branch {
+    let middle = partition(items, |item| item.kind == Kind::Triangle);
+    let (triangles, spheres) = items.split_at(middle);
+    let of = |kind, items: &[Item]| Branch::Leaf(kind, items.iter().map(|i| i.id).collect());
+    if spheres.is_empty() {
+        of(Kind::Triangle, triangles)
+    } else if triangles.is_empty() {
+        of(Kind::Sphere, spheres)
+    } else {
+        let child = |kind, items| (around(items), of(kind, items));
+        Branch::Node(vec![child(Kind::Triangle, triangles), child(Kind::Sphere, spheres)])
+    }
 }
 
 fn around(items: &[Item]) -> Bounds {

@@ -3,7 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64;
 
-/// How many boxes or triangles are tested at once.
+/// How many boxes, triangles or spheres are tested at once.
 pub const WIDTH: usize = 8;
 
 /// Arithmetic on [`WIDTH`] numbers. All implementations give the same bits, except for [`mul_sub`](Self::mul_sub).
@@ -25,6 +25,11 @@ pub trait Lanes: Copy {
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
     /// Bit i tells whether aᵢ ≤ bᵢ; unset for NaN.
     fn le(self, a: Self::F, b: Self::F) -> u32;
+    fn sqrt(self, a: Self::F) -> Self::F;
+    /// The modulus of `a` with the sign of `b`.
+    fn copysign(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a` where it is at least 0, `b` elsewhere, also where `a` is NaN.
+    fn positive_or(self, a: Self::F, b: Self::F) -> Self::F;
 }
 
 /// Methods of [`Lanes`] that take two operands, each from what it computes; the first name stands for the implementor.
@@ -70,6 +75,11 @@ impl Lanes for Portable {
         self.sub(self.mul(a, b), c)
     }
 
+    #[inline(always)]
+    fn sqrt(self, a: Self::F) -> Self::F {
+        each(a, a, |a, _| a.sqrt())
+    }
+
     binary! {
         add(_s, a, b) -> Self::F = each(a, b, |a, b| a + b);
         sub(_s, a, b) -> Self::F = each(a, b, |a, b| a - b);
@@ -78,6 +88,8 @@ impl Lanes for Portable {
         min(_s, a, b) -> Self::F = each(a, b, |a, b| if a < b { a } else { b });
         max(_s, a, b) -> Self::F = each(a, b, |a, b| if a > b { a } else { b });
         le(_s, a, b) -> u32 = (0..WIDTH).fold(0, |mask, i| mask | u32::from(a[i] <= b[i]) << i);
+        copysign(_s, a, b) -> Self::F = each(a, b, f32::copysign);
+        positive_or(_s, a, b) -> Self::F = each(a, b, |a, b| if a >= 0.0 { a } else { b });
     }
 }
 
@@ -109,6 +121,11 @@ impl Lanes for Avx2 {
         self.fma._mm256_fmsub_ps(a, b, c)
     }
 
+    #[inline(always)]
+    fn sqrt(self, a: Self::F) -> Self::F {
+        self.avx._mm256_sqrt_ps(a)
+    }
+
     binary! {
         add(s, a, b) -> Self::F = s.avx._mm256_add_ps(a, b);
         sub(s, a, b) -> Self::F = s.avx._mm256_sub_ps(a, b);
@@ -117,5 +134,13 @@ impl Lanes for Avx2 {
         min(s, a, b) -> Self::F = s.avx._mm256_min_ps(a, b);
         max(s, a, b) -> Self::F = s.avx._mm256_max_ps(a, b);
         le(s, a, b) -> u32 = s.avx._mm256_movemask_ps(s.avx._mm256_cmp_ps::<{ x86_64::_CMP_LE_OQ }>(a, b)) as u32;
+        copysign(s, a, b) -> Self::F = {
+            let sign = s.splat(-0.0);
+            s.avx._mm256_or_ps(s.avx._mm256_andnot_ps(sign, a), s.avx._mm256_and_ps(sign, b))
+        };
+        positive_or(s, a, b) -> Self::F = {
+            let positive = s.avx._mm256_cmp_ps::<{ x86_64::_CMP_GE_OQ }>(a, s.splat(0.0));
+            s.avx._mm256_blendv_ps(b, a, positive)
+        };
     }
 }

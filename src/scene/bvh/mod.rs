@@ -1,4 +1,4 @@
-//! Which triangle a ray hits first: a tree of boxes, eight to a node, over the triangles of any number of meshes.
+//! Which primitive a ray hits first: a tree of boxes, eight to a node, over spheres, rectangles and triangles.
 
 mod build;
 mod lanes;
@@ -9,81 +9,96 @@ mod traverse;
 mod tree;
 
 use super::camera::Ray;
-use super::mesh::{Mesh, Surface};
-pub use query::{MeshHit, Rays};
+use super::description::Shape;
+use super::mesh::Surface;
+pub use query::{Hit, Rays};
 
-use build::{Bounds, Item};
+use build::{Bounds, Id, Item, Kind};
 use glam::Vec3;
 use lanes::{Lanes, Portable};
 use traverse::Search;
 use tree::{Facet, Tree};
 
-/// The triangles of some meshes, sorted so that rays find them.
+/// The spheres and triangles of some shapes, sorted so that rays find them.
 ///
-/// Triangles are hit from both sides, and no ray passes between two that share an edge, unless it starts in their planes
-/// to within rounding. Results are the same bits on every processor. A triangle without area, or with a corner that is
-/// missing, not finite or farther out than [`Mesh::FARTHEST`], is never hit, and a ray from there, or with NaN or
+/// Spheres are hit where [`Sphere::distance`](super::Sphere::distance) says, to the bit. Triangles are hit from both
+/// sides, and no ray passes between two that share an edge, unless it starts in their planes to within rounding. A
+/// rectangle is two of them. Results are the same bits on every processor. A sphere without
+/// [`bounds`](super::Sphere::bounds) is never hit, nor is a triangle without area, or with a corner that is missing,
+/// not finite or farther out than [`Mesh::FARTHEST`](super::Mesh::FARTHEST), and a ray from there, or with NaN or
 /// infinity in it, hits nothing.
 #[derive(Debug, Clone)]
-pub struct MeshBvh {
+pub struct Bvh {
     tree: Tree,
-    /// Number of the first triangle of each mesh.
-    first: Vec<u32>,
     /// What this processor can do beyond the common instructions.
     #[cfg(target_arch = "x86_64")]
     avx2: Option<lanes::Avx2>,
 }
 
-impl MeshBvh {
-    /// About the memory that building a tree takes for each triangle.
+impl Bvh {
+    /// About the memory that building a tree takes for each triangle; a rectangle is two.
     pub const BYTES_PER_TRIANGLE: usize = 256;
 
-    /// Builds the tree over the triangles of `meshes`, on all threads. Below 32 levels boxes are halved, which bounds depth and
-    /// time for any triangles.
+    /// About the memory that building a tree takes for each sphere.
+    pub const BYTES_PER_SPHERE: usize = 128;
+
+    /// About the memory that building a tree takes for a shape.
+    #[must_use]
+    pub fn bytes(shape: &Shape) -> usize {
+        match shape {
+            Shape::Sphere(_) => Self::BYTES_PER_SPHERE,
+            Shape::Rectangle(_) => 2 * Self::BYTES_PER_TRIANGLE,
+            Shape::Mesh(mesh) => mesh.triangles.len() * Self::BYTES_PER_TRIANGLE,
+        }
+    }
+
+    /// Builds the tree over `shapes`, on all threads. Below 32 levels boxes are halved, which bounds depth and time for
+    /// any primitives.
     ///
     /// # Panics
-    /// With 2³¹ triangles or more.
+    /// With 2²⁹ spheres and triangles or more.
     #[must_use]
-    pub fn build(meshes: &[&Mesh]) -> Self {
-        let total: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-        assert!(total < tree::LEAF as usize, "{total} triangles");
-        let first =
-            meshes.iter().scan(0, |next, mesh| Some(std::mem::replace(next, *next + mesh.triangles.len() as u32)));
-        let first: Vec<u32> = first.collect();
-        let mut items = Vec::with_capacity(total);
-        for (mesh, &first) in meshes.iter().zip(&first) {
-            for local in 0..mesh.triangles.len() as u32 {
-                if let Some((corners, _)) = mesh.facet(local) {
+    pub fn build(shapes: &[&Shape]) -> Self {
+        let mut items = Vec::new();
+        for (number, &shape) in (0..).zip(shapes) {
+            let triangles = match shape {
+                Shape::Sphere(sphere) => {
+                    let id = Id { shape: number, triangle: 0 };
+                    let item = |[min, max]: [Vec3; 2]| Item { bounds: Bounds { min, max }, kind: Kind::Sphere, id };
+                    items.extend(sphere.bounds().map(item));
+                    0
+                }
+                Shape::Rectangle(_) => 2,
+                Shape::Mesh(mesh) => mesh.triangles.len(),
+            };
+            items.reserve(triangles);
+            for triangle in 0..triangles as u32 {
+                if let Some(Facet { corners, .. }) = Facet::of(shape, triangle) {
                     let bounds = corners.into_iter().fold(Bounds::EMPTY, Bounds::with);
-                    items.push(Item { bounds, triangle: first + local });
+                    items.push(Item { bounds, kind: Kind::Triangle, id: Id { shape: number, triangle } });
                 }
             }
         }
+        assert!(items.len() < 1 << 29, "{} spheres and triangles", items.len());
         let root = build::build(&mut items);
         drop(items);
-        let tree = Tree::new(root, |triangle| {
-            let (mesh, local) = locate(&first, triangle);
-            let mesh = meshes[mesh as usize];
-            let (corners, normal) = mesh.facet(local).unwrap_or_default();
-            Facet { corners, normal, corner_normals: mesh.corner_normals(local, normal) }
-        });
         Self {
-            tree,
-            first,
+            tree: Tree::new(root, shapes),
             #[cfg(target_arch = "x86_64")]
             avx2: lanes::Avx2::try_new(),
         }
     }
 
-    /// The nearest hit with 0 < t < `t_max`, of equally near ones that of the lowest number.
+    /// The nearest hit with 0 < t < `t_max`, for spheres also with t = 0; of equally near ones that of the first shape,
+    /// and of its first triangle.
     #[must_use]
-    pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<MeshHit> {
+    pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
         let mut hit = [None];
         self.nearest_many(single(ray, &t_max), &mut hit);
         hit[0]
     }
 
-    /// Whether there is a hit with 0 < t < `t_max`.
+    /// Whether there is a hit as [`nearest`](Self::nearest) counts them.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
         let mut hit = [false];
@@ -92,7 +107,7 @@ impl MeshBvh {
     }
 
     /// [`nearest`](Self::nearest) for each of the first `hits.len()` of `rays`, in less time than one by one.
-    pub fn nearest_many(&self, rays: Rays, hits: &mut [Option<MeshHit>]) {
+    pub fn nearest_many(&self, rays: Rays, hits: &mut [Option<Hit>]) {
         self.each::<false, _>(rays, hits, |hit| hit);
     }
 
@@ -101,31 +116,28 @@ impl MeshBvh {
         self.each::<true, _>(rays, hits, |hit| hit.is_some());
     }
 
-    /// Number of the mesh that `triangle` belongs to, in the order of [`build`](Self::build).
-    #[inline]
-    #[must_use]
-    pub fn mesh_of(&self, triangle: u32) -> u32 {
-        locate(&self.first, triangle).0
-    }
-
-    /// Number of `triangle` in its own mesh.
-    #[inline]
-    #[must_use]
-    pub fn local(&self, triangle: u32) -> u32 {
-        locate(&self.first, triangle).1
-    }
-
-    /// The surface at a [`MeshHit`], from its [`place`](MeshHit::place), `u` and `v`: the same as [`Mesh::surface`], faster.
+    /// The surface at a [`Hit`] of a triangle, from its [`place`](Hit::place), `u` and `v`: the same as
+    /// [`Mesh::surface`](super::Mesh::surface), faster.
     ///
     /// # Panics
-    /// For a place that no hit had.
+    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
         self.tree.surface(place, [u, v])
     }
 
-    fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<MeshHit>) -> T) {
+    /// [`Hit::triangle`] from the hit's [`place`](Hit::place).
+    ///
+    /// # Panics
+    /// For a place that no hit of a triangle had.
+    #[inline]
+    #[must_use]
+    pub fn triangle(&self, place: u32) -> u32 {
+        self.tree.triangle(place)
+    }
+
+    fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<Hit>) -> T) {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = self.avx2 {
             return avx2.vectorize(
@@ -146,7 +158,7 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
     tree: &Tree,
     rays: Rays,
     out: &mut [T],
-    keep: impl Fn(Option<MeshHit>) -> T,
+    keep: impl Fn(Option<Hit>) -> T,
 ) {
     let mut searches: [Search<ANY>; IN_FLIGHT] = Default::default();
     // Which ray each search is for; none at first, and none in the end.
@@ -188,11 +200,4 @@ fn trace_each<L: Lanes, const ANY: bool, T>(
 fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
     let components = |v: &'a Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
     Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }
-}
-
-/// The mesh that `triangle` belongs to, and its number there.
-fn locate(first: &[u32], triangle: u32) -> (u32, u32) {
-    // Of meshes that begin at the same number only the last has triangles.
-    let mesh = first.partition_point(|&f| f <= triangle) - 1;
-    (mesh as u32, triangle - first[mesh])
 }

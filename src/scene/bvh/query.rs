@@ -3,19 +3,29 @@
 use crate::scene::camera::Ray;
 use glam::Vec3;
 
-/// Where a ray hits a triangle.
+/// Where a ray hits a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MeshHit {
+pub struct Hit {
     /// Distance along the ray.
     pub t: f32,
-    /// Number of the triangle, counted on through all meshes.
+    /// Number of the shape, in the order of [`super::Bvh::build`].
+    pub shape: u32,
+    /// Number of the triangle in its mesh; 0 for spheres, and 0 or 1 for the halves of a rectangle.
     pub triangle: u32,
-    /// Where the tree keeps it, for [`super::MeshBvh::surface`].
+    /// Where the tree keeps the triangle, for [`super::Bvh::surface`] and [`super::Bvh::triangle`]; 0 for spheres.
     pub place: u32,
     /// Barycentric weight of the triangle's second corner.
     pub u: f32,
     /// That of its third corner.
     pub v: f32,
+}
+
+impl Hit {
+    /// Whether a hit of this primitive at the distance `t` comes before this one.
+    #[inline(always)]
+    pub(super) fn is_beaten_by(&self, t: f32, shape: u32, triangle: u32) -> bool {
+        t < self.t || (t == self.t && (shape, triangle) < (self.shape, self.triangle))
+    }
 }
 
 /// Rays, component by component. The slices are of one length.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::sampling::stream::{Independent, Stream};
+use crate::scene::{Mesh, Rectangle, Sphere};
 use glam::Vec3;
 use std::f32::consts::TAU;
 use std::time::Instant;
@@ -46,7 +47,7 @@ fn star(rings: u32, spokes: u32) -> Mesh {
     Mesh::new(positions, vec![], triangles).unwrap()
 }
 
-fn portable(bvh: &MeshBvh) -> MeshBvh {
+fn portable(bvh: &Bvh) -> Bvh {
     let mut bvh = bvh.clone();
     #[cfg(target_arch = "x86_64")]
     {
@@ -76,23 +77,23 @@ fn rays(mesh: &Mesh, count: u64) -> Vec<Ray> {
 #[test]
 fn hits_are_those_of_brute_force_on_every_processor() {
     let mesh = heap(700);
-    let bvh = MeshBvh::build(&[&mesh]);
+    let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
     let plain = portable(&bvh);
     // A tree of one triangle each: the triangle test without the search.
-    let singles: Vec<MeshBvh> = (0..mesh.triangles.len())
-        .map(|i| MeshBvh::build(&[&Mesh { triangles: vec![mesh.triangles[i]], ..mesh.clone() }]))
+    let singles: Vec<Bvh> = (0..mesh.triangles.len())
+        .map(|i| Bvh::build(&[&Shape::from(Mesh { triangles: vec![mesh.triangles[i]], ..mesh.clone() })]))
         .collect();
     let mut hits = 0;
     for (i, ray) in rays(&mesh, 4000).iter().enumerate() {
         let t_max = if i % 3 == 0 { 1.0 } else { f32::INFINITY };
-        let mut expected: Option<MeshHit> = None;
+        let mut expected: Option<Hit> = None;
         for (triangle, single) in (0..).zip(&singles) {
             if let Some(hit) = single.nearest(ray, expected.map_or(t_max, |e| e.t)) {
-                expected = Some(MeshHit { triangle, ..hit });
+                expected = Some(Hit { triangle, ..hit });
             }
         }
         hits += usize::from(expected.is_some());
-        let known = |hit: Option<MeshHit>| hit.map(|hit| MeshHit { place: 0, ..hit });
+        let known = |hit: Option<Hit>| hit.map(|hit| Hit { place: 0, ..hit });
         assert_eq!(known(bvh.nearest(ray, t_max)), known(expected), "{i} {ray:?}");
         assert_eq!(plain.nearest(ray, t_max), bvh.nearest(ray, t_max), "{i} {ray:?}");
         if let Some(hit) = bvh.nearest(ray, t_max) {
@@ -113,7 +114,7 @@ fn hits_are_those_of_brute_force_on_every_processor() {
 #[test]
 fn batches_give_what_single_rays_give() {
     let mesh = heap(500);
-    let bvh = MeshBvh::build(&[&mesh]);
+    let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
     let rays = rays(&mesh, 300);
     let component = |f: fn(&Ray) -> Vec3, axis: usize| -> Vec<f32> { rays.iter().map(|r| f(r)[axis]).collect() };
     let origin = [0, 1, 2].map(|axis| component(|r| r.origin, axis));
@@ -139,7 +140,7 @@ fn batches_give_what_single_rays_give() {
 #[test]
 fn closed_meshes_have_no_gaps() {
     let mesh = star(40, 60);
-    let bvh = MeshBvh::build(&[&mesh]);
+    let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
     let mut escaped = 0;
     for i in 0..400_000u64 {
         let corners = mesh.facet((i % mesh.triangles.len() as u64) as u32).unwrap().0;
@@ -159,29 +160,171 @@ fn closed_meshes_have_no_gaps() {
 }
 
 #[test]
-fn triangles_are_numbered_through_all_meshes() {
+fn hits_tell_shape_and_triangle() {
     let square = |z: f32| {
         let p = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
-        Mesh::new(p.to_vec(), vec![], vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+        Shape::from(Mesh::new(p.to_vec(), vec![], vec![[0, 1, 2], [0, 2, 3]]).unwrap())
     };
-    let (front, none, back) = (square(1.0), Mesh::default(), square(-1.0));
-    let bvh = MeshBvh::build(&[&none, &front, &none, &back, &none]);
+    let (front, none, back) = (square(1.0), Shape::from(Mesh::default()), square(-1.0));
+    let bvh = Bvh::build(&[&none, &front, &none, &back, &none, &front]);
     let ray = |z: f32| Ray { origin: Vec3::new(-0.5, 0.5, 3.0 * z), direction: Vec3::new(0.0, 0.0, -z) };
-    for (z, t, triangle, mesh) in [(1.0, 2.0, 1, 1), (-1.0, 2.0, 3, 3)] {
+    for (z, t, shape) in [(1.0, 2.0, 1), (-1.0, 2.0, 3)] {
         let hit = bvh.nearest(&ray(z), f32::INFINITY).unwrap();
-        assert_eq!((hit.t, hit.triangle), (t, triangle));
-        assert_eq!((bvh.mesh_of(hit.triangle), bvh.local(hit.triangle)), (mesh, 1));
+        assert_eq!((hit.t, hit.shape, hit.triangle, bvh.triangle(hit.place)), (t, shape, 1, 1));
     }
     // The diagonal belongs to both triangles: the lower number counts.
     let diagonal = Ray { origin: Vec3::new(0.5, 0.5, 3.0), direction: Vec3::NEG_Z };
-    assert_eq!(bvh.nearest(&diagonal, f32::INFINITY).unwrap().triangle, 0);
+    let hit = bvh.nearest(&diagonal, f32::INFINITY).unwrap();
+    assert_eq!((hit.shape, hit.triangle), (1, 0));
+}
+
+/// What there is to hit, one by one: spheres by [`Sphere::distance`], triangles each in a tree of its own.
+struct BruteForce {
+    primitives: Vec<(u32, u32, Result<Sphere, Bvh>)>,
+}
+
+impl BruteForce {
+    fn new(shapes: &[Shape]) -> Self {
+        let mut primitives = vec![];
+        for (number, shape) in (0..).zip(shapes) {
+            let single = |corners: [Vec3; 3]| {
+                let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+                Err(Bvh::build(&[&Shape::from(mesh)]))
+            };
+            match shape {
+                Shape::Sphere(sphere) if sphere.bounds().is_some() => primitives.push((number, 0, Ok(*sphere))),
+                Shape::Sphere(_) => {}
+                Shape::Rectangle(rectangle) => {
+                    let [a, b, c, d] = rectangle.corners();
+                    primitives.extend([(number, 0, single([a, b, c])), (number, 1, single([a, c, d]))]);
+                }
+                Shape::Mesh(mesh) => {
+                    let facets = (0..mesh.triangles.len() as u32).filter_map(|i| Some((i, mesh.facet(i)?.0)));
+                    primitives.extend(facets.map(|(i, corners)| (number, i, single(corners))));
+                }
+            }
+        }
+        Self { primitives }
+    }
+
+    fn nearest(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (shape, triangle, primitive) in &self.primitives {
+            let limit = nearest.map_or(t_max, |hit| hit.t);
+            let hit = match primitive {
+                Ok(sphere) => {
+                    let t = sphere.distance(ray.origin, ray.direction);
+                    (t < limit).then_some(Hit { t, ..Hit::default() })
+                }
+                Err(single) => single.nearest(ray, limit),
+            };
+            nearest = hit.map(|hit| Hit { shape: *shape, triangle: *triangle, ..hit }).or(nearest);
+        }
+        nearest
+    }
+}
+
+/// Shapes of all kinds, some of them twice, of sizes over three powers of ten times `scale`.
+fn mixture(count: u64, scale: f32) -> Vec<Shape> {
+    let shape = |i: u64| {
+        let size = scale * 10f32.powf(random(i, 30) * 1.5 - 1.5);
+        let centre = scale * random_vec(i, 0);
+        match i % 4 {
+            0 => Shape::from(Mesh {
+                positions: (1..7).map(|j| centre + size * random_vec(i, j)).collect(),
+                triangles: vec![[0, 1, 2], [3, 4, 5], [0, 2, 4]],
+                ..Mesh::default()
+            }),
+            1 => {
+                let (x, y) = random_vec(i, 1).normalize().any_orthonormal_pair();
+                Shape::Rectangle(Rectangle::new(centre, size * x, 0.3 * size * y).unwrap())
+            }
+            _ => Shape::Sphere(Sphere { centre, radius: 0.5 * size }),
+        }
+    };
+    (0..count).map(|i| shape(if i % 10 == 9 { i / 2 } else { i })).collect()
+}
+
+#[test]
+fn mixtures_are_hit_as_by_brute_force() {
+    for (count, scale) in [(1, 1.0), (7, 1.0), (60, 1e-9), (400, 1.0), (400, 1e9)] {
+        let shapes = mixture(count, scale);
+        let bvh = Bvh::build(&shapes.iter().collect::<Vec<_>>());
+        let (plain, brute_force) = (portable(&bvh), BruteForce::new(&shapes));
+        let mut hits = [0; 3];
+        for i in 0..4000 {
+            // From among the shapes, from far away, and from the edge of a sphere past it.
+            let target = scale * random_vec(i, 41);
+            let origin = [1.0, 3.0, 1000.0][i as usize % 3] * scale * random_vec(i, 40);
+            let ray = match (&shapes[i as usize % shapes.len()], i % 2) {
+                (Shape::Sphere(s), 0) => {
+                    let across = random_vec(i, 42).cross(origin - s.centre).normalize();
+                    let rim = s.centre + s.radius * (1.0 + random(i, 43) * 1e-6) * across;
+                    Ray { origin, direction: (rim - origin).normalize() }
+                }
+                _ => Ray { origin, direction: (target - origin).normalize() },
+            };
+            let t_max = if i % 5 == 0 { scale } else { f32::INFINITY };
+            let expected = brute_force.nearest(&ray, t_max);
+            let known = |hit: Option<Hit>| hit.map(|hit| Hit { place: 0, ..hit });
+            let found = bvh.nearest(&ray, t_max);
+            assert_eq!(known(found), expected, "{count} {scale:e} {i} {ray:?}");
+            assert_eq!(plain.nearest(&ray, t_max), found);
+            assert_eq!(bvh.occluded(&ray, t_max), expected.is_some());
+            assert_eq!(plain.occluded(&ray, t_max), expected.is_some());
+            if let Some(hit) = expected {
+                match &shapes[hit.shape as usize] {
+                    Shape::Sphere(_) => hits[0] += 1,
+                    Shape::Rectangle(_) => hits[1] += 1,
+                    Shape::Mesh(_) => hits[2] += 1,
+                }
+                assert!(bvh.nearest(&ray, hit.t).is_none_or(|nearer| nearer.t < hit.t), "the limit is excluded");
+            }
+        }
+        assert!(count < 400 || hits.iter().all(|&hits| hits > 100), "{hits:?}");
+    }
+}
+
+#[test]
+fn spheres_are_hit_from_inside_and_on_their_surface() {
+    let sphere = |z: f32, radius: f32| Shape::Sphere(Sphere { centre: z * Vec3::Z, radius });
+    // Spheres in one another, some of them twice.
+    let shapes = [sphere(0.0, 3.0), sphere(0.0, 1.0), sphere(0.0, 1.0), sphere(1.0, 2.0), sphere(1.0, 2.0)];
+    let bvh = Bvh::build(&shapes.each_ref());
+    let along = |z: f32| bvh.nearest(&Ray { origin: z * Vec3::Z, direction: Vec3::Z }, f32::INFINITY);
+    let found = |z: f32| along(z).map(|hit| (hit.t, hit.shape));
+    assert_eq!(found(-5.0), Some((2.0, 0)));
+    assert_eq!(found(-2.0), Some((1.0, 1)), "two spheres at once");
+    assert_eq!(found(0.0), Some((1.0, 1)), "from the centre");
+    assert_eq!(found(-3.0), Some((0.0, 0)), "t = 0 counts");
+    assert_eq!(found(2.5), Some((0.5, 0)), "three spheres at once");
+    assert_eq!(found(4.0), None);
+}
+
+/// Rays into the diagonal of rectangles and their inside, where f32 cannot aim exactly.
+#[test]
+fn rectangles_have_no_gaps() {
+    for i in 0..200u64 {
+        let (x, y) = random_vec(i, 0).normalize().any_orthonormal_pair();
+        let rectangle = Rectangle::new(3.0 * random_vec(i, 1), x, 10f32.powf(random(i, 9)) * y).unwrap();
+        let bvh = Bvh::build(&[&Shape::Rectangle(rectangle)]);
+        let [a, _, c, _] = rectangle.corners();
+        let side = (3.0 + random(i, 11)) * rectangle.normal();
+        for j in 0..500 {
+            let target = a.lerp(c, 0.5 + 0.49 * random(i, 100 + j));
+            let origin = target + side + 3.0 * random_vec(i, 1000 + j).reject_from(side);
+            let ray = Ray { origin, direction: (target - origin).normalize() };
+            let hit = bvh.nearest(&ray, f32::INFINITY).unwrap();
+            assert!((hit.t - target.distance(origin)).abs() < 1e-5 * (hit.t + a.distance(c)), "{i} {j} {hit:?}");
+        }
+    }
 }
 
 #[test]
 fn rays_beside_triangles_miss() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z };
-    assert_eq!(MeshBvh::build(&[]).nearest(&ray, f32::INFINITY), None);
-    assert!(!MeshBvh::build(&[&Mesh::default()]).occluded(&ray, f32::INFINITY));
+    assert_eq!(Bvh::build(&[]).nearest(&ray, f32::INFINITY), None);
+    assert!(!Bvh::build(&[&Shape::from(Mesh::default())]).occluded(&ray, f32::INFINITY));
     // No area, no such vertex, no such place: beside a sound triangle, none is hit.
     let positions = vec![
         Vec3::new(-1.0, -1.0, 5.0),
@@ -193,9 +336,15 @@ fn rays_beside_triangles_miss() {
         Vec3::INFINITY,
     ];
     let triangles = vec![[3, 4, 3], [3, 3, 3], [3, 4, 9], [3, 4, 5], [3, 4, 6], [0, 1, 2]];
-    let bvh = MeshBvh::build(&[&Mesh { positions, triangles, ..Mesh::default() }]);
+    let mut shapes = vec![Shape::from(Mesh { positions, triangles, ..Mesh::default() })];
+    for (centre, radius) in [(Vec3::Z, 0.0), (Vec3::Z, f32::NAN), (Vec3::Z, f32::INFINITY), (Vec3::NAN, 1.0)] {
+        shapes.push(Shape::Sphere(Sphere { centre, radius }));
+    }
+    let far = 1e16 * Vec3::X;
+    shapes.extend(Rectangle::new(Vec3::Z, far, Vec3::Y).map(Shape::Rectangle));
+    let bvh = Bvh::build(&shapes.iter().collect::<Vec<_>>());
     let hit = bvh.nearest(&ray, f32::INFINITY).unwrap();
-    assert_eq!((hit.t, hit.triangle), (5.0, 5));
+    assert_eq!((hit.t, hit.shape, hit.triangle), (5.0, 0, 5));
     let nan = Ray { origin: Vec3::NAN, direction: Vec3::NAN };
     assert_eq!(bvh.nearest(&nan, f32::INFINITY), None);
 }
@@ -205,7 +354,7 @@ fn far_and_large_and_small_are_hit() {
     for scale in [1e-12, 1.0, 1e6, 1e12] {
         let mesh = star(10, 12);
         let mesh = Mesh { positions: mesh.positions.iter().map(|&p| scale * p).collect(), ..mesh };
-        let bvh = MeshBvh::build(&[&mesh]);
+        let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
         for i in 0..1000 {
             let (inside, direction) = (0.1 * scale * random_vec(i, 0), random_vec(i, 1).normalize());
             let ray = Ray { origin: inside, direction };
@@ -227,7 +376,7 @@ fn degenerate_triangles_are_built_and_traced_quickly() {
             .collect();
         let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let start = Instant::now();
-        let bvh = MeshBvh::build(&[&Mesh { positions, triangles, ..Mesh::default() }]);
+        let bvh = Bvh::build(&[&Shape::from(Mesh { positions, triangles, ..Mesh::default() })]);
         let ray = Ray { origin: Vec3::new(0.0, 1e-3, 9.0), direction: Vec3::NEG_Z };
         let _ = bvh.nearest(&ray, f32::INFINITY);
         assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());

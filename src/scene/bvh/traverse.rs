@@ -1,17 +1,17 @@
-//! Traversal of the tree, and intersection of triangles.
+//! Traversal of the tree, and intersection of triangles and spheres.
 //!
-//! The result depends on the triangles alone, not on the tree, the processor or the number of threads: triangles are
-//! tested by the same operations in the same order everywhere, boxes are passed over only when nothing in them can be
-//! hit, and of two hits at the same distance the lower number counts.
+//! The result depends on the primitives alone, not on the tree, the processor or the number of threads: they are tested
+//! by the same operations in the same order everywhere, boxes are passed over only when nothing in them can be hit, and
+//! of two hits at the same distance the lower number counts.
 
 use super::lanes::{Lanes, WIDTH};
-use super::query::MeshHit;
-use super::tree::{LEAF, Node, Pack, Tree};
+use super::query::Hit;
+use super::tree::{LEAF, MARGIN, NUMBER, Node, SPHERES, Spheres, Tree, Triangles};
 use crate::scene::camera::Ray;
 use crate::scene::mesh::Mesh;
 use glam::Vec3;
 
-/// The traversal of one ray, a box or a pack of triangles at a time.
+/// The traversal of one ray, a node or a pack at a time.
 ///
 /// A step mostly waits for memory, so several rays are traversed alternately: see `trace_each`.
 #[derive(Default)]
@@ -20,15 +20,15 @@ pub struct Search<const ANY: bool> {
     slabs: Slabs,
     /// Computed when the ray reaches its first triangles: many rays never do.
     shear: Option<Shear>,
-    best: MeshHit,
+    best: Hit,
     found: bool,
     stack: Stack,
     current: u32,
 }
 
 impl<const ANY: bool> Search<ANY> {
-    /// Begins a search for the nearest hit with 0 < t < `t_max`, which is above 0; with `ANY` for the first one that is found. Returns
-    /// whether there is anything to search.
+    /// Begins a search for the nearest hit with 0 < t < `t_max`, which is above 0; with `ANY` for the first one that is
+    /// found. Returns whether there is anything to search.
     #[inline(always)]
     pub fn begin(&mut self, tree: &Tree, ray: &Ray, t_max: f32) -> bool {
         // Within these limits no operation on boxes gives NaN.
@@ -36,9 +36,9 @@ impl<const ANY: bool> Search<ANY> {
         if tree.nodes.is_empty() || !sound {
             return false;
         }
-        self.slabs = Slabs::new(ray, tree.extent);
+        self.slabs = Slabs::new(ray);
         (self.ray, self.shear) = (*ray, None);
-        self.best = MeshHit { t: t_max, ..MeshHit::default() };
+        self.best = Hit { t: t_max, ..Hit::default() };
         self.stack.waiting.clear();
         (self.found, self.current) = (false, 0);
         true
@@ -55,12 +55,16 @@ impl<const ANY: bool> Search<ANY> {
                 next = Some(self.stack.push_all::<ANY>(&distance, boxes, &node.child));
             }
         } else {
-            let number = self.current & !LEAF;
-            let shear = self.shear.get_or_insert_with(
-                #[inline(always)]
-                || Shear::new(&self.ray),
-            );
-            self.found |= shear.hit(l, &tree.packs[number as usize], number, &mut self.best);
+            let number = self.current & NUMBER;
+            self.found |= if self.current & SPHERES != 0 {
+                hit_spheres(l, &self.ray, &tree.spheres[number as usize], &mut self.best)
+            } else {
+                let shear = self.shear.get_or_insert_with(
+                    #[inline(always)]
+                    || Shear::new(&self.ray),
+                );
+                shear.hit(l, &tree.triangles[number as usize], number, &mut self.best)
+            };
             if ANY && self.found {
                 return false;
             }
@@ -79,7 +83,7 @@ impl<const ANY: bool> Search<ANY> {
     }
 
     #[inline(always)]
-    pub fn result(&self) -> Option<MeshHit> {
+    pub fn result(&self) -> Option<Hit> {
         self.found.then_some(self.best)
     }
 }
@@ -135,8 +139,7 @@ fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// What the test against boxes needs of a ray. Every box is taken larger by more than the rounding errors of this test
-/// and of the one against triangles.
+/// What the test against boxes needs of a ray. Every box is taken larger by the ray's part of [`MARGIN`].
 #[derive(Default)]
 struct Slabs {
     /// One over the direction, per axis.
@@ -152,14 +155,11 @@ struct Slabs {
 /// Components of a direction below this are taken as this: they move a ray by less than the margin of the boxes.
 const FLATTEST: f32 = 1e-18;
 
-/// Relative margin of the boxes: the tests make up to ten roundings of 2⁻²⁴ each.
-const MARGIN: f32 = 8.0 * f32::EPSILON;
-
 impl Slabs {
     #[inline(always)]
-    fn new(ray: &Ray, extent: f32) -> Self {
+    fn new(ray: &Ray) -> Self {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let margin = MARGIN * (origin.iter().fold(0.0, |m: f32, x| m.max(x.abs())) + extent);
+        let margin = MARGIN * origin.iter().fold(0.0, |m: f32, x| m.max(x.abs()));
         let inverse = axes(|i| 1.0 / direction[i].abs().max(FLATTEST).copysign(direction[i]));
         let moved = |sign: f32| axes(|i| (origin[i] + (sign * margin).copysign(sign * inverse[i])) * inverse[i]);
         Self {
@@ -188,11 +188,11 @@ impl Slabs {
 /// What the test against triangles needs of a ray: the shear that makes it the z axis.
 ///
 /// The edge functions of the sheared triangle have the right sign or are 0: they are differences of two rounded
-/// products, rounding keeps the order of the products, and the difference of two floats has the right sign. An edge
-/// has the same function in both its triangles, up to sign, and 0 counts as inside: so no ray slips between
-/// triangles, and a triangle without area, or edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight
-/// ray/triangle intersection", *Journal of Computer Graphics Techniques* 2(1), 2013 (the edge functions; the paper takes
-/// those that are 0 again in double precision).
+/// products, rounding keeps the order of the products, and the difference of two floats has the right sign. An edge has
+/// the same function in both its triangles, up to sign, and 0 counts as inside: so no ray slips between triangles, and
+/// a triangle without area, or edge on, is not hit. Source: Woop, Benthin, Wald, "Watertight ray/triangle
+/// intersection", *Journal of Computer Graphics Techniques* 2(1), 2013 (the edge functions; the paper takes those that
+/// are 0 again in double precision).
 #[derive(Default)]
 struct Shear {
     /// The axes, the last one that along which the direction is longest.
@@ -230,7 +230,7 @@ impl Shear {
 
     /// Replaces `best` by a hit in front of it, if there is one in this pack of that number.
     #[inline(always)]
-    fn hit<L: Lanes>(&self, l: L, pack: &Pack, number: u32, best: &mut MeshHit) -> bool {
+    fn hit<L: Lanes>(&self, l: L, pack: &Triangles, number: u32, best: &mut Hit) -> bool {
         let origin = axes(|k| l.splat(self.origin[k]));
         let direction = axes(|k| l.splat(self.direction[k]));
         let (x_per_z, y_per_z) = (l.splat(self.x), l.splat(self.y));
@@ -250,8 +250,8 @@ impl Shear {
         let scale = l.div(l.splat(1.0), l.add(l.add(u, v), w));
         let (w, u, v) = (l.mul(w, scale), l.mul(u, scale), l.mul(v, scale));
         let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), l.splat(self.z));
-        // The weights of a sliver are not accurate, so its t may come out above 0 for a ray that starts just in front of
-        // it. The side on which the ray starts is certain.
+        // The weights of a sliver are not accurate, so its t may come out above 0 for a ray that starts just in front
+        // of it. The side on which the ray starts is certain.
         let normal = axes(|k| l.load(&pack.normal[self.order[k]]));
         let ahead = l.mul(dot(normal, origin_to_a), dot(normal, direction));
         let mut hits = inside & !l.le(ahead, zero) & !l.le(t, zero) & l.le(t, l.splat(best.t));
@@ -263,12 +263,49 @@ impl Shear {
         while hits != 0 {
             let i = hits.trailing_zeros() as usize % WIDTH;
             hits &= hits - 1;
-            let triangle = pack.triangle[i];
-            if t[i] < best.t || (t[i] == best.t && triangle < best.triangle) {
-                *best = MeshHit { t: t[i], triangle, place: number * WIDTH as u32 + i as u32, u: u[i], v: v[i] };
+            let (shape, triangle) = (pack.shape[i], pack.triangle[i]);
+            if best.is_beaten_by(t[i], shape, triangle) {
+                *best = Hit { t: t[i], shape, triangle, place: number * WIDTH as u32 + i as u32, u: u[i], v: v[i] };
                 found = true;
             }
         }
         found
     }
+}
+
+/// Replaces `best` by a hit in front of it, if there is one in this pack: [`Sphere::distance`] operation by operation.
+///
+/// [`Sphere::distance`]: crate::scene::Sphere::distance
+#[inline(always)]
+fn hit_spheres<L: Lanes>(l: L, ray: &Ray, pack: &Spheres, best: &mut Hit) -> bool {
+    let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+    let dot = |p: [L::F; 3], q: [L::F; 3]| l.add(l.add(l.mul(p[0], q[0]), l.mul(p[1], q[1])), l.mul(p[2], q[2]));
+    let f = axes(|k| l.sub(l.splat(origin[k]), l.load(&pack.centre[k])));
+    let direction = axes(|k| l.splat(direction[k]));
+    let radius = l.load(&pack.radius);
+    // Times −1 and not 0 minus it, which has another sign where it is 0.
+    let b = l.mul(dot(f, direction), l.splat(-1.0));
+    let closest = axes(|k| l.add(f[k], l.mul(b, direction[k])));
+    let discriminant = l.sub(l.mul(radius, radius), dot(closest, closest));
+    let zero = l.splat(0.0);
+    if l.le(zero, discriminant) == 0 {
+        return false;
+    }
+    let c = l.sub(dot(f, f), l.mul(radius, radius));
+    let q = l.add(b, l.copysign(l.sqrt(discriminant), b));
+    let other = l.div(c, q);
+    let t = l.positive_or(l.min(other, q), l.max(q, other));
+    let mut hits = l.le(zero, t) & l.le(t, l.splat(best.t));
+    let t = l.store(t);
+    let mut found = false;
+    while hits != 0 {
+        let i = hits.trailing_zeros() as usize % WIDTH;
+        hits &= hits - 1;
+        let shape = pack.shape[i];
+        if best.is_beaten_by(t[i], shape, 0) {
+            *best = Hit { t: t[i], shape, ..Hit::default() };
+            found = true;
+        }
+    }
+    found
 }

@@ -32,7 +32,7 @@ const METHODS: [(&str, &str, Sampling); 4] = [
     ("light", "by the light: the environment's radiance, the area lights' solid angles", Sampling::Light),
     ("bsdf", "by the material (cosine at diffuse surfaces)", Sampling::Bsdf),
     ("hemisphere", "uniformly over the hemisphere", Sampling::Hemisphere),
-    ("mis", "light and bsdf by multiple importance sampling; caustics by light tracing", Sampling::Mis),
+    ("mis", "light and bsdf by multiple importance sampling", Sampling::Mis),
 ];
 
 /// The name of every method of sampling directions, and what it does; `K` stands for a number of regions.
@@ -53,22 +53,26 @@ pub fn methods() -> Vec<(String, String)> {
             continue;
         }
         let suffix = if entry.has_regions { "-K" } else { "" };
-        let note = if sampling.needs_normal() { "; at diffuse surfaces, light alone" } else { "" };
+        let note = if sampling.needs_normal() && entry.complete { "; at diffuse surfaces, light alone" } else { "" };
         names.push((format!("mis-{name}{suffix}"), format!("mis; the environment: {doc}{note}")));
     }
     names
 }
 
-/// What a name may end in, after a plus sign; what that does, in words and to the strategy.
-pub type Suffix = (&'static str, &'static str, fn(&mut Strategy));
+/// What a name may end in, after a plus sign; what that does, in words and to the strategy, of which it makes `None` if it
+/// cannot be added.
+pub type Suffix = (&'static str, &'static str, fn(Strategy) -> Option<Strategy>);
 
 /// All suffixes.
-pub const SUFFIXES: [Suffix; 2] = [
+pub const SUFFIXES: [Suffix; 3] = [
+    ("lt", "light tracing as a third technique of mis", |strategy| {
+        (strategy.sampling == Sampling::Mis).then_some(Strategy { sampling: Sampling::MisLt, ..strategy })
+    }),
     ("independent", "independent random numbers in place of Sobol's", |strategy| {
-        strategy.stream = StreamKind::Independent;
+        Some(Strategy { stream: StreamKind::Independent, ..strategy })
     }),
     ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones", |strategy| {
-        strategy.normals = NormalSampling::Ndf;
+        Some(Strategy { normals: NormalSampling::Ndf, ..strategy })
     }),
 ];
 
@@ -93,7 +97,10 @@ impl FromStr for Strategy {
                 Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
                     .with_hint(format!("a strategy may end in {known}"))
             })?;
-            apply(&mut strategy);
+            strategy = apply(strategy).ok_or_else(|| {
+                Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
+                    .with_hint("light tracing is added to mis")
+            })?;
         }
         Ok(strategy)
     }
@@ -124,7 +131,7 @@ impl Strategy {
         let names = if scene.environment.is_some() {
             "hemisphere+independent light+independent light mis mis-compensated light-cosine strata-64 median-cut-64"
         } else {
-            "hemisphere+independent hemisphere bsdf+independent bsdf light+independent light mis+independent mis"
+            "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt"
         };
         names.split(' ').filter_map(|name| name.parse().ok()).collect()
     }
@@ -132,7 +139,7 @@ impl Strategy {
     /// The settings of a render by this strategy.
     pub fn settings(&self, seed: u64) -> Settings {
         let Self { sampling, density, stream, normals, .. } = *self;
-        let mut settings = Settings { sampling, density, stream, seed, ..Settings::default() };
+        let mut settings = Settings { sampling, density: Some(density), stream, seed, ..Settings::default() };
         settings.model.normals = normals;
         settings
     }
@@ -168,8 +175,12 @@ mod tests {
     #[test]
     fn names_mean_what_they_say() {
         for (name, _) in methods() {
-            for suffix in ["", "+independent", "+all-normals", "+independent+all-normals"] {
+            for suffix in ["", "+independent", "+all-normals", "+lt+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
+                if suffix.contains("lt") && !name.starts_with("mis") {
+                    assert!(name.parse::<Strategy>().is_err(), "{name}");
+                    continue;
+                }
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));

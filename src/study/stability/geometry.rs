@@ -2,7 +2,7 @@
 
 use super::family::*;
 use crate::bsdf::Facet;
-use crate::scene::{Mesh, MeshBvh, Ray, Sphere};
+use crate::scene::{Bvh, Mesh, Ray, Shape, Sphere};
 use glam::Vec3;
 
 pub const HALF_VECTOR: Family = Family {
@@ -171,7 +171,7 @@ fn to_triangle(x: &[f32]) -> Value<f32> {
     let [a, b, c, direction] = split(x).map(Vec3::from_array);
     let mesh = Mesh::new(vec![a, b, c], Vec::new(), vec![[0, 1, 2]]).ok()?;
     let ray = Ray { origin: Vec3::ZERO, direction };
-    MeshBvh::build(&[&mesh]).nearest(&ray, f32::INFINITY).and_then(|hit| scalar(hit.t))
+    Bvh::build(&[&Shape::from(mesh)]).nearest(&ray, f32::INFINITY).and_then(|hit| scalar(hit.t))
 }
 
 /// By Cramer's rule. Source: Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.

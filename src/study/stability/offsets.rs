@@ -3,7 +3,7 @@
 use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Workload};
 use crate::error::Result;
 use crate::sampling::stream::{Independent, Stream};
-use crate::scene::{Mesh, MeshBvh, Ray, Surface};
+use crate::scene::{Bvh, Mesh, Ray, Shape, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ fn run(workload: &Workload, seed: u64) -> Result<Vec<ErrorRow>> {
             let (mesh, [u, v], around, scale) = random(seed, i)?;
             let Surface { point, normal, .. } = mesh.surface(0, u, v)?;
             let offset = offset(&mesh);
-            let bvh = MeshBvh::build(&[&mesh]);
+            let bvh = Bvh::build(&[&Shape::from(mesh)]);
             let tangent = around.cross(normal).normalize();
             // Along a random direction, the normal, and almost along the surface.
             let directions = [around, normal, (tangent + 1e-4 * normal).normalize()];

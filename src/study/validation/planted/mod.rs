@@ -5,6 +5,7 @@ mod fault;
 mod findings;
 mod glass;
 mod hemispheres;
+mod light_paths;
 mod lights;
 mod maps;
 mod normals;
@@ -20,6 +21,7 @@ pub fn all() -> Vec<PlantedFault> {
     [
         hemispheres::faults(),
         lights::faults(),
+        light_paths::faults(),
         tables::faults(),
         maps::faults(),
         normals::faults(),

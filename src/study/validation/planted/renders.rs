@@ -31,7 +31,7 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
 }
 
 pub fn faults() -> Vec<PlantedFault> {
-    let settings = Settings { sampling: Sampling::Mis, density: MapSampling::MAP, ..Settings::default() };
+    let settings = Settings { sampling: Sampling::Mis, density: Some(MapSampling::MAP), ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
     let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;

@@ -6,16 +6,22 @@
 //! f64 and in their textbook form, independently of the materials' code.
 
 use super::super::case::Case;
+use super::in_lanes::in_lanes;
 use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
-use crate::bsdf::{Bsdf, NormalSampling, Scatter};
+use crate::bsdf::{Bsdf, BsdfSample, NormalSampling, Scatter};
 use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
+use crate::render::kernel::{ExtendPaths, Paths, Points, Scattered, eval_many, sample_many};
+use crate::render::lanes::{LANES, Lane, at, set};
+use crate::render::wide::wide;
 use crate::sampling::direction_density;
 use crate::scene::{Conductor, Material, ScatterModel};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
 use glam::{DVec3, Vec3};
+use pulp::Arch;
+use std::f64::consts::FRAC_1_PI;
 
 /// The cases, each with its BSDF's name in the registry.
 pub fn cases() -> Vec<(&'static str, Case)> {
@@ -23,7 +29,7 @@ pub fn cases() -> Vec<(&'static str, Case)> {
 }
 
 /// A rough metal; its directions do not depend on η and k.
-fn metal(alpha: f64, distribution: Distribution) -> Material {
+pub fn metal(alpha: f64, distribution: Distribution) -> Material {
     let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
     Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
 }
@@ -63,21 +69,60 @@ fn rough() -> Vec<(&'static str, Case)> {
         let sphere = Directions::sphere(Pole::Z);
         cases.push(scattered(format!("bsdf/diffuse/{side}"), sphere, diffuse, wo, Mass::Exactly(1.0)));
     }
+    cases.extend([("up", DVec3::Z), ("slanted", DVec3::new(0.48, -0.6, 0.64))].map(|(n, w)| diffuse_in_lanes(n, w)));
     cases
 }
 
-/// The directions that `bsdf` samples for `wo`.
+/// The directions that `bsdf` samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
 fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
     let case = Case::of(name, domain, move || {
-        let draw = move |u: &[f64]| {
-            let sample = bsdf.sample(wo, 0.0, [short(u[0]), short(u[1])])?;
-            Some(Sample::with_pdf(sample.wi.as_dvec3().to_array(), f64::from(sample.pdf)))
+        let views = wo.to_array().map(|x| [x; LANES]);
+        let draw = move |[u]: &[[Lane; 2]; 1], count| {
+            let mut out = Scattered::default();
+            let vectorized = sample_many(Arch::new(), &bsdf, &views, u, count, &mut out);
+            let of_lane = |i| {
+                let scalar = bsdf.sample(wo, 0.0, [u[0][i], u[1][i]]);
+                let sample = if vectorized { out.sample(i) } else { scalar }?;
+                // Black samples are left out of the lanes, but not of the scalar samples.
+                let agrees = scalar == Some(sample) || scalar.is_some_and(|s| s.weight == Rgb::ZERO);
+                Some((sample, agrees))
+            };
+            let samples: Vec<_> = (0..count).map(of_lane).collect();
+            // The values and pdfs of these directions, also in lanes.
+            for (i, (sample, _)) in samples.iter().enumerate().filter_map(|(i, s)| Some((i, s.as_ref()?))) {
+                set(&mut out.wi, i, sample.wi);
+            }
+            eval_many(Arch::new(), &bsdf, &views, count, &mut out);
+            let tested = |(i, found): (usize, Option<(BsdfSample, bool)>)| {
+                let (sample, agrees) = found?;
+                let (f, pdf) = bsdf.eval_pdf(wo, sample.wi);
+                let agrees = agrees && (at(&out.weight, i), out.pdf[i]) == (f, pdf);
+                let pdf = if agrees { f64::from(sample.pdf) } else { f64::NAN };
+                Some(Sample::with_pdf(sample.wi.as_dvec3().to_array(), pdf))
+            };
+            samples.into_iter().enumerate().map(tested).collect()
         };
         let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
-        (sampler(2, draw), direction_density(pdf).with_mass(mass))
+        (in_lanes(draw), direction_density(pdf).with_mass(mass))
     });
     (bsdf.name(), case)
+}
+
+/// Directions in which the kernel lets paths continue at diffuse surfaces.
+fn diffuse_in_lanes(name: &str, normal: DVec3) -> (&'static str, Case) {
+    let case = Case::of(format!("bsdf/diffuse/lanes-{name}"), Directions::sphere(Pole::Z), move || {
+        let draw = move |[u]: &[[Lane; 2]; 1], count| {
+            let (mut points, mut next) = (Points { count, ..Points::default() }, Paths::default());
+            (0..count).for_each(|i| set(&mut points.normal, i, normal.as_vec3()));
+            wide(Arch::new(), ExtendPaths { points: &points, u, start: 0, next: &mut next });
+            (0..count).map(|i| Some(Sample::new(at(&next.rays.direction, i).as_dvec3().to_array()))).collect()
+        };
+        // Rounding may move directions below the surface.
+        let pdf = move |wi: DVec3| (wi.dot(normal).max(0.0)) * FRAC_1_PI;
+        (in_lanes(draw), direction_density(pdf))
+    });
+    ("diffuse", case)
 }
 
 /// The glass of the tests, and angles through its critical one of 41.81 degrees inside.

@@ -1,17 +1,24 @@
-//! Test cases: lights. Rectangles sampled uniformly by solid angle, and rectangles, spheres and the constant sky as the renderer samples
-//! directions towards them.
+//! Test cases: lights. Rectangles sampled uniformly by solid angle; rectangles, triangles, spheres and the constant
+//! sky as the kernel samples directions towards them, in lanes.
 
 use super::super::case::Case;
+use super::in_lanes::in_lanes;
 use super::inputs::short;
 use crate::math::circular::Circular;
 use crate::math::{Real, Rgb};
 use crate::render::Settings;
-use crate::render::lights::{LightSample, SampleLight, Sampled};
+use crate::render::lanes::{LANES, at};
+use crate::render::light_sample::{LightSample, LightSampleLanes, SampleLight};
+use crate::render::lights::{Sampled, sample_many};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::scene::{Emission, EmitterVisibility, Light, Material, Object, Rectangle, Scene, Shape, Sphere, builtin};
-use etalon_stats::{Directions, Domain, Pole, Sample, Square, density, sampler};
+use crate::scene::{
+    Emission, EmitterVisibility, Light, Material, Mesh, Object, Rectangle, Scene, Shape, Sphere, builtin,
+};
+use etalon_stats::{Directions, Domain, Pole, Sample, Sampler, Square, density, sampler};
 use glam::{DVec3, Vec3};
+use pulp::Arch;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 
@@ -26,6 +33,15 @@ const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
     ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
 ];
 
+/// Triangles: corners relative to the point.
+pub const TRIANGLES: [(&str, [Vec3; 3]); 5] = [
+    ("near", [Vec3::new(-0.5, 0.02, -0.25), Vec3::new(0.5, 0.02, -0.5), Vec3::new(0.25, 0.02, 0.75)]),
+    ("middle", [Vec3::new(-0.5, 1.0, -0.25), Vec3::new(0.5, 1.25, -0.5), Vec3::new(0.25, 1.0, 0.75)]),
+    ("far", [Vec3::new(100.0, 0.0, 0.0), Vec3::new(100.0, 1.0, 0.0), Vec3::new(99.5, 0.0, 1.0)]),
+    ("grazing", [Vec3::new(2.0, 0.02, -0.5), Vec3::new(3.0, 0.02, 0.5), Vec3::new(2.0, 0.02, 0.5)]),
+    ("sliver", [Vec3::new(-0.5, 1.0, 0.0), Vec3::new(0.5, 1.0, 0.0), Vec3::new(0.5, 1.0, 0.01)]),
+];
+
 /// Rectangles as viewed from the origin: sides in x and y, and distance of their plane.
 const VIEWED: [(&str, [f64; 2], [f64; 2], f64); 7] = [
     ("facing", [-0.35, 0.35], [-0.25, 0.25], 1.5),
@@ -37,6 +53,7 @@ const VIEWED: [(&str, [f64; 2], [f64; 2], f64); 7] = [
     ("strip", [-100.0, 100.0], [-0.01, 0.01], 1.0),
 ];
 
+/// The cases.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, xs, ys, depth) in VIEWED {
@@ -45,6 +62,8 @@ pub fn cases() -> Vec<Case> {
     }
     cases.extend(SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius)));
     cases.extend(RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y)));
+    let by_solid_angle = |pdf, _area| pdf;
+    cases.extend(TRIANGLES.map(|(name, corners)| triangle(format!("light/triangle/{name}"), corners, by_solid_angle)));
     cases.push(sky());
     cases
 }
@@ -87,16 +106,30 @@ fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
     let (scene, _) = builtin::furnace();
     let lights = light.into_iter().collect();
     let scene = Scene { objects: object.into_iter().collect(), lights, environment: None, ..scene };
-    Sampled::all(&scene, &Settings::default()).ok()?.pop()
+    Sampled::all(&scene, &Settings::default(), &[]).pop()
 }
 
-fn emitting(shape: Shape) -> Option<Sampled> {
-    let emission = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
+fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
+    let emission = Emission { radiance: Rgb::ONE, two_sided, visibility: EmitterVisibility::Sampled };
     light_of(Some(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }), None)
 }
 
-fn sample(light: Option<&Sampled>, u: &[f64]) -> Option<LightSample> {
-    light.map(|light| light.sample(POINT, [short(u[0]), short(u[1])]))
+/// Samples towards a light, as the kernel takes them, mapped to points of a domain by `place`. A sample with another
+/// weight than radiance 1 over the pdf is missing.
+fn samples_towards<P>(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample<P> + Sync) -> impl Sampler<P> {
+    let positions = POINT.to_array().map(|x| [x; LANES]);
+    in_lanes(move |[u], count| {
+        let mut out = LightSampleLanes::default();
+        if let Some(light) = &light {
+            sample_many(Arch::new(), light, &positions, count, u, &mut out);
+        }
+        let of_lane = |i| {
+            let (wi, weight) = (at(&out.wi, i), at(&out.weight, i));
+            let sample = LightSample { wi, distance: out.distance[i], weight, pdf: out.pdf[i] };
+            ((sample.pdf * weight - Rgb::ONE).abs().max_element() < 1e-6).then(|| place(sample))
+        };
+        (0..count).map(of_lane).collect()
+    })
 }
 
 /// Directions in the frame of the sphere, whose cone is a rectangle of the chart: the pdf is constant inside it.
@@ -104,7 +137,7 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
     let directions = Directions::sphere(Pole::Z);
     Case::of(format!("light/ball/{name}"), directions, move || {
         let centre = POINT + distance * Vec3::new(0.36, 0.48, 0.8);
-        let light = emitting(Shape::Sphere(Sphere { centre, radius }));
+        let light = emitting(Shape::Sphere(Sphere { centre, radius }), distance < radius);
         let to = (centre - POINT).as_dvec3();
         // Sine of half the angle of the cone, squared.
         let sin2 = f64::from(radius).powi(2) / to.length_squared();
@@ -115,20 +148,19 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
         // Frame of the sphere: directions in it are tested.
         let (x, y) = axis.any_orthonormal_pair();
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
-        let draw = move |u: &[f64]| {
-            let sample = sample(light.as_ref(), u)?;
+        let place = move |sample: LightSample| {
             let wi = sample.wi.as_dvec3();
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
             let local = local.to_array();
             // Directions that rounding moves across the edge of the cone count as inside.
             let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
             let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
-            Some(Sample::with_pdf(point, f64::from(sample.pdf)))
+            Sample::with_pdf(point, f64::from(sample.pdf))
         };
         let inside = move |w: [f64; 3]| directions.to_chart(w).is_some_and(|chart| chart[0] <= edge);
         let uniform = density(move |w| if inside(w) { pdf } else { 0.0 });
         let steps = if edge < 1.0 { vec![edge] } else { Vec::new() };
-        (sampler(2, draw), uniform.with_steps([steps, Vec::new()]))
+        (samples_towards(light, place), uniform.with_steps([steps, Vec::new()]))
     })
 }
 
@@ -138,15 +170,14 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
         // The side that faces the point emits.
         let (x, y) = if x.cross(y).dot(centre) < 0.0 { (x, y) } else { (y, x) };
         let rectangle = Rectangle::new(POINT + centre, x, y);
-        let light = rectangle.and_then(|rectangle| emitting(Shape::Rectangle(rectangle)));
+        let light = rectangle.and_then(|rectangle| emitting(Shape::Rectangle(rectangle), false));
         let [centre, x, y] = [centre, x, y].map(|v| v.as_dvec3());
         let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
-        let draw = move |u: &[f64]| {
-            let sample = sample(light.as_ref(), u)?;
+        let place = move |sample: LightSample| {
             let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
             // Position on the rectangle, from 0 to 1 along each side.
             let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
-            Some(Sample::new(chart.map(onto_side)))
+            Sample::new(chart.map(onto_side))
         };
         // cos θ / r² of the point of the chart, times the area.
         let front = 4.0 * x.cross(y);
@@ -154,14 +185,47 @@ fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
             let to = centre + (2.0 * u - 1.0) * x + (2.0 * v - 1.0) * y;
             pdf * front.dot(to).abs() / to.length().powi(3)
         };
-        (sampler(2, draw), density(at))
+        (samples_towards(light, place), density(at))
+    })
+}
+
+/// Points on a triangle, which two random numbers u and v would be mapped to uniformly by area. `claim` makes of the
+/// pdf per solid angle, and of the area, the pdf that is tested.
+pub fn triangle(name: String, [a, b, c]: [Vec3; 3], claim: fn(f64, f64) -> f64) -> Case {
+    Case::of(name, Square, move || {
+        // The front faces the point.
+        let corners = if (b - a).cross(c - a).dot(a) < 0.0 { [a, b, c] } else { [a, c, b] };
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+        let mesh = Mesh::new(corners.map(|corner| POINT + corner).into(), Vec::new(), vec![[0, 1, 2]]);
+        let light = mesh.ok().and_then(|mesh| emitting(Shape::Mesh(Arc::new(mesh)), false));
+        let normal = (b - a).cross(c - a);
+        let area = 0.5 * normal.length();
+        let pdf = light.as_ref().map_or(f64::NAN, |light| claim(f64::from(light.pdf(POINT)), area));
+        let place = move |sample: LightSample| {
+            let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - a;
+            // Barycentric coordinates of b and c, then the random numbers. Rounding moves a point across an edge.
+            let weight = |side: DVec3, other: DVec3| {
+                let across = other.cross(normal);
+                (offset.dot(across) / side.dot(across)).max(0.0)
+            };
+            let [b, c] = [weight(b - a, c - a), weight(c - a, b - a)];
+            let r = b + c;
+            Sample::new([(r * r).min(1.0), if r > 0.0 { c / r } else { 0.0 }])
+        };
+        // cos θ / r² of the point, times the area.
+        let at = move |[u, v]: [f64; 2]| {
+            let r = u.sqrt();
+            let to = a + r * (1.0 - v) * (b - a) + r * v * (c - a);
+            pdf * 0.5 * normal.dot(to).abs() / to.length().powi(3)
+        };
+        (samples_towards(light, place), density(at))
     })
 }
 
 fn sky() -> Case {
     Case::of("light/sky", Directions::hemisphere(Pole::Y), || {
         let light = light_of(None, Some(Light::Hemisphere { radiance: Rgb::ONE }));
-        let draw = move |u: &[f64]| Some(Sample::new(sample(light.as_ref(), u)?.wi.as_dvec3().to_array()));
-        (sampler(2, draw), density(|_: [f64; 3]| 1.0 / TAU))
+        let place = |sample: LightSample| Sample::new(sample.wi.as_dvec3().to_array());
+        (samples_towards(light, place), density(|_: [f64; 3]| 1.0 / TAU))
     })
 }

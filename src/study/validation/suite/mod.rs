@@ -1,13 +1,20 @@
 //! The suite: every sampler of the project, each family in a file of its own.
 
+pub mod adjoint;
 mod bsdfs;
+mod camera;
+mod in_lanes;
 mod inputs;
-mod lights;
+pub mod light_paths;
+pub mod light_selection;
+pub mod lights;
 pub mod maps;
 mod normals;
 pub mod renders;
+pub mod split;
 mod strata;
 mod tables;
+pub mod techniques;
 mod warps;
 
 use super::case::Case;
@@ -16,7 +23,19 @@ use super::case::Case;
 pub fn cases() -> Vec<Case> {
     let bsdfs = bsdfs::cases().into_iter().map(|(_, case)| case).collect();
     let families = [warps::cases(), tables::cases(), maps::cases(), strata::cases(), normals::cases(), bsdfs];
-    families.into_iter().chain([lights::cases(), renders::cases()]).flatten().collect()
+    families
+        .into_iter()
+        .chain([
+            lights::cases(),
+            light_selection::cases(),
+            light_paths::cases(),
+            adjoint::cases(),
+            camera::cases(),
+            renders::cases(),
+            techniques::cases(),
+        ])
+        .flatten()
+        .collect()
 }
 
 #[cfg(test)]

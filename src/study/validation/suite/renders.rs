@@ -6,6 +6,7 @@
 
 use super::super::case::Case;
 use super::super::shared::Shared;
+use super::split::Split;
 use crate::envmap::EnvMap;
 use crate::envmap::irradiance::IrradianceTree;
 use crate::envmap::samplers::MapSampling;
@@ -54,6 +55,8 @@ pub struct RenderTest {
     pub settings: Settings,
     /// What the image is compared with.
     pub truth: Truth,
+    /// Plants a fault in the weights between camera and light paths.
+    pub split: Option<Split>,
 }
 
 /// Side of a tile in pixels.
@@ -141,12 +144,17 @@ impl RenderTest {
 
     /// Tiles of the render beside those of the truth.
     fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
+        let request = Request { spp, ..self.request };
         let film = |settings: &Settings, seed: u64| -> Result<Film> {
             let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
-            Ok(render(&self.scene, &Request { spp, ..self.request }, &settings, &Silent)?.part.film)
+            Ok(render(&self.scene, &request, &settings, &Silent)?.part.film)
         };
         let size = [self.request.width, self.request.height];
-        let tested = means(&film(&self.settings, seed)?);
+        let whole = film(&self.settings, seed)?;
+        let tested = match self.split {
+            None => means(&whole),
+            Some(split) => split.with_light_paths_of(&whole, &self.scene, &request, hash::mix64(!seed))?,
+        };
         // The other side: a render by other settings, or exact values without variance.
         let other = match &self.truth {
             Truth::SameAs(settings) => means(&film(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
@@ -154,6 +162,15 @@ impl RenderTest {
         };
         Ok(welch::tiles(size, TILE, |i| other[i].map(|other| [tested[i], other])))
     }
+}
+
+/// The protocol for images with little noise: a share of the error is detected.
+pub fn finer(protocol: &Protocol, share: f64) -> Protocol {
+    let samples = match protocol.samples {
+        SampleCount::Detect(w) => SampleCount::Detect(share * w),
+        count @ SampleCount::Fixed(_) => count,
+    };
+    Protocol { samples, ..*protocol }
 }
 
 /// The first channel of a film.
@@ -202,7 +219,7 @@ fn furnace() -> Environment {
 fn sphere_in_furnace(material: Material, settings: Settings, max_depth: u32) -> RenderTest {
     let (mut scene, _) = builtin::sphere_env(furnace());
     scene.objects[0].material = material;
-    RenderTest { scene, request: request(16, max_depth), settings, truth: Truth::Uniform(1.0) }
+    RenderTest { scene, request: request(16, max_depth), settings, truth: Truth::Uniform(1.0), split: None }
 }
 
 /// The view from inside an emitting sphere of albedo ½: radiance 1 + ½ + ¼ … up to the depth.
@@ -215,7 +232,7 @@ pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     scene.objects[0].emission =
         Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     let truth = Truth::Uniform(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
-    RenderTest { scene, request: request(16, max_depth), settings, truth }
+    RenderTest { scene, request: request(16, max_depth), settings, truth, split: None }
 }
 
 /// Roughness of the metal.
@@ -244,7 +261,7 @@ pub fn metal(settings: Settings) -> RenderTest {
         lights: Vec::new(),
         environment: Some(furnace()),
     };
-    RenderTest { scene, request: request(16, 2), settings, truth: Truth::Metal }
+    RenderTest { scene, request: request(16, 2), settings, truth: Truth::Metal, split: None }
 }
 
 /// Its albedo ∫ D G₂/(4 cos θₒ) dωᵢ: single scattering loses the rest.
@@ -264,7 +281,7 @@ pub fn lit_sphere(settings: Settings) -> RenderTest {
     let sun = Synthetic::Sun.make();
     let grey = Image::from_fn(sun.width(), sun.height(), |x, y| Rgb::splat(sun.get(x, y).element_sum() / 3.0));
     let (scene, _) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(grey)), "sun", 1.0));
-    RenderTest { scene, request: request(24, 1), settings, truth: Truth::Sphere }
+    RenderTest { scene, request: request(24, 1), settings, truth: Truth::Sphere, split: None }
 }
 
 /// Its exact image, which takes longer than a render and is the same for all.
@@ -284,12 +301,18 @@ fn cornell_box(settings: Settings, other: Settings) -> RenderTest {
             *albedo = Rgb::splat(albedo.element_sum() / 3.0);
         }
     }
-    RenderTest { scene, request: Request { width: 32, ..request(24, 4) }, settings, truth: Truth::SameAs(other) }
+    RenderTest {
+        scene,
+        request: Request { width: 32, ..request(24, 4) },
+        settings,
+        truth: Truth::SameAs(other),
+        split: None,
+    }
 }
 
 /// The images of the suite.
 pub fn cases() -> Vec<Case> {
-    let by = |sampling, density| Settings { sampling, density, ..Settings::default() };
+    let by = |sampling, density| Settings { sampling, density: Some(density), ..Settings::default() };
     let bsdf = by(Sampling::Bsdf, MapSampling::COSINE);
     let white = Material::Diffuse { albedo: Rgb::ONE };
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
@@ -310,13 +333,14 @@ pub fn cases() -> Vec<Case> {
         ("map", Sampling::Light, MapSampling::MAP),
         ("mis", Sampling::Mis, MapSampling::MAP),
         ("compensated", Sampling::Mis, MapSampling::COMPENSATED),
+        ("cosine-compensated", Sampling::Mis, MapSampling::COSINE_COMPENSATED),
     ] {
         tests.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
     }
     for (name, sampling) in [("light", Sampling::Light), ("bsdf", Sampling::Bsdf), ("hemisphere", Sampling::Hemisphere)]
     {
         let other = Settings { sampling, ..Settings::default() };
-        tests.push((format!("room/mis-{name}"), cornell_box(Settings::default(), other)));
+        tests.push((format!("room/mis+lt-{name}"), cornell_box(Settings::default(), other)));
     }
     tests.into_iter().map(|(name, test)| test.case(format!("render/{name}"))).collect()
 }
@@ -336,7 +360,7 @@ mod tests {
 
     #[test]
     fn p_values_of_right_images_are_uniform() {
-        let mis = Settings { density: MapSampling::MAP, ..Settings::default() };
+        let mis = Settings { density: Some(MapSampling::MAP), ..Settings::default() };
         let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
         let white = Material::Diffuse { albedo: Rgb::ONE };
         for (name, test) in [

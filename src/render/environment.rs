@@ -1,0 +1,89 @@
+//! Sampling of the environment, and of directions without regard to light.
+
+use super::needs::Needs;
+use super::settings::{Sampling, Settings};
+use crate::envmap::samplers::{EnvSample, SurfaceSampler};
+use crate::error::{Error, Result};
+use crate::sampling::warp;
+use crate::scene::{Environment, Scene};
+use glam::{DVec3, Vec3};
+
+/// Light samples of the environment.
+pub struct EnvironmentSampling<'a> {
+    environment: &'a Environment,
+    sampler: Box<dyn SurfaceSampler>,
+}
+
+impl<'a> EnvironmentSampling<'a> {
+    /// Builds the sampler that the settings ask for; `None` where it is not needed.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a sampler that misses part of the light and is used alone; those of the sampler.
+    pub fn new(scene: &'a Scene, settings: &Settings, needs: &Needs) -> Result<Option<Self>> {
+        let by_light = settings.map_sampling();
+        let Some(environment) = &scene.environment else { return Ok(None) };
+        // Fixed lights are among the scene's lights.
+        if !settings.sampling.by_light() || !needs.environment_table || by_light.has_fixed_lights() {
+            return Ok(None);
+        }
+        if !settings.sampling.is_mis() && !by_light.entry().complete {
+            return Err(Error::parameter("density", format!("the density {by_light} misses part of the light"))
+                .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
+        }
+        let sampler = by_light.sampler(environment.map.clone())?;
+        Ok(Some(Self { environment, sampler }))
+    }
+
+    /// A direction towards the light that falls on a surface of this normal, in the world.
+    #[inline]
+    pub fn sample(&self, u: [f64; 2], normal: Vec3) -> Option<EnvSample> {
+        let sample = self.sampler.sample_for(u, self.environment.to_map(normal.as_dvec3()))?;
+        let (wi, radiance) = (self.environment.to_world * sample.wi, sample.radiance * self.environment.scale);
+        Some(EnvSample { wi, radiance, ..sample })
+    }
+
+    /// Pdf of [`EnvironmentSampling::sample`] per solid angle.
+    #[inline]
+    pub fn pdf(&self, wi: Vec3, normal: Vec3) -> f64 {
+        let map = |w: Vec3| self.environment.to_map(w.as_dvec3());
+        self.sampler.pdf_for(map(wi), map(normal))
+    }
+}
+
+/// A strategy that chooses directions by the surface alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BsdfOnly {
+    /// By the diffuse BSDF: cosine-weighted.
+    Bsdf,
+    /// Uniformly over the hemisphere.
+    Hemisphere,
+}
+
+impl BsdfOnly {
+    /// The strategy that gathers direct light at diffuse surfaces, or at any other that is not a delta distribution.
+    pub fn of(sampling: Sampling, is_diffuse: bool) -> Option<Self> {
+        match sampling {
+            Sampling::Bsdf => is_diffuse.then_some(Self::Bsdf),
+            Sampling::Hemisphere => Some(Self::Hemisphere),
+            Sampling::Light | Sampling::Mis | Sampling::MisLt => None,
+        }
+    }
+
+    /// Samples a direction in the local frame.
+    #[inline]
+    pub fn sample(self, u: [f64; 2]) -> DVec3 {
+        match self {
+            BsdfOnly::Bsdf => warp::cosine_hemisphere(u),
+            BsdfOnly::Hemisphere => warp::uniform_hemisphere(u),
+        }
+    }
+
+    /// Pdf per solid angle for the cosine to the normal.
+    #[inline]
+    pub fn pdf(self, cos: f64) -> f64 {
+        match self {
+            BsdfOnly::Bsdf => warp::cosine_hemisphere_pdf(cos),
+            BsdfOnly::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Shadow rays end in front of lights, and shapes are found the same way in the tree and one by one.
+
+use super::*;
+use crate::math::Rgb;
+use crate::render::lanes::set;
+use crate::render::light_sample::SampleLight;
+use crate::render::lights::Sampled;
+use crate::render::prepared::SHORT_OF_LIGHT;
+use crate::render::settings::Settings;
+use crate::sampling::stream::{Independent, Stream};
+use crate::scene::{Camera, Emission, EmitterVisibility, Material, Projection, Rectangle};
+use glam::DVec3;
+
+fn random(i: u64, j: u64) -> f32 {
+    (2.0 * Independent::new(5, i, j as u32).pair(0)[0] - 1.0) as f32
+}
+
+fn random_vec(i: u64, j: u64) -> Vec3 {
+    Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
+}
+
+/// Shapes that emit light, and nothing else.
+fn scene(shapes: impl IntoIterator<Item = Shape>) -> Scene {
+    let projection = Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 };
+    let emission = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
+    let object =
+        |shape| Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ONE }) };
+    Scene {
+        name: String::new(),
+        camera: Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection).unwrap(),
+        objects: shapes.into_iter().map(object).collect(),
+        lights: Vec::new(),
+        environment: None,
+    }
+}
+
+#[test]
+fn lights_do_not_occlude_their_own_samples() {
+    let mut traced = 0;
+    for i in 0..400u64 {
+        // Lights of sizes over four powers of ten, near the origin and far from it.
+        let size = 10f32.powf(2.0 * random(i, 0));
+        let centre = [0.0, 1.0, 100.0][i as usize % 3] * size * random_vec(i, 1);
+        let (x, y) = random_vec(i, 2).normalize().any_orthonormal_pair();
+        let shape = if i % 2 == 0 {
+            Shape::Rectangle(Rectangle::new(centre, size * x, random(i, 10).abs().max(0.01) * size * y).unwrap())
+        } else {
+            Shape::Sphere(Sphere { centre, radius: size })
+        };
+        let scene = scene([shape]);
+        let light = Sampled::all(&scene, &Settings::default(), &[])[0];
+        let geometries = [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids));
+        let (mut rays, mut limit) = (Rays::default(), [0.0; LANES]);
+        for k in 0..LANES {
+            let j = 10 + 10 * k as u64;
+            // From all around it at distances over eight powers of ten, every other one from close to the plane of the
+            // rectangle, or to the tangent plane of the sphere.
+            let start = light.point([0.5 + 0.5 * random(i, j), 0.5 + 0.5 * random(i, j + 1)]).unwrap();
+            let aside = random_vec(i, j + 1).reject_from(start.normal) * 10f32.powf(random(i, j + 6)) * size;
+            let height = size * 10f32.powf(4.0 * random(i, j + 7) - 2.0);
+            let point = start.position + height * start.normal + if k % 2 == 0 { aside } else { Vec3::ZERO };
+            let sample = light.sample(point, [0.5 + 0.5 * random(i, j + 8), 0.5 + 0.5 * random(i, j + 9)]);
+            // The ray leaves a surface of any orientation.
+            let offset = 16.0 * f32::EPSILON * point.abs().max_element();
+            let origin = point + offset * random_vec(i, j + 3).normalize();
+            set(&mut rays.origin, k, origin);
+            set(&mut rays.direction, k, sample.wi);
+            limit[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance * SHORT_OF_LIGHT };
+        }
+        for geometry in &geometries {
+            let mut short = limit;
+            for k in 0..LANES {
+                short[k] = geometry.short_of(0, at(&rays.origin, k), at(&rays.direction, k), limit[k]);
+            }
+            let mut blocked = [0; LANES];
+            geometry.occluded(&rays, LANES, &short, &mut blocked);
+            for k in 0..LANES {
+                let (origin, direction) = (at(&rays.origin, k), at(&rays.direction, k));
+                let ray = (origin, direction, limit[k], short[k]);
+                assert_eq!(blocked[k], 0, "{i} {k} {ray:?} {:?}", scene.objects[0].shape);
+                traced += u32::from(short[k] > 0.99 * limit[k]);
+            }
+        }
+    }
+    assert!(traced > 100_000, "{traced}");
+}
+
+/// A few walls, spheres and a mesh.
+fn mixture() -> Vec<Shape> {
+    let mut shapes = vec![Shape::from(crate::scene::statue::statue())];
+    for i in 0..30 {
+        let centre = 2.0 * random_vec(i, 0) + Vec3::new(0.0, 0.5, 0.0);
+        let (x, y) = [Vec3::Y, random_vec(i, 1).normalize()][i as usize % 2].any_orthonormal_pair();
+        shapes.push(if i % 3 == 0 {
+            Shape::Rectangle(Rectangle::new(centre, 0.5 * x, 0.3 * y).unwrap())
+        } else {
+            Shape::Sphere(Sphere { centre, radius: 0.2 + 0.1 * random(i, 9) })
+        });
+    }
+    shapes
+}
+
+#[test]
+fn the_tree_finds_what_one_by_one_is_found() {
+    let scene = scene(mixture());
+    let [few, many] = [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids));
+    assert!(few.walls.len() == 10 && few.spheres.len() == 20 && many.walls.is_empty() && many.spheres.is_empty());
+    let (mut found, mut differing) = ([0; 3], 0);
+    for batch in 0..40 {
+        let mut rays = Rays::default();
+        for k in 0..LANES {
+            let i = 1000 + batch * LANES as u64 + k as u64;
+            let origin = 3.0 * random_vec(i, 0);
+            set(&mut rays.origin, k, origin);
+            set(&mut rays.direction, k, (random_vec(i, 1) - origin).normalize());
+        }
+        let (mut a, mut b) = (Hits::default(), Hits::default());
+        few.nearest(&rays, LANES, &mut a);
+        many.nearest(&rays, LANES, &mut b);
+        let limit = [1.0; LANES];
+        let mut blocked = [[0; LANES]; 2];
+        few.occluded(&rays, LANES, &limit, &mut blocked[0]);
+        many.occluded(&rays, LANES, &limit, &mut blocked[1]);
+        for k in 0..LANES {
+            // At an edge rounding decides.
+            if a.object[k] != b.object[k] || blocked[0][k] != blocked[1][k] {
+                differing += 1;
+            } else if a.object[k] != NOTHING {
+                let (one, other) = (few.surface(&rays, &a, k), many.surface(&rays, &b, k));
+                assert!(one.position.distance(other.position) < 1e-5, "{one:?} {other:?}");
+                assert!(one.normal.distance(other.normal) < 1e-4);
+                match &scene.objects[a.object[k] as usize].shape {
+                    Shape::Sphere(_) => {
+                        assert_eq!(a.t[k].to_bits(), b.t[k].to_bits());
+                        found[0] += 1;
+                    }
+                    Shape::Rectangle(_) => found[1] += 1,
+                    Shape::Mesh(mesh) => {
+                        let [one, other] = [few.triangle(&a, k), many.triangle(&b, k)];
+                        assert_eq!(one, other);
+                        let surface = mesh.surface(one, a.u[k], a.v[k]).unwrap();
+                        assert!(surface.point.distance(few.surface(&rays, &a, k).position) < 1e-6);
+                        found[2] += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(differing < 5 && found.iter().all(|&count| count > 100), "{differing} {found:?}");
+}

@@ -1,0 +1,150 @@
+//! Direct light at the hits: light sampling, and directions that are sampled without regard to light.
+
+use super::light_samples::{Choice, Places, Source, sample, sources};
+use super::paths::{Points, Radiance, Shadows, Vertex};
+use super::rough::{self, Scattered};
+use super::step::Step;
+use super::{diffuse, general};
+use crate::render::lanes::{Hits, LANES, NOTHING, ZERO3, at, set};
+use crate::render::light_sample::LightSampleLanes;
+use crate::render::mis::power_heuristic;
+use crate::render::prepared::PreparedScene;
+use crate::render::shaders::Kind;
+use crate::render::shaders::SurfaceShader;
+use crate::scene::EmitterVisibility;
+
+/// The buffers of direct light.
+#[derive(Default)]
+pub struct DirectLight {
+    choices: Vec<Choice>,
+    samples: Box<LightSampleLanes>,
+    scattered: Box<Scattered>,
+    shadows: Box<Shadows>,
+    hits: Box<Hits>,
+}
+
+/// Adds direct light at the diffuse hits.
+pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, radiance: &mut Radiance) {
+    let DirectLight { choices, samples, shadows, hits, .. } = buffers;
+    let slots = &points.slot[..points.count];
+    let places = Places { position: &points.position, normal: &points.normal, slots, surface: Kind::Diffuse };
+    // Every point has a shadow ray, also where its value is 0: copying some only would cost more than tracing all.
+    shadows.count = points.count;
+    shadows.rays.origin = points.position;
+    shadows.slot = points.slot;
+    shadows.path_class = points.path_class;
+    for (source, count) in sources(step.scene, Kind::Diffuse) {
+        for index in 0..count {
+            sample(step, source, (index, count), &places, choices, samples);
+            diffuse::values(step.scene.arch, points, samples, count as f32, &mut shadows.value);
+            shadows.rays.direction = samples.wi;
+            shadows.limit = samples.limit;
+            add_light(step.scene, source, shadows, hits, radiance);
+        }
+    }
+}
+
+/// Adds direct light at hits on one object.
+pub fn light_general(
+    step: Step,
+    vertices: &[Vertex],
+    shader: &SurfaceShader,
+    buffers: &mut DirectLight,
+    radiance: &mut Radiance,
+) {
+    let DirectLight { choices, samples, scattered, shadows, hits } = buffers;
+    let (mut position, mut normal, mut wo, mut slots) = (ZERO3, ZERO3, ZERO3, [0; LANES]);
+    for (i, vertex) in vertices.iter().enumerate() {
+        set(&mut position, i, vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo)));
+        set(&mut normal, i, vertex.frame.z);
+        set(&mut wo, i, vertex.wo);
+        slots[i] = vertex.slot;
+    }
+    let slots = &slots[..vertices.len()];
+    let places = Places { position: &position, normal: &normal, slots, surface: shader.kind };
+    for (source, count) in sources(step.scene, shader.kind) {
+        for index in 0..count {
+            sample(step, source, (index, count), &places, choices, samples);
+            for (i, vertex) in vertices.iter().enumerate() {
+                set(&mut scattered.wi, i, vertex.frame.to_local(at(&samples.wi, i)));
+            }
+            rough::eval_many(step.scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
+            shadows.count = 0;
+            for (i, vertex) in vertices.iter().enumerate() {
+                let wi = at(&samples.wi, i);
+                let local = at(&scattered.wi, i);
+                let (f, pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
+                let value = vertex.throughput * f * at(&samples.weight, i) * (local.z.abs() / count as f32);
+                // Skip black samples, and those on whose side the normals disagree.
+                if !(value.max_element() > 0.0 && vertex.surface.normal.dot(wi) * local.z > 0.0) {
+                    continue;
+                }
+                let by_light_tracing = if vertex.light_tracing > 0.0 && step.scatterings > 0 {
+                    let emission = emission_density(step.scene, vertex, samples, i);
+                    general::light_tracing_ratio(step, vertex, shader, local, 1.0) * emission
+                } else {
+                    0.0
+                };
+                let share = power_heuristic(count as f32 * samples.pdf[i], [pdf, by_light_tracing]);
+                let ray = [vertex.surface.ray_origin(wi), wi];
+                shadows.push(ray, samples.limit[i], value * share, vertex.slot, vertex.path_class);
+            }
+            add_light(step.scene, source, shadows, hits, radiance);
+        }
+    }
+}
+
+/// What the light of sample `i` contributes to the density of light tracing.
+fn emission_density(scene: &PreparedScene, vertex: &Vertex, samples: &LightSampleLanes, i: usize) -> f32 {
+    let Some(tracing) = &scene.light_tracing else { return 0.0 };
+    let wi = at(&samples.wi, i);
+    match samples.light[i] {
+        NOTHING => tracing.density_of_environment(vertex.surface.position, wi),
+        light => {
+            let place = vertex.surface.position + wi * samples.distance[i];
+            let cos = scene.lights.all[light as usize].cos_at(place, wi);
+            tracing.density(&scene.lights, light, place, -wi, cos)
+        }
+    }
+}
+
+/// Traces the rays of a source and adds their values where they find its light.
+fn add_light(scene: &PreparedScene, source: Source, shadows: &Shadows, hits: &mut Hits, radiance: &mut Radiance) {
+    match source {
+        Source::Lights(..) | Source::Environment => add_unoccluded(scene, shadows, radiance),
+        Source::BsdfOnly(_) => add_emission_found(scene, shadows, hits, radiance),
+    }
+}
+
+/// Traces shadow rays and adds the values of those that are not occluded.
+fn add_unoccluded(scene: &PreparedScene, shadows: &Shadows, radiance: &mut Radiance) {
+    let mut blocked = [0; LANES];
+    if scene.needs.occlusion {
+        scene.geometry.occluded(&shadows.rays, shadows.count, &shadows.limit, &mut blocked);
+    }
+    for i in 0..shadows.count {
+        if blocked[i] == 0 {
+            radiance.add(shadows.slot[i], shadows.path_class[i], at(&shadows.value, i));
+        }
+    }
+}
+
+/// Traces rays and adds the emission that they find, times their values.
+fn add_emission_found(scene: &PreparedScene, shadows: &Shadows, hits: &mut Hits, radiance: &mut Radiance) {
+    scene.geometry.nearest(&shadows.rays, shadows.count, hits);
+    for i in 0..shadows.count {
+        let direction = at(&shadows.rays.direction, i);
+        let emitted = match hits.object[i] {
+            NOTHING => scene.environment_radiance(direction),
+            object => {
+                let shader = &scene.shaders[object as usize];
+                // Emission that only the camera sees lights nothing.
+                if shader.emission.is_none_or(|emission| emission.visibility == EmitterVisibility::CameraOnly) {
+                    continue;
+                }
+                shader.emitted(scene.geometry.surface(&shadows.rays, hits, i).normal, direction)
+            }
+        };
+        radiance.add(shadows.slot[i], shadows.path_class[i], at(&shadows.value, i) * emitted);
+    }
+}

@@ -1,0 +1,136 @@
+//! Surfaces that are not diffuse: how paths continue at delta lobes, and at any other BSDF.
+
+use super::paths::{Paths, Vertex};
+use super::rough::{self, Scattered};
+use super::step::Step;
+use crate::bsdf::{Bsdf, BsdfSample, Scatter};
+use crate::math::Rgb;
+use crate::render::departure::{Departure, LightSamples};
+use crate::render::geometry::Surface;
+use crate::render::lanes::{Hits, LANES, ZERO3, at, set};
+use crate::render::light_tracing::{delta_ratio, projected};
+use crate::render::shaders::{Kind, SurfaceShader};
+use crate::render::shading_normal;
+use glam::Vec3;
+
+/// A hit on a surface that is not diffuse, if it scatters light on this side.
+pub fn collect(shader: &SurfaceShader, surface: Surface, paths: &Paths, i: usize, object: u32) -> Option<Vertex> {
+    let wo = -at(&paths.rays.direction, i);
+    let surface = shader.facing(surface, wo);
+    if surface.normal.dot(wo) < 0.0 && shader.kind != Kind::Transmitting {
+        return None;
+    }
+    let frame = surface.frame(wo);
+    // Light paths do not scatter at surfaces that are not reciprocal.
+    let light_tracing = if shader.bsdf.is_reciprocal() { paths.departure[i].light_tracing } else { 0.0 };
+    Some(Vertex {
+        surface,
+        frame,
+        wo: frame.to_local(wo),
+        throughput: at(&paths.throughput, i),
+        light_tracing,
+        slot: paths.slot[i],
+        path_class: paths.path_class[i].then(false),
+        object,
+    })
+}
+
+/// Sorts hits by object, and returns the hits on each.
+pub fn groups(vertices: &mut [Vertex]) -> impl Iterator<Item = &[Vertex]> {
+    vertices.sort_by_key(|vertex| vertex.object);
+    vertices.chunk_by(|a, b| a.object == b.object)
+}
+
+/// [`Departure::light_tracing`] of a direction `wi` of the local frame and its pdf.
+#[inline]
+pub fn light_tracing_ratio(step: Step, vertex: &Vertex, shader: &SurfaceShader, wi: Vec3, pdf: f32) -> f32 {
+    if vertex.light_tracing == 0.0 {
+        return 0.0;
+    }
+    let normals = [vertex.surface.normal, vertex.surface.shading];
+    let world = |w: Vec3| vertex.frame.to_world(w);
+    let reverse_pdf = if step.scatterings == 0 { 1.0 } else { shader.bsdf.pdf(wi, vertex.wo) };
+    let reverse = vertex.light_tracing * projected(normals, world(vertex.wo), reverse_pdf);
+    Departure::continued(reverse, projected(normals, world(wi), pdf))
+}
+
+/// Extends the paths that have hit delta BSDFs.
+pub fn extend_delta(step: Step, paths: &Paths, hits: &Hits, delta: &[u32], next: &mut Paths) {
+    let Step { scene, numbers, scatterings } = step;
+    let dimensions = scene.dimensions(scatterings);
+    for &i in delta {
+        let i = i as usize;
+        let object = hits.object[i];
+        let shader = &scene.shaders[object as usize];
+        let bsdf = &shader.bsdf;
+        let wo = -at(&paths.rays.direction, i);
+        let surface = shader.facing(scene.geometry.surface(&paths.rays, hits, i), wo);
+        let frame = surface.frame(wo);
+        let slot = paths.slot[i];
+        let [uc, _] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
+        let Some(sample) = bsdf.sample(frame.to_local(wo), uc, [0.0; 2]) else { continue };
+        let wi = frame.to_world(sample.wi);
+        let departure = delta_departure(bsdf, &surface, paths.departure[i].light_tracing, [wo, wi], &sample);
+        let throughput = at(&paths.throughput, i) * sample.weight;
+        next.push([surface.ray_origin(wi), wi], throughput, departure, slot, paths.path_class[i].then(true));
+    }
+}
+
+/// How a path leaves a delta lobe; `light_tracing` is that of its arrival.
+fn delta_departure(
+    bsdf: &Bsdf,
+    surface: &Surface,
+    light_tracing: f32,
+    [wo, wi]: [Vec3; 2],
+    sample: &BsdfSample,
+) -> Departure {
+    let normals = [surface.normal, surface.shading];
+    let is_traced = light_tracing > 0.0
+        && bsdf.is_reciprocal()
+        && shading_normal::is_sound(normals, wo)
+        && shading_normal::is_sound(normals, wi);
+    let light_tracing = if is_traced { light_tracing * delta_ratio(bsdf, sample) } else { 0.0 };
+    Departure { light_samples: LightSamples::Impossible, light_tracing, is_caustic: true }
+}
+
+/// Extends the paths that have hit one object with any other BSDF.
+pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered: &mut Scattered, next: &mut Paths) {
+    let Step { scene, numbers, scatterings } = step;
+    if !scene.goes_on(scatterings) && !scene.finds_light(&scene.light_samples(1.0, Vec3::Z, shader.kind)) {
+        return;
+    }
+    let dimensions = scene.dimensions(scatterings);
+    let (mut wo, mut u, mut slots) = (ZERO3, [[0.0; LANES]; 2], [0; LANES]);
+    for (i, vertex) in vertices.iter().enumerate() {
+        set(&mut wo, i, vertex.wo);
+        slots[i] = vertex.slot;
+    }
+    numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
+    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, &u, vertices.len(), scattered);
+    for (i, vertex) in vertices.iter().enumerate() {
+        let sample = if is_sampled {
+            scattered.sample(i)
+        } else {
+            let [uc, _] = numbers.short_pair(vertex.slot, dimensions.choice(), (0, 1));
+            shader.bsdf.sample(vertex.wo, uc, [u[0][i], u[1][i]])
+        };
+        let Some(sample) = sample else { continue };
+        let wi = vertex.frame.to_world(sample.wi);
+        // The normals must agree on the side.
+        if sample.weight == Rgb::ZERO || vertex.surface.normal.dot(wi) * sample.wi.z <= 0.0 {
+            continue;
+        }
+        let departure = if sample.is_delta() {
+            let directions = [vertex.frame.to_world(vertex.wo), wi];
+            delta_departure(&shader.bsdf, &vertex.surface, vertex.light_tracing, directions, &sample)
+        } else {
+            Departure {
+                light_samples: scene.light_samples(sample.pdf, vertex.frame.z, shader.kind),
+                light_tracing: light_tracing_ratio(step, vertex, shader, sample.wi, sample.pdf),
+                is_caustic: scatterings > 0,
+            }
+        };
+        let ray = [vertex.surface.ray_origin(wi), wi];
+        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, vertex.path_class);
+    }
+}

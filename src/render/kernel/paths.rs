@@ -1,0 +1,221 @@
+//! The state of many paths side by side, component by component.
+
+use crate::math::{Frame, Rgb};
+use crate::render::departure::Departure;
+use crate::render::film::{PathClass, PathClasses};
+use crate::render::geometry::Surface;
+use crate::render::lanes::{LANES, Lane, Lane3, Rays, ZERO3, set};
+use glam::Vec3;
+
+/// Camera paths in flight.
+pub struct Paths {
+    /// How many entries are in use.
+    pub count: usize,
+    /// Their rays.
+    pub rays: Rays,
+    /// Product of BSDF times cosine over pdf so far.
+    pub throughput: Lane3,
+    /// How they left their last vertices.
+    pub departure: [Departure; LANES],
+    /// The camera sample of each.
+    pub slot: [u32; LANES],
+    /// The kinds of scattering so far.
+    pub path_class: [PathClass; LANES],
+}
+
+/// Points on diffuse surfaces, with the throughput of their paths.
+pub struct Points {
+    /// How many entries are in use.
+    pub count: usize,
+    /// Offset from the surface to the side of the viewer, against self-intersection.
+    pub position: Lane3,
+    /// Unit normal for shading, on the side of the viewer.
+    pub normal: Lane3,
+    /// Unit normal of the surface, on the side of the viewer.
+    pub geometric: Lane3,
+    /// Throughput of the path times the surface's albedo.
+    pub weight: Lane3,
+    /// [`Departure::light_tracing`] of the paths, with the factor of the direction to the viewer.
+    pub light_tracing: Lane,
+    /// Of the camera sample.
+    pub slot: [u32; LANES],
+    /// Scatterings so far.
+    pub path_class: [PathClass; LANES],
+}
+
+/// A point on a surface with any other BSDF that is not a delta distribution.
+#[derive(Clone, Copy)]
+pub struct Vertex {
+    /// Position and normals.
+    pub surface: Surface,
+    /// The shading frame.
+    pub frame: Frame,
+    /// Direction to the viewer, in the shading frame.
+    pub wo: Vec3,
+    /// Of the path up to here.
+    pub throughput: Rgb,
+    /// [`Departure::light_tracing`] of the path up to here.
+    pub light_tracing: f32,
+    /// The camera sample of the path.
+    pub slot: u32,
+    /// Scatterings so far, this one included.
+    pub path_class: PathClass,
+    /// Number of the object.
+    pub object: u32,
+}
+
+/// Rays towards light samples, and the radiance that each adds to its sample if it is not occluded.
+pub struct Shadows {
+    /// How many entries are in use.
+    pub count: usize,
+    /// Their rays.
+    pub rays: Rays,
+    /// Distance of the light.
+    pub limit: Lane,
+    /// Radiance times throughput.
+    pub value: Lane3,
+    /// Of the camera sample.
+    pub slot: [u32; LANES],
+    /// Scatterings so far.
+    pub path_class: [PathClass; LANES],
+}
+
+/// The radiance that the camera samples have found so far, by slot.
+pub struct Radiance {
+    /// All of it.
+    pub sum: Lane3,
+    /// The same by path class, the classes of a slot side by side; empty without path classes.
+    pub layers: Vec<Rgb>,
+    classes: Option<PathClasses>,
+}
+
+impl Default for Paths {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            rays: Rays::default(),
+            throughput: ZERO3,
+            departure: [Departure::CAMERA; LANES],
+            slot: [0; LANES],
+            path_class: [PathClass::DIRECT; LANES],
+        }
+    }
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            position: ZERO3,
+            normal: ZERO3,
+            geometric: ZERO3,
+            weight: ZERO3,
+            light_tracing: [0.0; LANES],
+            slot: [0; LANES],
+            path_class: [PathClass::DIRECT; LANES],
+        }
+    }
+}
+
+impl Default for Shadows {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            rays: Rays::default(),
+            limit: [0.0; LANES],
+            value: ZERO3,
+            slot: [0; LANES],
+            path_class: [PathClass::DIRECT; LANES],
+        }
+    }
+}
+
+impl Paths {
+    /// Adds a path.
+    #[inline(always)]
+    pub fn push(
+        &mut self,
+        [origin, direction]: [Vec3; 2],
+        throughput: Rgb,
+        departure: Departure,
+        slot: u32,
+        path_class: PathClass,
+    ) {
+        let i = self.count;
+        set(&mut self.rays.origin, i, origin);
+        set(&mut self.rays.direction, i, direction);
+        set(&mut self.throughput, i, throughput);
+        self.departure[i] = departure;
+        self.slot[i] = slot;
+        self.path_class[i] = path_class;
+        self.count += 1;
+    }
+
+    /// Removes the paths for which `keep` is false.
+    pub fn retain(&mut self, mut keep: impl FnMut(&mut Self, usize) -> bool) {
+        let count = std::mem::take(&mut self.count);
+        for i in 0..count {
+            if keep(self, i) {
+                let j = self.count;
+                if i != j {
+                    for lane in self.rays.origin.iter_mut().chain(&mut self.rays.direction).chain(&mut self.throughput)
+                    {
+                        lane[j] = lane[i];
+                    }
+                    self.departure[j] = self.departure[i];
+                    (self.slot[j], self.path_class[j]) = (self.slot[i], self.path_class[i]);
+                }
+                self.count += 1;
+            }
+        }
+    }
+}
+
+impl Shadows {
+    /// Adds a ray.
+    #[inline(always)]
+    pub fn push(&mut self, [origin, direction]: [Vec3; 2], limit: f32, value: Rgb, slot: u32, path_class: PathClass) {
+        let i = self.count;
+        set(&mut self.rays.origin, i, origin);
+        set(&mut self.rays.direction, i, direction);
+        set(&mut self.value, i, value);
+        self.limit[i] = limit;
+        self.slot[i] = slot;
+        self.path_class[i] = path_class;
+        self.count += 1;
+    }
+}
+
+impl Radiance {
+    /// Black.
+    pub fn new(classes: Option<PathClasses>) -> Self {
+        let layers = vec![Rgb::ZERO; LANES * classes.map_or(0, PathClasses::count)];
+        Self { sum: ZERO3, layers, classes }
+    }
+
+    /// Sets the first `count` slots to black.
+    pub fn clear(&mut self, count: usize) {
+        for channel in &mut self.sum {
+            channel[..count].fill(0.0);
+        }
+        self.layers[..count * self.classes.map_or(0, PathClasses::count)].fill(Rgb::ZERO);
+    }
+
+    /// Adds light that a path of this class has found.
+    #[inline(always)]
+    pub fn add(&mut self, slot: u32, path_class: PathClass, value: Rgb) {
+        let slot = slot as usize % LANES;
+        self.sum[0][slot] += value.x;
+        self.sum[1][slot] += value.y;
+        self.sum[2][slot] += value.z;
+        if let Some(classes) = self.classes {
+            self.layers[slot * classes.count() + classes.index(path_class)] += value;
+        }
+    }
+
+    /// The light of a slot by path class.
+    pub fn by_class(&self, slot: usize) -> &[Rgb] {
+        let classes = self.layers.len() / LANES;
+        &self.layers[slot * classes..][..classes]
+    }
+}

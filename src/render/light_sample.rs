@@ -1,0 +1,67 @@
+//! What every light offers: samples of directions towards it, their pdf, and points of its surface.
+
+use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3};
+use crate::math::Rgb;
+use glam::Vec3;
+
+/// A direction towards a light.
+#[derive(Debug, Clone, Copy)]
+pub struct LightSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// To the light; infinite for lights at infinity.
+    pub distance: f32,
+    /// What arrives, divided by the pdf: radiance over pdf per solid angle, or irradiance where the light has
+    /// no extent. Black where the light does not reach.
+    pub weight: Rgb,
+    /// Density per solid angle; infinite where the light has no extent.
+    pub pdf: f32,
+}
+
+impl LightSample {
+    /// No light.
+    pub const BLACK: Self = Self { wi: Vec3::Y, distance: f32::INFINITY, weight: Rgb::ZERO, pdf: f32::INFINITY };
+}
+
+/// Samples directions towards a light.
+pub trait SampleLight {
+    /// A direction towards the light from a point.
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
+
+    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
+    fn pdf(&self, point: Vec3) -> f32;
+}
+
+/// Directions towards a light from many points.
+pub struct LightSampleLanes {
+    /// Unit directions towards the light.
+    pub wi: Lane3,
+    /// To the light.
+    pub distance: Lane,
+    /// As [`LightSample::weight`].
+    pub weight: Lane3,
+    /// Length of the shadow ray, which ends in front of the light.
+    pub limit: Lane,
+    /// As [`LightSample::pdf`].
+    pub pdf: Lane,
+    /// Numbers of the lights, or [`super::lanes::NOTHING`].
+    pub light: [u32; LANES],
+}
+
+impl Default for LightSampleLanes {
+    fn default() -> Self {
+        let zeros = [0.0; LANES];
+        Self { wi: ZERO3, distance: zeros, weight: ZERO3, limit: zeros, pdf: zeros, light: [NOTHING; LANES] }
+    }
+}
+
+/// A point of a light.
+#[derive(Debug, Clone, Copy)]
+pub struct LightPoint {
+    /// In the world.
+    pub position: Vec3,
+    /// Unit normal on the side that emits.
+    pub normal: Vec3,
+    /// Whether the back emits, too.
+    pub two_sided: bool,
+}

@@ -1,0 +1,169 @@
+//! A scene made ready for rendering, and what both implementations of the integrator ask of it.
+
+use super::cut_lights;
+use super::environment::EnvironmentSampling;
+use super::film::PathClasses;
+use super::geometry::Geometry;
+use super::light_selection::Lights;
+use super::light_tracing::LightTracing;
+use super::lights::Sampled;
+use super::needs::{Needs, lone_convex_from_outside};
+use super::settings::{Sampling, Settings};
+use super::shaders::SurfaceShader;
+use crate::error::Result;
+use crate::math::Rgb;
+use crate::memory;
+use crate::scene::{Bvh, Request, Scene};
+use glam::Vec3;
+use pulp::Arch;
+
+/// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
+/// would cause fireflies.
+pub const ROULETTE_BELOW: f32 = 0.1;
+
+/// Scatterings before Russian roulette may end a path.
+pub const ROULETTE_AFTER: u32 = 5;
+
+/// Factor on the length of shadow rays, so that rounding does not let a light occlude itself.
+pub const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
+
+/// A scene made ready for rendering.
+pub struct PreparedScene<'a> {
+    /// What is rendered.
+    pub scene: &'a Scene,
+    /// Size, samples and depth.
+    pub request: Request,
+    /// What of the renderer the scene needs.
+    pub needs: Needs,
+    /// Shapes prepared for intersection.
+    pub geometry: Geometry<'a>,
+    /// BSDF and emission by object.
+    pub shaders: Vec<SurfaceShader>,
+    /// The lights that are sampled.
+    pub lights: Lights,
+    /// Light samples of the environment, if they are taken.
+    pub environment: Option<EnvironmentSampling<'a>>,
+    /// Light tracing, if it is one of the techniques.
+    pub light_tracing: Option<LightTracing<'a>>,
+    /// Which techniques find the light.
+    pub sampling: Sampling,
+    /// Whether no ray that leaves a surface can meet another.
+    pub is_lone_convex: bool,
+    /// Whether rays can hit light.
+    pub has_emitters: bool,
+    /// Path classes that are summed separately.
+    pub classes: Option<PathClasses>,
+    /// Instruction set for vectorized loops.
+    pub arch: Arch,
+}
+
+impl<'a> PreparedScene<'a> {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// Those of the lights and samplers that the settings ask for.
+    pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
+        let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
+        if needs.tree {
+            let bytes = scene.objects.iter().map(|object| Bvh::bytes(&object.shape)).sum();
+            memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
+        }
+        let geometry = Geometry::new(scene, needs.tree);
+        let fixed = cut_lights::of(scene, settings)?;
+        let lights = Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples);
+        let shaders = SurfaceShader::all(scene, settings, &lights.all);
+        let environment = EnvironmentSampling::new(scene, settings, &needs)?;
+        let light_tracing = match settings.sampling {
+            Sampling::MisLt => LightTracing::new(scene, request, settings, &shaders, &lights, &geometry)?,
+            _ => None,
+        };
+        Ok(Self {
+            scene,
+            request: *request,
+            needs,
+            geometry,
+            shaders,
+            lights,
+            environment,
+            light_tracing,
+            sampling: settings.sampling,
+            is_lone_convex: lone_convex_from_outside(scene),
+            has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
+            classes: settings.paths.map(PathClasses::up_to),
+            arch: Arch::new(),
+        })
+    }
+
+    /// How far a shadow ray towards a point of an object may go, so that rounding does not let a light occlude itself.
+    #[inline(always)]
+    pub fn shadow_limit(&self, object: u32, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+        self.geometry.short_of(object, origin, wi, distance * SHORT_OF_LIGHT)
+    }
+
+    /// The environment's radiance from a direction.
+    #[inline]
+    pub fn environment_radiance(&self, direction: Vec3) -> Rgb {
+        self.scene.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance(direction.as_dvec3()))
+    }
+
+    /// The expected number of light samples of the environment per solid angle in direction `wi` at a surface.
+    #[inline]
+    pub fn environment_density(&self, wi: Vec3, normal: Vec3) -> f32 {
+        let pdf = self.environment.as_ref().map_or(0.0, |environment| environment.pdf(wi, normal));
+        self.request.light_samples as f32 * pdf as f32
+    }
+
+    /// The random numbers of a scattering.
+    #[inline]
+    pub fn dimensions(&self, scatterings: u32) -> Dimensions {
+        let each = Dimensions::OTHERS + self.lights.rounds().len() as u32;
+        Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
+    }
+}
+
+/// Dimensions (pairs of random numbers) of each scattering; dimension 0 is the position on the film.
+#[derive(Clone, Copy)]
+pub struct Dimensions {
+    first: u32,
+}
+
+impl Dimensions {
+    /// Dimensions of a scattering besides one per round of light samples.
+    const OTHERS: u32 = 5;
+
+    /// The dimensions of light paths after so many scatterings, 0 for their start: far from those of camera paths.
+    pub fn of_light_paths(scatterings: u32) -> Self {
+        Self { first: (1 << 31) + scatterings * Self::OTHERS }
+    }
+
+    /// The direction in which the path continues.
+    pub fn bsdf(self) -> u32 {
+        self.first
+    }
+
+    /// The choice of a lobe, and Russian roulette. At the start of a light path the choice of light and target.
+    pub fn choice(self) -> u32 {
+        self.first + 1
+    }
+
+    /// Directions of direct light that are sampled without regard to the lights. At the start of a light path the place on
+    /// the light.
+    pub fn bsdf_direct(self) -> u32 {
+        self.first + 2
+    }
+
+    /// Light samples of the environment.
+    pub fn environment(self) -> u32 {
+        self.first + 3
+    }
+
+    /// The choice of a light.
+    pub fn light_choice(self) -> u32 {
+        self.first + 4
+    }
+
+    /// Light samples of a round.
+    pub fn light(self, round: usize) -> u32 {
+        self.first + Self::OTHERS + round as u32
+    }
+}

@@ -1,0 +1,380 @@
+//! Renders against exact answers, and against each other.
+
+mod light_tracing;
+mod reference;
+
+use super::*;
+use crate::envmap::EnvMap;
+use crate::envmap::samplers::MapSampling;
+use crate::math::Rgb;
+use crate::raster::Image;
+use crate::sampling::stream::StreamKind;
+use crate::scene::{
+    Camera, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle,
+    Request, Scene, Shape, Sphere, builtin,
+};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+fn sphere(image: Image) -> (Scene, Request) {
+    let (scene, request) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(image)), "test", 1.0));
+    (scene, Request { width: 24, height: 24, spp: 4, ..request })
+}
+
+fn busy() -> Image {
+    Image::from_fn(16, 8, |x, y| Rgb::new((x % 3) as f32, (y % 2) as f32, if (x, y) == (5, 2) { 50.0 } else { 0.0 }))
+}
+
+const ALL: [Sampling; 5] = Sampling::ALL;
+
+#[test]
+fn threads_and_specialised_kernels_change_no_bit() {
+    let (scene, request) = sphere(busy());
+    for sampling in ALL {
+        for stream in [StreamKind::Sobol, StreamKind::Independent] {
+            let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
+            let on = |threads: usize, settings: Settings| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
+            };
+            let one = on(1, settings);
+            assert_eq!(one, on(3, settings));
+            assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
+            assert_ne!(one, on(1, Settings { seed: 4, ..settings }));
+        }
+    }
+}
+
+#[test]
+fn a_white_sphere_in_a_white_furnace_is_invisible() {
+    let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    for sampling in [Sampling::Bsdf, Sampling::Mis] {
+        for density in [MapSampling::COSINE, MapSampling::MAP, MapSampling::COMPENSATED] {
+            let settings = Settings { sampling, density: Some(density), ..Settings::default() };
+            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
+            let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
+            // BSDF sampling is exact sample by sample; MIS only on average.
+            let tolerance = if sampling == Sampling::Bsdf { 1e-6 } else { 5e-3 };
+            assert!((mean - 1.0).abs() < tolerance, "{sampling:?}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn a_scene_without_light_is_black() {
+    let (mut scene, request) = sphere(Image::new(4, 2));
+    for sampling in ALL {
+        let settings = Settings { sampling, ..Settings::default() };
+        let rendered = render(&scene, &request, &settings, &Silent).unwrap();
+        assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
+        assert_eq!(rendered.dropped, Dropped::default());
+    }
+    scene.environment = None;
+    let rendered = render(&scene, &request, &Settings::default(), &Silent).unwrap();
+    assert!(rendered.image.pixels().iter().all(|p| *p == Rgb::ZERO));
+}
+
+#[test]
+fn impossible_requests_are_refused() {
+    let (scene, request) = sphere(busy());
+    for bad in [
+        Request { width: 0, ..request },
+        Request { height: usize::MAX, ..request },
+        Request { spp: 0, ..request },
+        Request { light_samples: 0, ..request },
+        Request { spp: u32::MAX, light_samples: 2, ..request },
+        Request { light_samples: (1 << 16) + 1, ..request },
+        Request { max_depth: (1 << 16) + 1, ..request },
+    ] {
+        assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
+    }
+    let alone = Settings { density: Some(MapSampling::COMPENSATED), sampling: Sampling::Light, ..Settings::default() };
+    assert!(render(&scene, &request, &alone, &Silent).is_err());
+}
+
+/// A camera of parallel rays that looks down at (x, 0, z), as one pixel of a side of 10⁻³.
+fn above(x: f64, z: f64) -> Camera {
+    Camera {
+        position: DVec3::new(x, 0.5, z),
+        right: DVec3::X,
+        up: DVec3::NEG_Z,
+        forward: DVec3::NEG_Y,
+        projection: Projection::Orthographic { half_width: 5e-4, half_height: 5e-4 },
+    }
+}
+
+/// A floor of albedo ½ under some light, with the camera above it.
+fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
+    let ground = Rectangle::new(Vec3::ZERO, 10.0 * Vec3::Z, 10.0 * Vec3::X).unwrap();
+    let material = Material::Diffuse { albedo: Rgb::splat(0.5) };
+    let mut all = vec![Object::new(Shape::Rectangle(ground), material)];
+    all.extend(objects);
+    Scene { name: "floor".into(), camera: above(0.3, 0.2), objects: all, lights, environment: None }
+}
+
+fn emitter(shape: Shape) -> Object {
+    let emission =
+        Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, visibility: EmitterVisibility::Sampled });
+    Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
+}
+
+/// More lights than are sampled one by one, of every shape: spheres, triangles and points in a light tree, a rectangle and a
+/// two-sided sphere around everything; on a floor, with glass and metal.
+fn many_lights() -> Scene {
+    let lamp = |x: f32, z: f32| emitter(Shape::Sphere(Sphere { centre: Vec3::new(x, 1.2, z), radius: 0.1 }));
+    let mut objects: Vec<Object> = (0..9).map(|i| lamp((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0)).collect();
+    let corners = vec![
+        Vec3::new(-1.0, 0.8, 0.3),
+        Vec3::new(-0.5, 0.8, 0.3),
+        Vec3::new(-0.7, 0.9, 0.8),
+        Vec3::new(-1.2, 0.7, 0.5),
+    ];
+    let mesh = Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    objects.push(emitter(Shape::Mesh(Arc::new(mesh))));
+    let mut around = emitter(Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 6.0 }));
+    around.emission =
+        around.emission.map(|emission| Emission { radiance: Rgb::splat(0.02), two_sided: true, ..emission });
+    objects.push(around);
+    let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
+    let metal = crate::scene::Conductor { eta, k, alpha: 0.2, distribution, two_sided: false };
+    let sphere =
+        |x, material| Object::new(Shape::Sphere(Sphere { centre: Vec3::new(x, 0.4, 0.0), radius: 0.3 }), material);
+    objects.push(sphere(0.4, Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 }));
+    objects.push(sphere(-0.4, Material::Conductor(metal)));
+    let point =
+        Light::Point { position: Vec3::new(0.5, 1.0, 1.5), intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
+    let mut scene = floor(objects, vec![point]);
+    let projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
+    scene.camera = Camera::look_at(DVec3::new(0.0, 2.0, 2.5), DVec3::ZERO, DVec3::Y, projection).unwrap();
+    scene.name = "many lights".into();
+    scene
+}
+
+/// Radiance that the floor sends up, by direct light alone, and its standard error.
+fn rendered_mean(scene: &Scene, settings: &Settings) -> (f64, f64) {
+    let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
+    let rendered = render(scene, &request, settings, &Silent).unwrap();
+    let error = rendered.part.film.standard_error().get(0, 0).x;
+    (f64::from(rendered.image.get(0, 0).x), f64::from(error))
+}
+
+/// Irradiance from a polygon of radiance 1 at the origin, whose normal is +y: Lambert's formula, ½ Σ of the angles of the
+/// edges times the y of their planes' normals. Source: Arvo, "The Irradiance Jacobian for Partially Occluded Polyhedral
+/// Sources", SIGGRAPH 1994.
+fn irradiance(corners: [DVec3; 4]) -> f64 {
+    let edge = |i: usize| {
+        let (a, b) = (corners[i].normalize(), corners[(i + 1) % 4].normalize());
+        a.angle_between(b) * a.cross(b).normalize().y
+    };
+    (0.5 * (0..4).map(edge).sum::<f64>()).abs()
+}
+
+#[test]
+fn rectangular_lights_give_lamberts_irradiance() {
+    let ceiling = Rectangle::new(Vec3::new(0.0, 1.0, 0.0), 0.4 * Vec3::X, 0.3 * Vec3::Z).unwrap();
+    let tilted = Rectangle::new(Vec3::new(-0.5, 0.8, 0.0), Vec3::new(0.3, 0.3, 0.0), Vec3::new(0.0, 0.0, 0.2));
+    for panel in [ceiling, tilted.unwrap()] {
+        // The front must face the floor.
+        let [x, y] = panel.half_sides();
+        let panel = if panel.normal().y > 0.0 { Rectangle::new(panel.centre(), y, x).unwrap() } else { panel };
+        let corners = panel.corners().map(|c| c.as_dvec3() - DVec3::new(0.3, 0.0, 0.2));
+        let expected = 2.0 * irradiance(corners) * 0.5 / std::f64::consts::PI;
+        let visible = floor(vec![emitter(Shape::Rectangle(panel))], Vec::new());
+        let invisible = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
+        for scene in [visible, floor(Vec::new(), vec![invisible])] {
+            for sampling in ALL {
+                for stream in [StreamKind::Independent, StreamKind::Sobol] {
+                    let (found, error) = rendered_mean(&scene, &Settings { sampling, stream, ..Settings::default() });
+                    let bound = 4.0 * error + 2e-5 * expected;
+                    assert!((found - expected).abs() < bound, "{sampling:?} {stream:?}: {found} ± {error}, {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_spherical_light_gives_the_irradiance_of_its_disc() {
+    let centre = Vec3::new(0.0, 1.0, 0.0);
+    let scene = floor(vec![emitter(Shape::Sphere(Sphere { centre, radius: 0.3 }))], Vec::new());
+    let to = centre.as_dvec3() - DVec3::new(0.3, 0.0, 0.2);
+    // E = π L (r/d)² cos θ while the sphere is above the horizon; the floor sends up ρ E/π.
+    let expected = 0.5 * 2.0 * 0.09 / to.length_squared() * to.y / to.length();
+    for sampling in ALL {
+        let (found, error) = rendered_mean(&scene, &Settings { sampling, ..Settings::default() });
+        assert!(
+            (found - expected).abs() < 4.0 * error + 2e-5 * expected,
+            "{sampling:?}: {found} ± {error}, {expected}"
+        );
+    }
+}
+
+#[test]
+fn delta_lights_and_the_hemisphere_have_their_closed_forms() {
+    let position = Vec3::new(0.0, 1.0, 0.0);
+    let to = DVec3::new(0.0, 1.0, 0.0) - DVec3::new(0.3, 0.0, 0.2);
+    let cos = to.y / to.length();
+    let point = |falloff| Light::Point { position, intensity: Rgb::ONE, falloff };
+    let slanted = Vec3::new(1.0, -2.0, 0.5).normalize();
+    for (light, expected) in [
+        (point(Falloff::InverseSquare), cos / to.length_squared()),
+        (point(Falloff::None), cos),
+        (Light::Directional { direction: slanted, irradiance: Rgb::ONE }, f64::from(-slanted.y)),
+    ] {
+        let (found, _) = rendered_mean(&floor(Vec::new(), vec![light]), &Settings::default());
+        let expected = expected * 0.5 / std::f64::consts::PI;
+        assert!((found / expected - 1.0).abs() < 2e-3, "{light:?}: {found} {expected}");
+    }
+    let sky = Light::Hemisphere { radiance: Rgb::splat(3.0) };
+    let (found, error) = rendered_mean(&floor(Vec::new(), vec![sky]), &Settings::default());
+    assert!((found - 1.5).abs() < 4.0 * error, "{found} ± {error}");
+}
+
+#[test]
+fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
+    // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
+    let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
+    for albedo in [0.5f32, 0.9] {
+        let shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
+        let object = Object { shape, material: Material::Diffuse { albedo: Rgb::splat(albedo) }, emission };
+        let mut scene = floor(Vec::new(), Vec::new());
+        scene.objects = vec![object];
+        let series = |scatterings: i32| (1.0 - f64::from(albedo).powi(scatterings + 1)) / (1.0 - f64::from(albedo));
+        let request = Request { width: 4, height: 4, spp: 256, light_samples: 1, max_depth: 3 };
+        for (max_depth, tolerance) in [(0, 1e-6), (3, 1e-5), (1000, 0.02)] {
+            let request = Request { max_depth, ..request };
+            // The light is found by the paths themselves.
+            let settings = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
+            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
+            let mean = image.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / 16.0;
+            let expected = series(max_depth.min(500) as i32);
+            assert!((mean / expected - 1.0).abs() < tolerance, "{albedo} {max_depth}: {mean} {expected}");
+        }
+    }
+}
+
+/// The difference of two renders' means in standard errors, for the mean of all channels.
+fn z(scene: &Scene, request: &Request, a: &Settings, b: &Settings) -> f64 {
+    let mean = |settings: &Settings| {
+        let film = render(scene, request, settings, &Silent).unwrap().part.film;
+        let (image, errors) = (film.image(), film.standard_error());
+        let sum: f64 = image.pixels().iter().map(|p| f64::from(p.element_sum())).sum();
+        // Channels of a pixel rise and fall together.
+        let square: f64 = errors.pixels().iter().map(|p| f64::from(p.element_sum()).powi(2)).sum();
+        (sum, square)
+    };
+    let ((a, va), (b, vb)) = (mean(a), mean(b));
+    (a - b) / (va + vb).sqrt()
+}
+
+#[test]
+fn all_strategies_have_the_same_mean() {
+    let metal = |alpha| {
+        let (mut scene, request) = builtin::cornell_spheres();
+        for object in &mut scene.objects {
+            if let Material::Glass { .. } = object.material {
+                object.material = Material::Conductor(crate::scene::Conductor {
+                    eta: Rgb::splat(0.2),
+                    k: Rgb::splat(3.0),
+                    alpha,
+                    distribution: crate::scene::Distribution::Ggx,
+                    two_sided: false,
+                });
+            }
+        }
+        (scene, request)
+    };
+    let request = Request { width: 32, height: 24, spp: 256, light_samples: 1, max_depth: 4 };
+    for (name, (scene, _)) in [
+        ("glass", builtin::cornell_spheres()),
+        ("rough", metal(0.4)),
+        ("smooth", metal(0.02)),
+        ("many lights", (many_lights(), request)),
+    ] {
+        let by = |sampling, seed| Settings { sampling, seed, stream: StreamKind::Independent, ..Settings::default() };
+        for (i, sampling) in ALL.into_iter().filter(|&sampling| sampling != Sampling::Mis).enumerate() {
+            let z = z(&scene, &request, &by(Sampling::Mis, 1), &by(sampling, 2 + i as u64));
+            assert!(z.abs() < 4.0, "{name}, {sampling:?}: {z} standard errors");
+        }
+    }
+}
+
+#[test]
+fn broad_metal_reflects_a_light_alike_by_all_strategies() {
+    // The light hangs beside the visible place, so that the metal reflects one end of it.
+    let shape = Rectangle::new(Vec3::new(1.0, 1.0, 0.3), 0.8 * Vec3::X, 0.5 * Vec3::Z).unwrap();
+    for distribution in [crate::scene::Distribution::Beckmann, crate::scene::Distribution::Ggx] {
+        for alpha in [0.2, 0.5] {
+            let mut scene = floor(vec![emitter(Shape::Rectangle(shape))], Vec::new());
+            let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
+            scene.objects[0].material =
+                Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided: false });
+            for light_samples in [1, 3] {
+                let request = Request { width: 1, height: 1, spp: 1 << 16, light_samples, max_depth: 1 };
+                let by = |sampling, seed| Settings {
+                    sampling,
+                    seed,
+                    stream: StreamKind::Independent,
+                    ..Settings::default()
+                };
+                let mixed = by(Sampling::Mis, 1);
+                for (sampling, seed) in [(Sampling::Light, 2), (Sampling::Bsdf, 3)] {
+                    let z = z(&scene, &request, &mixed, &by(sampling, seed));
+                    assert!(z.abs() < 4.0, "{distribution:?} {alpha}, {light_samples} against {sampling:?}: {z}");
+                }
+            }
+        }
+    }
+}
+
+/// A conductor of 2 by 2 in the plane z = 0, in orthographic projection from above under a map: a rectangle or a mesh, whose normal
+/// is +z or, turned over, −z.
+fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, Request) {
+    let (mut scene, request) = sphere(busy());
+    let (x, y) = if turned { (Vec3::Y, Vec3::X) } else { (Vec3::X, Vec3::Y) };
+    let shape = Shape::Rectangle(Rectangle::new(Vec3::ZERO, x, y).unwrap());
+    let corners = vec![-x - y, x - y, x + y, y - x];
+    let as_mesh = || Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    scene.objects[0].shape = if mesh { Shape::Mesh(Arc::new(as_mesh())) } else { shape };
+    let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
+    scene.objects[0].material = Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided });
+    (scene, request)
+}
+
+#[test]
+fn only_a_two_sided_conductor_reflects_at_its_back() {
+    for (alpha, mesh) in [(0.0, false), (0.0, true), (0.1, false), (0.1, true), (0.5, false), (0.5, true)] {
+        for sampling in ALL {
+            let settings = Settings { sampling, ..Settings::default() };
+            let image = |two_sided, turned| {
+                let (scene, request) = conductor(alpha, two_sided, mesh, turned);
+                render(&scene, &request, &settings, &Silent).unwrap().image
+            };
+            let (front, back) = (image(true, false), image(true, true));
+            let off = crate::raster::compare(&front, &back).unwrap();
+            let level = off.mean_a;
+            assert!(level > 0.1 && off.rmse < 1e-4 * level, "{alpha} {sampling:?} {mesh}: {off:?}");
+            assert_eq!(front, image(false, false), "{alpha} {sampling:?} {mesh}");
+            assert!(image(false, true).pixels().iter().all(|p| *p == Rgb::ZERO), "{alpha} {sampling:?} {mesh}");
+        }
+    }
+}
+
+#[test]
+fn the_furnace_shows_what_its_description_says() {
+    let (scene, request) = builtin::furnace();
+    let request = Request { width: 240, height: 60, spp: 64, ..request };
+    let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
+    for (object, expected) in scene.objects.iter().zip([1.0, 0.996, 1.0, 0.891]) {
+        let Shape::Sphere(sphere) = object.shape else { panic!("{object:?}") };
+        // 25 pixels to the unit, the origin in the middle.
+        let inside = |x: usize, y: usize| {
+            let (x, y) = ((x as f32 - 119.5) / 25.0, (29.5 - y as f32) / 25.0);
+            (x - sphere.centre.x).hypot(y - sphere.centre.y) < sphere.radius - 0.04
+        };
+        let places = (0..60).flat_map(|y| (0..240).map(move |x| (x, y))).filter(|&(x, y)| inside(x, y));
+        let light: Vec<f32> = places.map(|(x, y)| image.get(x, y).x).collect();
+        let mean = light.iter().sum::<f32>() / light.len() as f32;
+        assert!((mean - expected).abs() < 3e-3, "{:?}: {mean}, not {expected}", object.material);
+    }
+}

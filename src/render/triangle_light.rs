@@ -1,0 +1,153 @@
+//! Sampling a triangle of an emissive mesh by the solid angle that it subtends.
+
+use super::light_sample::{LightPoint, LightSample, SampleLight};
+use super::light_tree::LightBounds;
+use crate::math::{Rgb, mean_rgb};
+use crate::sampling::spherical_triangle::SphericalTriangle;
+use glam::Vec3;
+
+/// An emissive triangle.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleLight {
+    corner: Vec3,
+    /// From the corner to the other two.
+    edges: [Vec3; 2],
+    /// Unit normal of the front.
+    normal: Vec3,
+    radiance: Rgb,
+    two_sided: bool,
+}
+
+impl TriangleLight {
+    /// The triangle with these corners, whose front is where the normal points.
+    pub fn new([a, b, c]: [Vec3; 3], normal: Vec3, radiance: Rgb, two_sided: bool) -> Self {
+        Self { corner: a, edges: [b - a, c - a], normal, radiance, two_sided }
+    }
+
+    /// Where it is and how it emits, for selecting one of many lights.
+    pub fn bounds(&self) -> LightBounds {
+        let [ab, ac] = self.edges;
+        let intensity = mean_rgb(self.radiance) as f32 * 0.5 * ab.cross(ac).length();
+        let corners = [self.corner, self.corner + ab, self.corner + ac];
+        LightBounds::plane(corners, self.normal, intensity, self.two_sided)
+    }
+
+    /// Unit normal of the front.
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// The radiance, and the area.
+    pub fn emitted(&self) -> (Rgb, f32) {
+        (self.radiance, 0.5 * self.edges[0].cross(self.edges[1]).length())
+    }
+
+    /// A point of the triangle, sampled uniformly by area.
+    ///
+    /// Source: Osada et al., "Shape Distributions", *ACM Trans. Graph.* 21(4), 2002.
+    pub fn point(&self, u: [f32; 2]) -> LightPoint {
+        let r = u[0].sqrt();
+        let position = self.corner + r * (1.0 - u[1]) * self.edges[0] + r * u[1] * self.edges[1];
+        LightPoint { position, normal: self.normal, two_sided: self.two_sided }
+    }
+
+    #[inline(always)]
+    fn seen_from(&self, point: Vec3) -> SphericalTriangle<f32> {
+        SphericalTriangle::new((self.corner - point).to_array(), self.edges.map(|edge| edge.to_array()))
+    }
+}
+
+impl SampleLight for TriangleLight {
+    #[inline(always)]
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
+        let seen = self.seen_from(point);
+        let [b, c] = seen.sample(u);
+        let from_corner = self.corner - point;
+        let to = from_corner + b * self.edges[0] + c * self.edges[1];
+        let distance = to.length();
+        let side = -from_corner.dot(self.normal);
+        let lit = (side > 0.0) | (self.two_sided & (side < 0.0));
+        let scale = if lit { seen.solid_angle() } else { 0.0 };
+        LightSample { wi: to / distance, distance, weight: self.radiance * scale, pdf: 1.0 / seen.solid_angle() }
+    }
+
+    #[inline(always)]
+    fn pdf(&self, point: Vec3) -> f32 {
+        1.0 / self.seen_from(point).solid_angle()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::light_tree::LightTree;
+
+    const CORNERS: [Vec3; 3] = [Vec3::new(-0.5, 1.0, -0.25), Vec3::new(0.5, 1.25, -0.5), Vec3::new(0.25, 1.0, 0.75)];
+
+    fn light(two_sided: bool) -> TriangleLight {
+        let [a, b, c] = CORNERS;
+        // The front faces down.
+        TriangleLight::new(CORNERS, (b - a).cross(c - a).normalize(), Rgb::new(1.0, 2.0, 3.0), two_sided)
+    }
+
+    /// Cosine-weighted radiance at the origin from a polygon of radiance 1: Lambert's sum over its sides.
+    fn irradiance(normal: Vec3) -> f32 {
+        let corners = CORNERS.map(Vec3::normalize);
+        let side = |i: usize| {
+            let (from, to) = (corners[i], corners[(i + 1) % 3]);
+            from.angle_between(to) * from.cross(to).normalize().dot(normal)
+        };
+        0.5 * (0..3).map(side).sum::<f32>().abs()
+    }
+
+    #[test]
+    fn samples_estimate_the_irradiance() {
+        let (light, n) = (light(false), 64u16);
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let u = [i / n, i % n].map(|i| (f32::from(i) + 0.5) / f32::from(n));
+            let sample = light.sample(Vec3::ZERO, u);
+            assert_eq!(sample.pdf, light.pdf(Vec3::ZERO));
+            assert!((sample.weight * sample.pdf - light.radiance).length() < 1e-5);
+            sum += f64::from(sample.weight.x * sample.wi.y) / f64::from(n * n);
+        }
+        let expected = f64::from(irradiance(Vec3::Y));
+        assert!((sum / expected - 1.0).abs() < 1e-4, "{sum} {expected}");
+    }
+
+    #[test]
+    fn samples_are_points_of_the_triangle() {
+        let light = light(true);
+        for point in [Vec3::ZERO, Vec3::new(3.0, 4.0, -2.0), Vec3::new(0.0, 1.05, 0.0), Vec3::splat(1e3)] {
+            for u in [[0.0, 0.5], [0.3, 0.7], [0.9, 0.1], [0.5, 1.0 - f32::EPSILON / 2.0]] {
+                let sample = light.sample(point, u);
+                let found = point + sample.distance * sample.wi;
+                let [a, b, c] = CORNERS.map(|corner| corner - found);
+                let area = |p: Vec3, q: Vec3| p.cross(q).length();
+                let parts = area(a, b) + area(b, c) + area(c, a);
+                let error = parts / light.edges[0].cross(light.edges[1]).length() - 1.0;
+                assert!(
+                    error.abs() < 1e-6 * (1.0 + point.length()) && sample.weight != Rgb::ZERO,
+                    "{point} {u:?}: {error}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn only_the_front_emits() {
+        let (front, back) = (Vec3::ZERO, 3.0 * Vec3::Y);
+        let weight = |two_sided, point| light(two_sided).sample(point, [0.5; 2]).weight;
+        assert!(weight(false, front) != Rgb::ZERO && weight(true, back) != Rgb::ZERO);
+        assert_eq!(weight(false, back), Rgb::ZERO);
+        let tree = LightTree::new(&[light(false).bounds()]);
+        assert_eq!([tree.pmf(front, None, 0), tree.pmf(back, None, 0)], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn nothing_arrives_in_its_plane_and_at_its_corners() {
+        let weight = |point| light(true).sample(point, [0.5; 2]).weight;
+        assert_eq!(weight(CORNERS[0]), Rgb::ZERO);
+        assert!(weight(2.0 * CORNERS[1] - CORNERS[0]).length() < 1e-8);
+    }
+}
