@@ -76,10 +76,9 @@ impl Lights {
     /// sides.
     #[inline(always)]
     pub fn selection(&self, point: Vec3, normal: Option<Vec3>) -> Option<Selection<'_>> {
-        match &self.tree {
-            Some(tree) => Some(Selection { at: tree.tree.at(point, normal), lights: &tree.lights }),
-            None => None,
-        }
+        // A closure would be compiled without wide vectors.
+        let tree = self.tree.as_ref()?;
+        Some(Selection { at: tree.tree.at(point, normal), lights: &tree.lights })
     }
 
     /// A sample of a light that was chosen with this probability.

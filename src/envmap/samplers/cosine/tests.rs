@@ -28,7 +28,7 @@ fn sample_weights_are_the_irradiance() {
 
 #[test]
 fn compensation_leaves_the_dim_part_of_a_map_to_the_bsdf() {
-    let is_bright = |x: usize, y: usize| (x / 4 + y / 4) % 5 == 0;
+    let is_bright = |x: usize, y: usize| (x / 4 + y / 4).is_multiple_of(5);
     let level = |x, y| Rgb::splat(if is_bright(x, y) { 10.0 } else { 0.5 });
     let map = Arc::new(EnvMap::new(Image::from_fn(64, 32, level)));
     let (sampler, g) = (CosineSampler::compensated(map.clone()), map.geometry());

@@ -32,7 +32,7 @@ pub const TARGETS: [(&str, [(Vec3, f32); 2]); 3] = [
 /// The place on the light that directions are tested for.
 const PLACE: [f64; 2] = [0.3, 0.6];
 
-/// Shapes of lights, with their fronts down. On the sphere, [`PLACE`] faces both targets.
+/// Shapes of lights, with their fronts down. On the sphere, `PLACE` faces both targets.
 pub fn shapes() -> [(&'static str, Shape); 3] {
     let (x, z) = (Vec3::new(0.4, 0.1, 0.0), Vec3::new(0.0, 0.0, 0.3));
     let mesh = Mesh { positions: vec![x - z, -x - z, x + 2.0 * z], triangles: vec![[0, 2, 1]], ..Mesh::default() };
