@@ -47,8 +47,9 @@ impl Departure {
     /// `light_tracing` of the next departure, from its value with the factor of the direction to the viewer and the pdf per
     /// projected solid angle of the new direction.
     #[inline]
-    pub fn continued(light_tracing: f32, projected_pdf: f32) -> f32 {
-        if light_tracing > 0.0 && projected_pdf > 0.0 { light_tracing / projected_pdf } else { 0.0 }
+    pub fn continued(light_tracing: f32, projected_pdf: impl FnOnce() -> f32) -> f32 {
+        let projected_pdf = if light_tracing > 0.0 { projected_pdf() } else { 0.0 };
+        if projected_pdf > 0.0 { light_tracing / projected_pdf } else { 0.0 }
     }
 
     /// The density of light tracing, whose light paths have the density `emission` at their start, over that of this path.
@@ -109,7 +110,7 @@ impl PreparedScene<'_> {
             (LightSamples::Impossible, ..) => 0.0,
             (_, EmitterVisibility::CameraOnly, _) | (LightSamples::Complete, ..) => return 0.0,
             (LightSamples::NotTaken, ..) | (LightSamples::Combined { .. }, _, None) => 0.0,
-            (LightSamples::Combined { pdf, normal, transmits, .. }, _, Some(light)) => {
+            (LightSamples::Combined { pdf, normal, transmits }, _, Some(light)) => {
                 self.lights.density(light, origin, (!transmits).then_some(normal)) / pdf
             }
         };

@@ -88,11 +88,7 @@ pub fn extend(step: Step, points: &Points, next: &mut Paths) {
         let (normal, geometric) = (at(&points.normal, i), at(&points.geometric, i));
         below |= geometric.dot(wi) <= 0.0;
         let pdf = normal.dot(wi) * FRAC_1_PI;
-        let light_tracing = if points.light_tracing[i] > 0.0 {
-            Departure::continued(points.light_tracing[i], projected([geometric, normal], wi, pdf))
-        } else {
-            0.0
-        };
+        let light_tracing = Departure::continued(points.light_tracing[i], || projected([geometric, normal], wi, pdf));
         next.departure[j] = Departure { light_samples: light_samples(pdf, normal), light_tracing, is_caustic: false };
         (next.slot[j], next.path_class[j]) = (points.slot[i], points.path_class[i]);
     }

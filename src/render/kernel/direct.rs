@@ -9,8 +9,7 @@ use crate::render::lanes::{Hits, LANES, NOTHING, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
 use crate::render::mis::power_heuristic;
 use crate::render::prepared::PreparedScene;
-use crate::render::shaders::Kind;
-use crate::render::shaders::SurfaceShader;
+use crate::render::shaders::{Kind, SurfaceShader};
 use crate::scene::EmitterVisibility;
 
 /// The buffers of direct light.

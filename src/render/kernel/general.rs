@@ -51,7 +51,7 @@ pub fn light_tracing_ratio(step: Step, vertex: &Vertex, shader: &SurfaceShader, 
     let world = |w: Vec3| vertex.frame.to_world(w);
     let reverse_pdf = if step.scatterings == 0 { 1.0 } else { shader.bsdf.pdf(wi, vertex.wo) };
     let reverse = vertex.light_tracing * projected(normals, world(vertex.wo), reverse_pdf);
-    Departure::continued(reverse, projected(normals, world(wi), pdf))
+    Departure::continued(reverse, || projected(normals, world(wi), pdf))
 }
 
 /// Extends the paths that have hit delta BSDFs.
