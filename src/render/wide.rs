@@ -8,7 +8,7 @@ pub trait Wide {
     fn run(self);
 }
 
-/// Runs a loop in code compiled for the widest vectors that the machine has (AVX2 at most).
+/// Runs a loop in code compiled for the widest vectors that the machine has (AVX-512 at most).
 ///
 /// Nothing is contracted or reordered, so every machine gets the same bits.
 #[inline]
