@@ -27,8 +27,9 @@ pub fn sample_many(
     out: &mut LightSampleLanes,
 ) {
     match &light.kind {
-        // A loop without a case distinction inside, which vectorizes.
+        // Loops without a case distinction inside, which vectorize.
         Kind::Rectangle(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
+        Kind::Sphere(sphere) => wide(arch, SampleMany { light: sphere, positions, count, u, out }),
         _ => SampleMany { light, positions, count, u, out }.run(),
     }
 }

@@ -42,8 +42,8 @@ impl Surface {
     #[inline]
     #[must_use]
     pub fn facing(self, wo: Vec3) -> Self {
-        let normal = if self.normal.dot(wo) < 0.0 { -self.normal } else { self.normal };
-        let shading = if self.shading.dot(normal) < 0.0 { -self.shading } else { self.shading };
+        let normal = self.normal * 1f32.copysign(self.normal.dot(wo));
+        let shading = self.shading * 1f32.copysign(self.shading.dot(normal));
         Self { normal, shading, ..self }
     }
 
@@ -63,8 +63,7 @@ impl Surface {
     /// The origin of a ray towards `wi`, offset against self-intersection.
     #[inline]
     pub fn ray_origin(&self, wi: Vec3) -> Vec3 {
-        let side = if self.normal.dot(wi) < 0.0 { -1.0 } else { 1.0 };
-        self.position + self.normal * (side * self.offset)
+        self.position + self.normal * self.offset.copysign(self.normal.dot(wi))
     }
 }
 

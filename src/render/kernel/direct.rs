@@ -5,7 +5,7 @@ use super::paths::{Points, Radiance, Shadows, Vertex};
 use super::rough::{self, Scattered};
 use super::step::Step;
 use super::{diffuse, general};
-use crate::render::lanes::{Hits, LANES, NOTHING, ZERO3, at, set};
+use crate::render::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
 use crate::render::mis::power_heuristic;
 use crate::render::prepared::PreparedScene;
@@ -15,11 +15,28 @@ use crate::scene::EmitterVisibility;
 /// The buffers of direct light.
 #[derive(Default)]
 pub struct DirectLight {
+    vertices: Box<VertexLanes>,
     choices: Vec<Choice>,
     samples: Box<LightSampleLanes>,
     scattered: Box<Scattered>,
     shadows: Box<Shadows>,
     hits: Box<Hits>,
+}
+
+/// Hits on one object side by side.
+struct VertexLanes {
+    position: Lane3,
+    /// For shading.
+    normal: Lane3,
+    /// In the shading frame.
+    wo: Lane3,
+    slots: [u32; LANES],
+}
+
+impl Default for VertexLanes {
+    fn default() -> Self {
+        Self { position: ZERO3, normal: ZERO3, wo: ZERO3, slots: [0; LANES] }
+    }
 }
 
 /// Adds direct light at the diffuse hits.
@@ -51,23 +68,26 @@ pub fn light_general(
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
-    let DirectLight { choices, samples, scattered, shadows, hits } = buffers;
-    let (mut position, mut normal, mut wo, mut slots) = (ZERO3, ZERO3, ZERO3, [0; LANES]);
+    let DirectLight { vertices: lanes, choices, samples, scattered, shadows, hits } = buffers;
+    let VertexLanes { position, normal, wo, slots } = &mut **lanes;
     for (i, vertex) in vertices.iter().enumerate() {
-        set(&mut position, i, vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo)));
-        set(&mut normal, i, vertex.frame.z);
-        set(&mut wo, i, vertex.wo);
+        set(position, i, vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo)));
+        set(normal, i, vertex.frame.z);
+        set(wo, i, vertex.wo);
         slots[i] = vertex.slot;
     }
     let slots = &slots[..vertices.len()];
-    let places = Places { position: &position, normal: &normal, slots, surface: shader.kind };
+    let places = Places { position, normal, slots, surface: shader.kind };
     for (source, count) in sources(step.scene, shader.kind) {
         for index in 0..count {
             sample(step, source, (index, count), &places, choices, samples);
             for (i, vertex) in vertices.iter().enumerate() {
                 set(&mut scattered.wi, i, vertex.frame.to_local(at(&samples.wi, i)));
             }
-            rough::eval_many(step.scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
+            rough::eval_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+            if step.needs_reverse_pdf() {
+                rough::reverse_pdf_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+            }
             shadows.count = 0;
             for (i, vertex) in vertices.iter().enumerate() {
                 let wi = at(&samples.wi, i);
@@ -80,7 +100,7 @@ pub fn light_general(
                 }
                 let by_light_tracing = if vertex.light_tracing > 0.0 && step.scatterings > 0 {
                     let emission = emission_density(step.scene, vertex, samples, i);
-                    general::light_tracing_ratio(step, vertex, shader, local, 1.0) * emission
+                    general::light_tracing_ratio(step, vertex, local, 1.0, || scattered.reverse_pdf[i]) * emission
                 } else {
                     0.0
                 };

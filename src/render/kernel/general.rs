@@ -36,20 +36,22 @@ pub fn collect(shader: &SurfaceShader, surface: Surface, paths: &Paths, i: usize
 }
 
 /// Sorts hits by object, and returns the hits on each.
-pub fn groups(vertices: &mut [Vertex]) -> impl Iterator<Item = &[Vertex]> {
-    vertices.sort_by_key(|vertex| vertex.object);
-    vertices.chunk_by(|a, b| a.object == b.object)
+pub fn groups<V>(vertices: &mut [V], object: impl Fn(&V) -> u32 + Copy) -> impl Iterator<Item = &[V]> {
+    vertices.sort_by_key(object);
+    vertices.chunk_by(move |a, b| object(a) == object(b))
 }
 
-/// [`Departure::light_tracing`] of a direction `wi` of the local frame and its pdf.
+/// [`Departure::light_tracing`] of a direction `wi` of the local frame and its pdf; `reverse_pdf` is that of the direction to
+/// the viewer if light comes from `wi`.
 #[inline]
-pub fn light_tracing_ratio(step: Step, vertex: &Vertex, shader: &SurfaceShader, wi: Vec3, pdf: f32) -> f32 {
+pub fn light_tracing_ratio(step: Step, vertex: &Vertex, wi: Vec3, pdf: f32, reverse_pdf: impl FnOnce() -> f32) -> f32 {
     if vertex.light_tracing == 0.0 {
         return 0.0;
     }
     let normals = [vertex.surface.normal, vertex.surface.shading];
     let world = |w: Vec3| vertex.frame.to_world(w);
-    let reverse_pdf = if step.scatterings == 0 { 1.0 } else { shader.bsdf.pdf(wi, vertex.wo) };
+    // Light tracing connects the first vertex to the camera without sampling.
+    let reverse_pdf = if step.scatterings == 0 { 1.0 } else { reverse_pdf() };
     let reverse = vertex.light_tracing * projected(normals, world(vertex.wo), reverse_pdf);
     Departure::continued(reverse, || projected(normals, world(wi), pdf))
 }
@@ -107,6 +109,9 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
     let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, &u, vertices.len(), scattered);
+    if is_sampled && step.needs_reverse_pdf() {
+        rough::reverse_pdf_many(scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
+    }
     for (i, vertex) in vertices.iter().enumerate() {
         let sample = if is_sampled {
             scattered.sample(i)
@@ -122,11 +127,15 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         }
         let departure = if sample.is_delta() {
             let directions = [vertex.frame.to_world(vertex.wo), wi];
-            delta_departure(&shader.bsdf, &vertex.surface, vertex.light_tracing, directions, &sample)
+            // Light tracing cannot connect a delta lobe to the camera.
+            let light_tracing = if scatterings == 0 { 0.0 } else { vertex.light_tracing };
+            delta_departure(&shader.bsdf, &vertex.surface, light_tracing, directions, &sample)
         } else {
+            let reverse_pdf =
+                || if is_sampled { scattered.reverse_pdf[i] } else { shader.bsdf.pdf(sample.wi, vertex.wo) };
             Departure {
                 light_samples: scene.light_samples(sample.pdf, vertex.frame.z, shader.kind),
-                light_tracing: light_tracing_ratio(step, vertex, shader, sample.wi, sample.pdf),
+                light_tracing: light_tracing_ratio(step, vertex, sample.wi, sample.pdf, reverse_pdf),
                 is_caustic: scatterings > 0,
             }
         };

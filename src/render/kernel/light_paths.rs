@@ -2,13 +2,15 @@
 //!
 //! The MIS weights mirror those of the camera paths: see [`crate::render::light_tracing`].
 
+use super::general::groups;
+use super::rough::{self, Scattered};
 use super::step::Step;
 use crate::bsdf::Scatter;
 use crate::math::{Frame, Rgb};
 use crate::render::film::{PathClass, Splat};
 use crate::render::geometry::Surface;
-use crate::render::lanes::{Hits, LANES, Lane, NOTHING, Rays, at, set};
-use crate::render::lens::Lens;
+use crate::render::lanes::{Hits, LANES, Lane, Lane3, Rays, ZERO3, at, set};
+use crate::render::lens::{Lens, View};
 use crate::render::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_ratio, projected};
 use crate::render::prepared::{Dimensions, PreparedScene, SHORT_OF_LIGHT};
 use crate::render::sample_lanes::SampleLanes;
@@ -43,7 +45,23 @@ pub struct LightPathBuffers {
     paths: Vec<LightPath>,
     rays: Box<Rays>,
     hits: Box<Hits>,
+    vertices: Vec<Vertex>,
+    views: Vec<(usize, View)>,
+    local: Box<Local>,
     connections: Connections,
+}
+
+/// Directions at the vertices on one object, in their shading frames.
+struct Local {
+    /// Where the BSDF is sampled or evaluated for.
+    wo: Lane3,
+    scattered: Scattered,
+}
+
+impl Default for Local {
+    fn default() -> Self {
+        Self { wo: ZERO3, scattered: Scattered::default() }
+    }
 }
 
 /// Rays to the camera, and what each adds to the image if it is not occluded.
@@ -69,7 +87,7 @@ pub fn trace_light_paths(
     splats: &mut Vec<Splat>,
 ) {
     let Some(tracing) = &scene.light_tracing else { return };
-    let LightPathBuffers { paths, rays, hits, connections } = buffers;
+    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections } = buffers;
     start(scene, tracing, (numbers, count), paths, rays);
     for scatterings in 0..scene.request.max_depth {
         if paths.is_empty() {
@@ -77,23 +95,16 @@ pub fn trace_light_paths(
         }
         scene.geometry.nearest(rays, paths.len(), hits);
         let step = Step { scene, numbers, scatterings };
-        let mut kept = 0;
-        for i in 0..paths.len() {
-            if hits.object[i] == NOTHING {
-                continue;
+        vertices.clear();
+        vertices.extend((0..paths.len()).filter_map(|i| Vertex::new(scene, rays, hits, i, paths[i])));
+        paths.clear();
+        for group in groups(vertices, |vertex| vertex.object) {
+            let shader = &scene.shaders[group[0].object as usize];
+            if scatterings > 0 && shader.kind != Kind::Delta {
+                connect(scene, lens, shader, group, (views, local), connections);
             }
-            let Some(vertex) = Vertex::new(scene, rays, hits, i, paths[i]) else { continue };
-            if scatterings > 0 {
-                vertex.connect(scene, lens, connections);
-            }
-            if let Some((path, [origin, direction])) = vertex.scatter(step) {
-                paths[kept] = path;
-                set(&mut rays.origin, kept, origin);
-                set(&mut rays.direction, kept, direction);
-                kept += 1;
-            }
+            scatter(step, shader, group, local, (paths, rays));
         }
-        paths.truncate(kept);
         connections.splat(scene, splats);
     }
     paths.clear();
@@ -127,19 +138,21 @@ fn start(
 }
 
 /// A point where a light path has hit a surface.
-struct Vertex<'a> {
+#[derive(Clone, Copy)]
+struct Vertex {
     path: LightPath,
-    shader: &'a SurfaceShader,
+    object: u32,
     surface: Surface,
     frame: Frame,
     /// To the last vertex.
     wo: Vec3,
 }
 
-impl<'a> Vertex<'a> {
+impl Vertex {
     /// The vertex, if light is scattered there.
-    fn new(scene: &'a PreparedScene, rays: &Rays, hits: &Hits, i: usize, path: LightPath) -> Option<Self> {
-        let shader = &scene.shaders[hits.object[i] as usize];
+    fn new(scene: &PreparedScene, rays: &Rays, hits: &Hits, i: usize, path: LightPath) -> Option<Self> {
+        let object = hits.object[i];
+        let shader = scene.shaders.get(object as usize)?;
         let from_light = matches!(path.last, LastVertex::Light { .. });
         // Light paths start towards surfaces that are not diffuse.
         if shader.kind == Kind::Black || !shader.bsdf.is_reciprocal() || from_light && shader.kind.is_diffuse() {
@@ -149,7 +162,7 @@ impl<'a> Vertex<'a> {
         let surface = scene.geometry.surface(rays, hits, i);
         let surface = shader.facing(surface, wo);
         let frame = surface.frame(wo);
-        is_sound([surface.normal, surface.shading], wo).then_some(Self { path, shader, surface, frame, wo })
+        is_sound([surface.normal, surface.shading], wo).then_some(Self { path, object, surface, frame, wo })
     }
 
     /// The pdf per projected solid angle of a direction.
@@ -165,13 +178,13 @@ impl<'a> Vertex<'a> {
 
     /// The densities of the techniques of camera paths over that of light tracing, squared and summed, at a vertex that
     /// continues in direction `wi` with this pdf; `reverse_pdf` is that of a camera path's direction to the last vertex.
-    fn others(&self, scene: &PreparedScene, wi: Vec3, pdf: f32, reverse_pdf: f32) -> f32 {
+    fn others(&self, scene: &PreparedScene, kind: Kind, wi: Vec3, pdf: f32, reverse_pdf: f32) -> f32 {
         let ratio = self.projected(self.wo, 1.0) / self.projected(wi, pdf);
         match self.path.last {
             LastVertex::Scattering { others } => others * (ratio * reverse_pdf).powi(2),
             LastVertex::Light { light, density } => {
                 let normal = self.frame.z;
-                let one_sided = (self.shader.kind != Kind::Transmitting).then_some(normal);
+                let one_sided = (kind != Kind::Transmitting).then_some(normal);
                 let by_light = match light {
                     Some(light) => scene.lights.density(light, self.surface.position, one_sided),
                     None => scene.environment_density(self.wo, normal),
@@ -180,71 +193,109 @@ impl<'a> Vertex<'a> {
             }
         }
     }
+}
 
-    /// Connects the vertex to the camera.
-    fn connect(&self, scene: &PreparedScene, lens: &Lens, connections: &mut Connections) {
-        if self.shader.kind == Kind::Delta {
-            return;
+/// Connects vertices on one object to the camera.
+fn connect(
+    scene: &PreparedScene,
+    lens: &Lens,
+    shader: &SurfaceShader,
+    vertices: &[Vertex],
+    (views, local): (&mut Vec<(usize, View)>, &mut Local),
+    connections: &mut Connections,
+) {
+    let Local { wo, scattered } = local;
+    // Evaluate the BSDF and its pdf for a camera path, which comes from the camera.
+    views.clear();
+    for (number, vertex) in vertices.iter().enumerate() {
+        if let Some(view) = lens.project(vertex.surface.position).filter(|view| vertex.reaches(view.direction)) {
+            set(wo, views.len(), vertex.frame.to_local(view.direction));
+            set(&mut scattered.wi, views.len(), vertex.frame.to_local(vertex.wo));
+            views.push((number, view));
         }
-        let Some(view) = lens.project(self.surface.position) else { return };
-        let wi = view.direction;
-        if !self.reaches(wi) {
-            return;
-        }
-        // Evaluate the BSDF, and its pdf for a camera path.
-        let [wo_local, wi_local] = [self.wo, wi].map(|w| self.frame.to_local(w));
-        let f = self.shader.bsdf.eval_adjoint(wo_local, wi_local);
+    }
+    rough::eval_many(scene.arch, &shader.bsdf, wo, views.len(), scattered);
+    for (i, (number, view)) in views.drain(..).enumerate() {
+        let (f, reverse_pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
         if f == Rgb::ZERO {
-            return;
+            continue;
         }
-        let reverse_pdf = self.shader.bsdf.pdf(wi_local, wo_local);
         // Weight the path by MIS.
-        let area = lens.area_at(self.surface.position);
-        let others = self.others(scene, wi, 1.0, reverse_pdf) / LightTracing::from_camera(area).powi(2);
-        let factor = adjoint_factor(&self.surface, self.wo, wi) * wi_local.z.abs() / area;
+        let (vertex, wi) = (&vertices[number], view.direction);
+        let area = lens.area_at(vertex.surface.position);
+        let others = vertex.others(scene, shader.kind, wi, 1.0, reverse_pdf) / LightTracing::from_camera(area).powi(2);
+        let factor = adjoint_factor(&vertex.surface, vertex.wo, wi) * at(wo, i).z.abs() / area;
+        let path_class = vertex.path.path_class.then(false).reversed();
         connections.push(
-            [self.surface.ray_origin(wi), wi],
+            [vertex.surface.ray_origin(wi), wi],
             view.distance * SHORT_OF_LIGHT,
             Splat {
                 pixel: view.pixel,
-                class: scene.classes.map_or(0, |classes| classes.index(self.path.path_class.then(false).reversed())),
-                value: self.path.power * f * (factor / (1.0 + others)),
+                class: scene.classes.map_or(0, |classes| classes.index(path_class)),
+                value: vertex.path.power * f * (factor / (1.0 + others)),
             },
         );
     }
+}
 
-    /// Samples the direction in which the path continues, with its ray.
-    fn scatter(&self, step: Step) -> Option<(LightPath, [Vec3; 2])> {
-        let Step { scene, numbers, scatterings } = step;
-        let dimensions = Dimensions::of_light_paths(scatterings + 1);
-        let slot = self.path.slot;
+/// Samples the directions in which the paths continue at vertices on one object.
+fn scatter(
+    step: Step,
+    shader: &SurfaceShader,
+    vertices: &[Vertex],
+    local: &mut Local,
+    (paths, rays): (&mut Vec<LightPath>, &mut Rays),
+) {
+    let Step { scene, numbers, scatterings } = step;
+    let Local { wo, scattered } = local;
+    let dimensions = Dimensions::of_light_paths(scatterings + 1);
+    let (mut u, mut slots) = ([[0.0; LANES]; 2], [0; LANES]);
+    for (i, vertex) in vertices.iter().enumerate() {
+        set(wo, i, vertex.frame.to_local(vertex.wo));
+        slots[i] = vertex.path.slot;
+    }
+    numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
+    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, wo, &u, vertices.len(), scattered);
+    if is_sampled {
+        rough::reverse_pdf_many(scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+    }
+    for (i, vertex) in vertices.iter().enumerate() {
+        let slot = vertex.path.slot;
         let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
-        let u = numbers.short_pair(slot, dimensions.bsdf(), (0, 1));
-        let wo = self.frame.to_local(self.wo);
-        let sample = self.shader.bsdf.sample_adjoint(wo, uc, u)?;
-        let wi = self.frame.to_world(sample.wi);
-        if sample.weight == Rgb::ZERO || !self.reaches(wi) {
-            return None;
+        let sample = if is_sampled {
+            scattered.sample(i)
+        } else {
+            shader.bsdf.sample_adjoint(at(wo, i), uc, [u[0][i], u[1][i]])
+        };
+        let Some(sample) = sample else { continue };
+        let wi = vertex.frame.to_world(sample.wi);
+        if sample.weight == Rgb::ZERO || !vertex.reaches(wi) {
+            continue;
         }
         let others = if sample.is_delta() {
-            let ratio = delta_ratio(&self.shader.bsdf, &sample).powi(2);
-            match self.path.last {
+            let ratio = delta_ratio(&shader.bsdf, &sample).powi(2);
+            match vertex.path.last {
                 LastVertex::Scattering { others } => others * ratio,
                 LastVertex::Light { density, .. } => ratio / (density * density),
             }
         } else {
-            self.others(scene, wi, sample.pdf, self.shader.bsdf.pdf(sample.wi, wo))
+            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { shader.bsdf.pdf(sample.wi, at(wo, i)) };
+            vertex.others(scene, shader.kind, wi, sample.pdf, reverse_pdf)
         };
-        let mut power = self.path.power * sample.weight * adjoint_factor(&self.surface, self.wo, wi);
+        let power = vertex.path.power * sample.weight * adjoint_factor(&vertex.surface, vertex.wo, wi);
         // Russian roulette by the weight of this scattering, which keeps the power of a path
         let survival = sample.weight.max_element().min(1.0);
         if roulette >= survival {
-            return None;
+            continue;
         }
-        power /= survival;
-        let path_class = self.path.path_class.then(sample.is_delta());
-        let last = LastVertex::Scattering { others };
-        Some((LightPath { power, last, slot, path_class }, [self.surface.ray_origin(wi), wi]))
+        set(&mut rays.origin, paths.len(), vertex.surface.ray_origin(wi));
+        set(&mut rays.direction, paths.len(), wi);
+        paths.push(LightPath {
+            power: power / survival,
+            last: LastVertex::Scattering { others },
+            slot,
+            path_class: vertex.path.path_class.then(sample.is_delta()),
+        });
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) use diffuse::ExtendPaths;
 pub use light_paths::{LightPathBuffers, trace_light_paths};
 pub use paths::Radiance;
 pub(crate) use paths::{Paths, Points};
-pub(crate) use rough::{Scattered, eval_many, sample_many};
+pub(crate) use rough::{Scattered, eval_many, reverse_pdf_many, sample_many};
 
 use super::departure::{Departure, EmitterHit};
 use super::film::PathClass;
@@ -87,7 +87,7 @@ pub fn trace(
         if !sorted.delta.is_empty() {
             general::extend_delta(step, paths, hits, &sorted.delta, next);
         }
-        for group in general::groups(&mut sorted.general) {
+        for group in general::groups(&mut sorted.general, |vertex| vertex.object) {
             let shader = &scene.shaders[group[0].object as usize];
             direct::light_general(step, group, shader, direct, radiance);
             general::extend(step, group, shader, scattered, next);

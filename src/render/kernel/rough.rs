@@ -15,11 +15,13 @@ pub struct Scattered {
     pub weight: Lane3,
     /// Per solid angle.
     pub pdf: Lane,
+    /// Of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
+    pub reverse_pdf: Lane,
 }
 
 impl Default for Scattered {
     fn default() -> Self {
-        Self { wi: ZERO3, weight: ZERO3, pdf: [0.0; LANES] }
+        Self { wi: ZERO3, weight: ZERO3, pdf: [0.0; LANES], reverse_pdf: [0.0; LANES] }
     }
 }
 
@@ -56,6 +58,43 @@ pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Sc
                 set(&mut out.weight, i, f);
                 out.pdf[i] = pdf;
             }
+        }
+    }
+}
+
+/// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
+pub fn reverse_pdf_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
+    match bsdf {
+        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => {
+            wide(arch, ReversePdf { conductor: c, wo, count, out })
+        }
+        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, ReversePdf { conductor: c, wo, count, out }),
+        other => {
+            for i in 0..count {
+                out.reverse_pdf[i] = other.pdf(at(&out.wi, i), at(wo, i));
+            }
+        }
+    }
+}
+
+struct ReversePdf<'a, D> {
+    conductor: &'a RoughConductor<D>,
+    wo: &'a Lane3,
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+impl<D: SampleNormals<f32>> Wide for ReversePdf<'_, D> {
+    #[inline(always)]
+    fn run(self) {
+        let conductor = *self.conductor;
+        for number in 0..blocks(self.count) {
+            let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
+            let mut pdf = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                (_, pdf[i]) = conductor.eval_vndf(at(&wi, i), at(&wo, i));
+            }
+            put(from_mut(&mut self.out.reverse_pdf), number, &[pdf]);
         }
     }
 }

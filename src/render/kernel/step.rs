@@ -13,3 +13,10 @@ pub struct Step<'a> {
     /// Scatterings before this one.
     pub scatterings: u32,
 }
+
+impl Step<'_> {
+    /// Whether MIS weights need the pdfs of reverse directions: for light tracing, which reaches the first vertex otherwise.
+    pub fn needs_reverse_pdf(&self) -> bool {
+        self.scene.light_tracing.is_some() && self.scatterings > 0
+    }
+}

@@ -13,7 +13,7 @@ use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
-use crate::render::kernel::{ExtendPaths, Paths, Points, Scattered, eval_many, sample_many};
+use crate::render::kernel::{ExtendPaths, Paths, Points, Scattered, eval_many, reverse_pdf_many, sample_many};
 use crate::render::lanes::{LANES, Lane, at, set};
 use crate::render::wide::wide;
 use crate::sampling::direction_density;
@@ -94,10 +94,12 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
                 set(&mut out.wi, i, sample.wi);
             }
             eval_many(Arch::new(), &bsdf, &views, count, &mut out);
+            reverse_pdf_many(Arch::new(), &bsdf, &views, count, &mut out);
             let tested = |(i, found): (usize, Option<(BsdfSample, bool)>)| {
                 let (sample, agrees) = found?;
                 let (f, pdf) = bsdf.eval_pdf(wo, sample.wi);
                 let agrees = agrees && (at(&out.weight, i), out.pdf[i]) == (f, pdf);
+                let agrees = agrees && out.reverse_pdf[i] == bsdf.pdf(sample.wi, wo);
                 let pdf = if agrees { f64::from(sample.pdf) } else { f64::NAN };
                 Some(Sample::with_pdf(sample.wi.as_dvec3().to_array(), pdf))
             };
