@@ -220,6 +220,9 @@ impl<'a> LightTracing<'a> {
             (to - wi * wi.dot(to)).length_squared() <= target.radius * target.radius
         };
         let containing = self.targets.iter().filter(is_inside).count();
+        if containing == 0 {
+            return 0.0;
+        }
         let pdf = environment.pdf(wi, Vec3::Y) as f32 * containing as f32 / self.discs;
         self.table.probability(self.lights) as f32 * pdf
     }
@@ -264,8 +267,8 @@ impl<'a> LightTracing<'a> {
 fn cone(sphere: &Sphere, point: Vec3) -> (Vec3, f32) {
     let to = sphere.centre - point;
     let d2 = to.length_squared();
-    let sin2 = sphere.radius * sphere.radius / d2;
-    if sin2 < 1.0 { (to / d2.sqrt(), solids::one_minus_cos_half_angle(sin2)) } else { (Vec3::Y, 2.0) }
+    let one_minus_cos = solids::one_minus_cos_of_cone(sphere.radius * sphere.radius, d2);
+    (if one_minus_cos < 2.0 { to / d2.sqrt() } else { Vec3::Y }, one_minus_cos)
 }
 
 /// Bounding spheres of shapes.

@@ -168,8 +168,7 @@ impl SphereLight {
     #[inline(always)]
     fn one_minus_cos_half_angle(&self, point: Vec3) -> f32 {
         let d2 = (self.sphere.centre - point).length_squared();
-        let sin2 = self.sphere.radius * self.sphere.radius / d2;
-        if sin2 < 1.0 { solids::one_minus_cos_half_angle(sin2) } else { 2.0 }
+        solids::one_minus_cos_of_cone(self.sphere.radius * self.sphere.radius, d2)
     }
 }
 

@@ -52,12 +52,13 @@ impl Light for Sphere {
     }
 }
 
-/// 1 − cos of half the angle that a sphere fills, from the squared sine of it (radius over distance, if that is below
-/// 1).
+/// 1 − cos of half the angle that a sphere fills, from the squares of its radius and of the distance of its centre; 2 (all
+/// directions) from inside.
 #[inline(always)]
-pub fn one_minus_cos_half_angle(sin2: f32) -> f32 {
+pub fn one_minus_cos_of_cone(radius2: f32, distance2: f32) -> f32 {
+    let sin2 = radius2 / distance2;
     // 1 − √(1 − s²) without the cancellation.
-    sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
+    if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt()) } else { 2.0 }
 }
 
 /// A rectangle of the scene.
