@@ -4,7 +4,7 @@ use super::lanes::{BLOCK, Lane, Lane3, NOTHING, ZERO_BLOCK3, at, block, blocks, 
 use super::light_sample::{LightPoint, LightSample, LightSampleLanes, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::Settings;
-use super::solids;
+use super::solids::{self, Plane};
 use super::triangle_light::TriangleLight;
 use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
@@ -280,6 +280,20 @@ impl Sampled {
             Kind::Triangle(triangle) => triangle.normal().dot(w).abs(),
             Kind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+        }
+    }
+
+    /// [`solids::short_of`] this light, whose object has this [`offset`](super::geometry::Surface::offset). Without a
+    /// surface, the limit remains.
+    #[inline(always)]
+    pub fn short_of(&self, offset: f32, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
+        match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
+                solids::short_of(&Plane::through(panel.centre, panel.axes[2]), offset, origin, wi, limit)
+            }
+            Kind::Triangle(triangle) => solids::short_of(&triangle.plane(), offset, origin, wi, limit),
+            Kind::Sphere(light) => solids::short_of(&light.sphere, offset, origin, wi, limit),
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit,
         }
     }
 

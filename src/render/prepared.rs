@@ -4,6 +4,7 @@ use super::cut_lights;
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
+use super::lanes::NOTHING;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights::Sampled;
@@ -94,10 +95,14 @@ impl<'a> PreparedScene<'a> {
         })
     }
 
-    /// How far a shadow ray towards a point of an object may go, so that rounding does not let a light occlude itself.
+    /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
     #[inline(always)]
-    pub fn shadow_limit(&self, object: u32, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
-        self.geometry.short_of(object, origin, wi, distance * SHORT_OF_LIGHT)
+    pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
+        let limit = distance * SHORT_OF_LIGHT;
+        match self.lights.all.get(light as usize) {
+            Some(light) if light.object != NOTHING => light.short_of(self.geometry.offset(light.object), ray, limit),
+            _ => limit,
+        }
     }
 
     /// The environment's radiance from a direction.

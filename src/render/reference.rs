@@ -159,8 +159,7 @@ impl<'a> Reference<'a> {
     fn unoccluded(&mut self, vertex: &Vertex, light: u32, wi: Vec3, distance: f32, value: Rgb) -> Rgb {
         let ray = [vertex.surface.ray_origin(wi), wi];
         self.set_ray(ray);
-        let object = self.scene.lights.all.get(light as usize).map_or(NOTHING, |light| light.object);
-        let limit = [self.scene.shadow_limit(object, ray, distance); LANES];
+        let limit = [self.scene.shadow_limit(light, ray, distance); LANES];
         let mut blocked = [0; LANES];
         self.scene.geometry.occluded(&self.rays, 1, &limit, &mut blocked);
         if blocked[0] == 0 { value } else { Rgb::ZERO }

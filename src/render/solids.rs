@@ -30,9 +30,11 @@ pub struct Plane {
     height: f32,
 }
 
-impl From<&Rectangle> for Plane {
-    fn from(rectangle: &Rectangle) -> Self {
-        Self { normal: rectangle.normal(), height: rectangle.normal().dot(rectangle.centre()) }
+impl Plane {
+    /// The plane through a point with this unit normal.
+    #[inline(always)]
+    pub fn through(point: Vec3, normal: Vec3) -> Self {
+        Self { normal, height: normal.dot(point) }
     }
 }
 
@@ -50,6 +52,16 @@ impl Light for Sphere {
         let is_outside = origin.distance_squared(self.centre) > larger.radius * larger.radius;
         if is_outside { larger.distance(origin, direction) } else { 0.0 }
     }
+}
+
+/// How far a shadow ray may go that ends on a light, at the distance `limit`, so that rounding does not let the light occlude
+/// itself: to where it is as far away from it as rays that leave it start, `offset`. What starts no farther away is not above
+/// 0.
+#[inline(always)]
+pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
+    // What rounding to f32 does to coordinates relative to the ray's origin.
+    let margin = offset + 8.0 * f32::EPSILON * limit;
+    light.distance_within(origin, direction, margin).min(limit)
 }
 
 /// 1 − cos of half the angle that a sphere fills, from the squares of its radius and of the distance of its centre; 2 (all

@@ -2,6 +2,7 @@
 
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
+use super::solids::Plane;
 use crate::math::{Rgb, mean_rgb};
 use crate::sampling::spherical_triangle::SphericalTriangle;
 use glam::Vec3;
@@ -30,6 +31,12 @@ impl TriangleLight {
         let intensity = mean_rgb(self.radiance) as f32 * 0.5 * ab.cross(ac).length();
         let corners = [self.corner, self.corner + ab, self.corner + ac];
         LightBounds::plane(corners, self.normal, intensity, self.two_sided)
+    }
+
+    /// Its plane.
+    #[inline(always)]
+    pub fn plane(&self) -> Plane {
+        Plane::through(self.corner, self.normal)
     }
 
     /// Unit normal of the front.

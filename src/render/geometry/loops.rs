@@ -1,7 +1,7 @@
 //! Loops over rays against one shape or box, which vectorize.
 
 use crate::render::lanes::{Hits, LANES, Lane, Rays, at};
-use crate::render::solids::{Light, Solid};
+use crate::render::solids::Solid;
 use crate::render::wide::Wide;
 use glam::Vec3;
 
@@ -71,12 +71,4 @@ impl Wide for Reach<'_> {
             reach[i] = if near <= far { limit[i] } else { 0.0 };
         }
     }
-}
-
-/// The length of a shadow ray that ends in front of a light.
-#[inline(always)]
-pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
-    // What rounding to f32 does to coordinates relative to the ray's origin.
-    let margin = offset + 8.0 * f32::EPSILON * limit;
-    light.distance_within(origin, direction, margin).min(limit)
 }

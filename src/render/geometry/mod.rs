@@ -9,7 +9,7 @@ mod loops;
 mod tests;
 
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
-use super::solids::{Panel, Plane, Wall};
+use super::solids::{Panel, Wall};
 use super::wide::wide;
 use crate::math::Frame;
 use crate::scene::bvh::{self, Bvh};
@@ -180,7 +180,7 @@ impl<'a> Geometry<'a> {
     }
 
     /// Sets `blocked[i]` to nonzero where an object is nearer than `limit[i]` along ray i. A ray towards a light must
-    /// end in front of it: see [`short_of`](Self::short_of).
+    /// end in front of it: see [`short_of`](super::solids::short_of).
     pub fn occluded(&self, rays: &Rays, count: usize, limit: &Lane, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
         for wall in &self.walls {
@@ -206,18 +206,6 @@ impl<'a> Geometry<'a> {
             for i in 0..count {
                 blocked[i] |= u32::from(found[i]);
             }
-        }
-    }
-
-    /// How far a shadow ray may go that ends on object `light`, at the distance `limit`, so that rounding does not let
-    /// the light occlude itself: to where it is as far away from it as rays that leave it start. What starts no farther
-    /// away is not above 0. A mesh, and [`NOTHING`], leave the limit as it is.
-    #[inline(always)]
-    pub fn short_of(&self, light: u32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
-        match self.objects.get(light as usize).map(|object| &object.shape) {
-            Some(Shape::Rectangle(r)) => loops::short_of(&Plane::from(r), self.offset(light), origin, direction, limit),
-            Some(Shape::Sphere(s)) => loops::short_of(s, self.offset(light), origin, direction, limit),
-            Some(Shape::Mesh(_)) | None => limit,
         }
     }
 

@@ -8,8 +8,9 @@ use crate::render::lights::Sampled;
 use crate::render::prepared::SHORT_OF_LIGHT;
 use crate::render::settings::Settings;
 use crate::sampling::stream::{Independent, Stream};
-use crate::scene::{Camera, Emission, EmitterVisibility, Material, Projection, Rectangle};
+use crate::scene::{Camera, Emission, EmitterVisibility, Material, Mesh, Projection, Rectangle};
 use glam::DVec3;
+use std::sync::Arc;
 
 fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(5, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -42,10 +43,14 @@ fn lights_do_not_occlude_their_own_samples() {
         let size = 10f32.powf(2.0 * random(i, 0));
         let centre = [0.0, 1.0, 100.0][i as usize % 3] * size * random_vec(i, 1);
         let (x, y) = random_vec(i, 2).normalize().any_orthonormal_pair();
-        let shape = if i % 2 == 0 {
-            Shape::Rectangle(Rectangle::new(centre, size * x, random(i, 10).abs().max(0.01) * size * y).unwrap())
-        } else {
-            Shape::Sphere(Sphere { centre, radius: size })
+        let (x, y) = (size * x, random(i, 10).abs().max(0.01) * size * y);
+        let shape = match i % 3 {
+            0 => Shape::Rectangle(Rectangle::new(centre, x, y).unwrap()),
+            1 => Shape::Sphere(Sphere { centre, radius: size }),
+            _ => {
+                let corners = vec![centre - x, centre + x, centre + y];
+                Shape::Mesh(Arc::new(Mesh::new(corners, Vec::new(), vec![[0, 1, 2]]).unwrap()))
+            }
         };
         let scene = scene([shape]);
         let light = Sampled::all(&scene, &Settings::default(), &[])[0];
@@ -70,7 +75,8 @@ fn lights_do_not_occlude_their_own_samples() {
         for geometry in &geometries {
             let mut short = limit;
             for k in 0..LANES {
-                short[k] = geometry.short_of(0, at(&rays.origin, k), at(&rays.direction, k), limit[k]);
+                let ray = [at(&rays.origin, k), at(&rays.direction, k)];
+                short[k] = light.short_of(geometry.offset(0), ray, limit[k]);
             }
             let mut blocked = [0; LANES];
             geometry.occluded(&rays, LANES, &short, &mut blocked);

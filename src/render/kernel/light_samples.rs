@@ -77,7 +77,7 @@ pub fn sample(
             if !by_mis || !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);
             }
-            wide(scene.arch, Limits { scene, places, object: sampled.object, out });
+            wide(scene.arch, Limits { scene, places, light, out });
         }
         Source::Environment => {
             let Some(environment) = &scene.environment else { return };
@@ -169,8 +169,7 @@ impl Wide for SampleChosen<'_> {
             if !by_mis || !lights.is_found_by_rays(light) {
                 out.pdf[i] = f32::INFINITY;
             }
-            let object = lights.all.get(light as usize).map_or(NOTHING, |light| light.object);
-            out.limit[i] = scene.shadow_limit(object, [at(places.position, i), sample.wi], sample.distance);
+            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), sample.wi], sample.distance);
         }
     }
 }
@@ -179,16 +178,16 @@ impl Wide for SampleChosen<'_> {
 struct Limits<'a> {
     scene: &'a PreparedScene<'a>,
     places: &'a Places<'a>,
-    object: u32,
+    light: u32,
     out: &'a mut LightSampleLanes,
 }
 
 impl Wide for Limits<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { scene, places, object, out } = self;
+        let Self { scene, places, light, out } = self;
         for i in 0..places.slots.len().min(LANES) {
-            out.limit[i] = scene.shadow_limit(object, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
+            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
         }
     }
 }
