@@ -176,19 +176,21 @@ impl SampleLight for SphereLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         let one_minus_cos_half_angle = self.one_minus_cos_half_angle(point);
-        let axis = (self.sphere.centre - point).normalize_or(Vec3::Z);
+        let to = self.sphere.centre - point;
+        let axis = to.normalize_or(Vec3::Z);
         let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
         let below = u[0] * one_minus_cos_half_angle;
         let (sin, cos) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
         let (x, y) = axis.any_orthonormal_pair();
         let wi = (sin * cos_phi * x + sin * sin_phi * y + cos * axis).normalize();
         let solid_angle = std::f32::consts::TAU * one_minus_cos_half_angle;
-        // Where rounding at the rim makes it miss, the nearest point of the sphere is meant.
-        let found = self.sphere.distance(point, wi);
-        let nearest = axis.dot(self.sphere.centre - point).max(0.0);
-        let distance = if found.is_finite() { found } else { nearest };
+        // Distance of the nearer point of the sphere in that direction, or of the only one from inside.
+        let d = to.length();
+        let half_chord = (self.sphere.radius * self.sphere.radius - (d * sin) * (d * sin)).max(0.0).sqrt();
+        let is_outside = one_minus_cos_half_angle < 2.0;
+        let distance = d * cos - if is_outside { half_chord } else { -half_chord };
         // A point of the sphere itself may by rounding be inside.
-        let scale = if self.two_sided || one_minus_cos_half_angle < 2.0 { solid_angle } else { 0.0 };
+        let scale = if self.two_sided | is_outside { solid_angle } else { 0.0 };
         LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
     }
 

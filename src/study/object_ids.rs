@@ -25,7 +25,7 @@ impl Kind {
     /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::AreaLight => "lamp",
+            Self::AreaLight => "area light",
             Self::Mirror => "mirror",
             Self::Glass => "glass",
             Self::Metal => "metal",

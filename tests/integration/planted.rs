@@ -19,7 +19,7 @@ fn every_planted_fault_is_rejected_and_told() {
     assert_eq!(table.lines().count(), tests.len() + 1);
     // Integrals that are known: 1 + 0.05², ∫ cos θ sin θ dω/π, and two densities without the probability of either.
     for (name, mass) in
-        [("hemisphere/cosine-floor", 1.0025), ("hemisphere/sine-left-in", 2.0 / 3.0), ("lamps/choice-forgotten", 2.0)]
+        [("hemisphere/cosine-floor", 1.0025), ("hemisphere/sine-left-in", 2.0 / 3.0), ("lights/choice-forgotten", 2.0)]
     {
         let test = tests.iter().find(|test| test["name"] == name).unwrap();
         assert!((test["mass"].as_f64().unwrap() - mass).abs() < 1e-5, "{test}");

@@ -72,7 +72,7 @@ fn a_constant_map_is_cut_in_the_middle() {
 }
 
 #[test]
-fn the_variance_rule_does_not_slice_a_lamp_in_two() {
+fn the_variance_rule_does_not_slice_a_light_in_two() {
     // A large light beside a small one: equal energies need a cut through the large one.
     let light = |x: usize, y: usize| {
         let large = (20..24).contains(&x) && (7..9).contains(&y);

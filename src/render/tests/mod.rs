@@ -121,8 +121,8 @@ fn emitter(shape: Shape) -> Object {
 /// More lights than are sampled one by one, of every shape: spheres, triangles and points in a light tree, a rectangle and a
 /// two-sided sphere around everything; on a floor, with glass and metal.
 fn many_lights() -> Scene {
-    let lamp = |x: f32, z: f32| emitter(Shape::Sphere(Sphere { centre: Vec3::new(x, 1.2, z), radius: 0.1 }));
-    let mut objects: Vec<Object> = (0..9).map(|i| lamp((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0)).collect();
+    let bulb = |x: f32, z: f32| emitter(Shape::Sphere(Sphere { centre: Vec3::new(x, 1.2, z), radius: 0.1 }));
+    let mut objects: Vec<Object> = (0..9).map(|i| bulb((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0)).collect();
     let corners = vec![
         Vec3::new(-1.0, 0.8, 0.3),
         Vec3::new(-0.5, 0.8, 0.3),

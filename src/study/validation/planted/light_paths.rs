@@ -90,13 +90,13 @@ pub fn faults() -> Vec<PlantedFault> {
             equal_means(name, [Box::new(move |u| roulette(u, !faulty)), Box::new(|_| 4.0)])
         })
         .mistake("Russian roulette without compensation: the surviving paths not divided by their probability"),
-        planted("lamps/tree-without-normal", |name, faulty| {
+        planted("lights/tree-without-normal", |name, faulty| {
             let normal = Some(Vec3::new(-0.6, 0.8, 0.0));
             let pmf = if faulty { without_normal } else { LightTree::pmf };
             selection(name, 200, Vec3::new(0.4, 0.6, 0.3), normal, pmf)
         })
         .mistake("lights chosen by place and normal, but the probability of the choice by the place alone"),
-        planted("lamps/triangle-per-area", |name, faulty| {
+        planted("lights/triangle-per-area", |name, faulty| {
             triangle(name, TRIANGLES[1].1, if faulty { |_, area| 1.0 / area } else { |pdf, _| pdf })
         })
         .mistake("a triangle sampled by solid angle, and the pdf of uniform sampling by area"),
