@@ -15,7 +15,7 @@ pub struct EnvironmentSampling<'a> {
 }
 
 impl<'a> EnvironmentSampling<'a> {
-    /// Builds the sampler that the settings ask for; `None` where it is not needed.
+    /// Builds the sampler that the settings ask for; `None` where it is not needed, or has no samples.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a sampler that misses part of the light and is used alone; those of the sampler.
@@ -31,7 +31,7 @@ impl<'a> EnvironmentSampling<'a> {
                 .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
         }
         let sampler = by_light.sampler(environment.map.clone())?;
-        Ok(Some(Self { environment, sampler }))
+        Ok(sampler.has_samples().then_some(Self { environment, sampler }))
     }
 
     /// A direction towards the light that falls on a surface of this normal, in the world.

@@ -137,6 +137,11 @@ pub trait SurfaceSampler: Send + Sync {
     /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.
     fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64;
 
+    /// Whether there are samples for any normal.
+    fn has_samples(&self) -> bool {
+        true
+    }
+
     /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.
     fn invert_for(&self, _wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
         None

@@ -8,11 +8,13 @@
 mod cdf;
 mod grid;
 mod line;
+mod lines;
 
 pub use cdf::CellSample;
 pub(crate) use cdf::inside;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
+pub use lines::Tables;
 
 #[cfg(test)]
 pub(super) use cdf::weights;
