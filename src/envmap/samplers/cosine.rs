@@ -16,9 +16,8 @@
 //! normal). Compensation: Karlík et al., "MIS Compensation", 2019.
 
 use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
-use crate::envmap::latlong::LatLong;
 use crate::envmap::{Block, EnvMap};
-use crate::sampling::table::{CellSample, Tables};
+use crate::sampling::table::{CellSample, ShortTables};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
@@ -32,7 +31,7 @@ pub const ENTRY: &Entry = &Entry {
     has_regions: false,
     complete: true,
     invertible: false,
-    bytes_per_texel: Tables::BYTES,
+    bytes_per_texel: ShortTables::BYTES,
     method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::new(map)))),
 };
 
@@ -46,9 +45,11 @@ pub const COMPENSATED: &Entry = &Entry {
     ..*ENTRY
 };
 
-/// Most columns and rows of blocks, and the number of columns and rows of cells: the tables of all cells fit a processor's
-/// second cache.
-const GRID: [usize; 2] = [32, 16];
+/// Most columns and rows of blocks.
+const BLOCKS: [usize; 2] = [64, 32];
+
+/// Cells along each side of the square that normals are mapped to; odd, so that axes are in the middle of cells.
+const CELLS: usize = 23;
 
 /// Smallest weight of a block that may be above the horizon, as a share of its flux, so that none of its light is missed.
 const FLOOR: f64 = 1e-3;
@@ -57,8 +58,6 @@ const FLOOR: f64 = 1e-3;
 #[derive(Debug, Clone)]
 pub struct CosineSampler {
     map: Arc<EnvMap>,
-    /// The cells of normals.
-    cells: LatLong,
     /// For each cell, the blocks.
     blocks: Grids,
     /// For each block, its texels.
@@ -103,16 +102,16 @@ impl Spread {
 struct Grids {
     /// Columns and rows.
     size: [usize; 2],
-    rows: Tables,
-    columns: Tables,
+    rows: ShortTables,
+    columns: ShortTables,
 }
 
 impl Grids {
     /// From `weight([x, y], grid)`.
     fn new(size: [usize; 2], count: usize, weight: impl Fn([usize; 2], usize) -> f64 + Sync) -> Self {
         let [width, height] = size;
-        let (columns, sums) = Tables::new(width, height * count, |x, row| weight([x, row % height], row / height));
-        let (rows, _) = Tables::new(height, count, |y, grid| sums[grid * height + y]);
+        let (columns, sums) = ShortTables::new(width, height * count, |x, row| weight([x, row % height], row / height));
+        let (rows, _) = ShortTables::new(height, count, |y, grid| sums[grid * height + y]);
         Self { size, rows, columns }
     }
 
@@ -149,7 +148,7 @@ impl CosineSampler {
     fn above(map: Arc<EnvMap>, threshold: f64) -> Self {
         let g = map.geometry();
         let [width, height] = [g.width(), g.height()];
-        let side = [width.div_ceil(GRID[0]), height.div_ceil(GRID[1])];
+        let side = [width.div_ceil(BLOCKS[0]), height.div_ceil(BLOCKS[1])];
         let [columns, rows] = [width.div_ceil(side[0]), height.div_ceil(side[1])];
         let excess = |x: usize, y: usize| (map.mean_rgb(x, y) - threshold).max(0.0);
         // Sum flux and first moment of each block.
@@ -174,13 +173,7 @@ impl CosineSampler {
         };
         let lights: Vec<(Spread, f64)> = (0..columns * rows).into_par_iter().map(light).collect();
         // The table of each cell's blocks, and of each block's texels.
-        let cells = LatLong::new(GRID[0], GRID[1]);
-        let normals = |i: usize| {
-            let (x, y) = (i % GRID[0], i / GRID[0]);
-            let cell = Block { x0: x, y0: y, x1: x + 1, y1: y + 1 };
-            Spread::new(cells.cone(cell), cells.moment(x, y), cells.solid_angle(y))
-        };
-        let normals: Vec<Spread> = (0..GRID[0] * GRID[1]).map(normals).collect();
+        let normals: Vec<Spread> = (0..CELLS * CELLS).map(normals_of_cell).collect();
         let blocks = Grids::new([columns, rows], normals.len(), |[x, y], cell| {
             let (light, flux) = &lights[y * columns + x];
             if *flux > 0.0 { flux * light.rms_cosine(&normals[cell]) } else { 0.0 }
@@ -190,21 +183,48 @@ impl CosineSampler {
             if x < width && y < height { excess(x, y) * g.solid_angle(y) } else { 0.0 }
         });
         let has_light = lights.iter().any(|(_, flux)| *flux > 0.0);
-        Self { map, cells, blocks, texels, has_light }
+        Self { map, blocks, texels, has_light }
     }
+}
 
-    /// The table of the cell that a normal is in.
-    #[inline]
-    fn cell(&self, normal: DVec3) -> usize {
-        let (x, y) = self.cells.texel(normal);
-        y * GRID[0] + x
-    }
+/// The cell of a normal: that of its place in a square, to which the sphere is mapped by way of an octahedron.
+///
+/// Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
+#[inline]
+fn cell(normal: DVec3) -> usize {
+    let n = normal.as_vec3();
+    let scale = 1.0 / (n.x.abs() + n.y.abs() + n.z.abs());
+    let (x, z) = (n.x * scale, n.z * scale);
+    // The lower half is folded outwards.
+    let folded = |a: f32, b: f32| if n.y < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
+    let along = |a: f32| (((0.5 + 0.5 * a) * CELLS as f32) as usize).min(CELLS - 1);
+    along(folded(z, x)) * CELLS + along(folded(x, z))
+}
+
+/// The normal at a place in \[−1, 1\]², the inverse of the mapping of [`cell`].
+fn normal_at(x: f64, z: f64) -> DVec3 {
+    let y = 1.0 - x.abs() - z.abs();
+    let folded = |a: f64, b: f64| if y < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
+    DVec3::new(folded(x, z), y, folded(z, x)).normalize()
+}
+
+/// The normals of a cell, from a grid of them that includes its edges.
+fn normals_of_cell(cell: usize) -> Spread {
+    const STEPS: usize = 8;
+    let place = |cell: usize, step: usize| 2.0 * (cell as f64 + step as f64 / STEPS as f64) / CELLS as f64 - 1.0;
+    let steps = (0..=STEPS).flat_map(|j| (0..=STEPS).map(move |i| (i, j)));
+    let normals: Vec<DVec3> =
+        steps.map(|(i, j)| normal_at(place(cell % CELLS, i), place(cell / CELLS, j))).collect();
+    let moment: DVec3 = normals.iter().sum();
+    let axis = moment.normalize();
+    let radius = normals.iter().map(|n| n.angle_between(axis)).fold(0.0, f64::max);
+    Spread::new((axis, radius + 1e-3), moment, normals.len() as f64)
 }
 
 impl SurfaceSampler for CosineSampler {
     #[inline]
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
-        let [bx, by] = self.blocks.sample(self.cell(normal), u)?;
+        let [bx, by] = self.blocks.sample(cell(normal), u)?;
         let block = by.cell * self.blocks.size[0] + bx.cell;
         let [tx, ty] = self.texels.sample(block, [bx.offset, by.offset])?;
         let [x, y] = [bx.cell * self.texels.size[0] + tx.cell, by.cell * self.texels.size[1] + ty.cell];
@@ -221,7 +241,7 @@ impl SurfaceSampler for CosineSampler {
         let (x, y) = g.texel(wi);
         let [width, height] = self.texels.size;
         let [bx, by] = [x / width, y / height];
-        let of_block = self.blocks.probability(self.cell(normal), [bx, by]);
+        let of_block = self.blocks.probability(cell(normal), [bx, by]);
         let texel = [x - bx * width, y - by * height];
         of_block * self.texels.probability(by * self.blocks.size[0] + bx, texel) * g.inverse_solid_angle(y)
     }

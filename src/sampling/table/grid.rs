@@ -2,9 +2,9 @@
 
 use super::super::batch::{BATCH, Batch};
 use super::super::prefetch::prefetch;
-use super::cdf::{CellSample, PROBES, bucket, cdf_len, find, guide_len, inside};
+use super::cdf::{Cdf, CellSample, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
 use super::line::Table1;
-use super::lines::Tables;
+use rayon::prelude::*;
 
 /// A cell of a grid and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,19 +29,37 @@ impl GridSample {
 pub struct Table2 {
     width: usize,
     rows: Table1,
-    /// A table for each row.
-    columns: Tables,
+    /// Tables of all rows, one after the other, with stride `cdf_len(width)`.
+    cdf: Vec<f64>,
+    /// Their guides, with stride `guide_len(width)`.
+    guide: Vec<u16>,
 }
 
 impl Table2 {
     /// Memory that a table takes for each cell, if rows are not of a few cells only.
-    pub const BYTES: usize = Tables::BYTES;
+    pub const BYTES: usize = size_of::<f64>() + 2 * size_of::<u16>();
 
     /// From `width * height` weights (finite, ≥ 0) given row by row through `weight(x, y)`.
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> Self {
-        let (columns, sums) = Tables::new(width, height, weight);
-        Self { width, rows: Table1::new(&sums), columns }
+        let (stride, guide_stride) = (cdf_len(width), guide_len(width));
+        let mut cdf = vec![0.0; stride * height];
+        let mut guide = vec![0; guide_stride * height];
+        let sums: Vec<f64> = cdf
+            .par_chunks_mut(stride)
+            .zip(guide.par_chunks_mut(guide_stride))
+            .enumerate()
+            .map_init(
+                || vec![0.0; width],
+                |weights, (y, (cdf, guide))| {
+                    for (x, w) in weights.iter_mut().enumerate() {
+                        *w = weight(x, y);
+                    }
+                    fill(weights, cdf, guide)
+                },
+            )
+            .collect();
+        Self { width, rows: Table1::new(&sums), cdf, guide }
     }
 
     /// Sum of the weights; when it is 0 nothing can be sampled.
@@ -51,12 +69,21 @@ impl Table2 {
         self.rows.total()
     }
 
+    #[inline]
+    fn row(&self, y: usize) -> Cdf<'_> {
+        let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
+        Cdf {
+            cdf: &self.cdf[y * stride..(y + 1) * stride],
+            guide: &self.guide[y * guide_stride..(y + 1) * guide_stride],
+        }
+    }
+
     /// Samples the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: [f64; 2]) -> Option<GridSample> {
         let y = self.rows.sample(u[0])?;
-        Some(GridSample { x: self.columns.of(y.cell).sample(u[1]), y })
+        Some(GridSample { x: self.row(y.cell).sample(u[1]), y })
     }
 
     /// [`Table2::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
@@ -80,20 +107,20 @@ impl Table2 {
             let (row, start, probability) = rows.find(v);
             (y[i], fy[i], py[i]) = (row as u32, v - start, probability);
             cell[i] = row * guide_stride + bucket(u, buckets);
-            prefetch(&self.columns.guide, cell[i]);
+            prefetch(&self.guide, cell[i]);
         }
         // Read from the guides which columns come into question.
         for i in 0..n {
-            bracket[i] = [self.columns.guide[cell[i]], self.columns.guide[cell[i] + 1]];
+            bracket[i] = [self.guide[cell[i]], self.guide[cell[i] + 1]];
             let first = y[i] as usize * stride + usize::from(bracket[i][0]);
-            prefetch(&self.columns.cdf, first);
-            prefetch(&self.columns.cdf, first + PROBES + 1);
+            prefetch(&self.cdf, first);
+            prefetch(&self.cdf, first + PROBES + 1);
         }
         // Find the columns.
         for i in 0..n {
             let u = u[i][1];
             let row = y[i] as usize;
-            let (column, start, probability) = find(&self.columns.cdf, row * stride, self.width, bracket[i], u);
+            let (column, start, probability) = find(&self.cdf, row * stride, self.width, bracket[i], u);
             (x[i], fx[i], px[i]) = (column as u32, u - start, probability);
             cell[i] = row * self.width + column;
             prefetch(values, cell[i]);
@@ -110,13 +137,13 @@ impl Table2 {
     #[inline]
     #[must_use]
     pub fn probability(&self, x: usize, y: usize) -> f64 {
-        self.rows.probability(y) * self.columns.of(y).probability(x)
+        self.rows.probability(y) * self.row(y).probability(x)
     }
 
     /// The `u` that [`Table2::sample`] maps to this place in cell (x, y).
     #[must_use]
     pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
-        [self.rows.invert(y, fy), self.columns.of(y).invert(x, fx)]
+        [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
     }
 }
 

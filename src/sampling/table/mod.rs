@@ -8,13 +8,13 @@
 mod cdf;
 mod grid;
 mod line;
-mod lines;
+mod short;
 
 pub use cdf::CellSample;
 pub(crate) use cdf::inside;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
-pub use lines::Tables;
+pub use short::ShortTables;
 
 #[cfg(test)]
 pub(super) use cdf::weights;
