@@ -17,6 +17,8 @@
 
 use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
+use crate::sampling::batch::BATCH;
+use crate::sampling::prefetch::prefetch;
 use crate::sampling::table::{CellSample, ShortTables};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -115,11 +117,16 @@ impl Grids {
         Self { size, rows, columns }
     }
 
-    /// The column and the row; `None` when all weights are 0.
-    #[inline]
-    fn sample(&self, grid: usize, [u, v]: [f64; 2]) -> Option<[CellSample; 2]> {
-        let y = self.rows.sample(grid, v)?;
-        Some([self.columns.sample(grid * self.size[1] + y.cell, u)?, y])
+    /// Samples a row of a grid.
+    #[inline(always)]
+    fn row(&self, grid: usize, v: f64) -> CellSample {
+        self.rows.sample(grid, v)
+    }
+
+    /// Samples a column of a row.
+    #[inline(always)]
+    fn column(&self, grid: usize, row: usize, u: f64) -> CellSample {
+        self.columns.sample(grid * self.size[1] + row, u)
     }
 
     #[inline]
@@ -185,12 +192,25 @@ impl CosineSampler {
         let has_light = lights.iter().any(|(_, flux)| *flux > 0.0);
         Self { map, blocks, texels, has_light }
     }
+
+    /// The number of a block in its column and row.
+    #[inline(always)]
+    fn block(&self, [x, y]: [usize; 2]) -> usize {
+        y * self.blocks.size[0] + x
+    }
+
+    /// Column and row of a texel in a block.
+    #[inline(always)]
+    fn texel(&self, block: [CellSample; 2], texel: [CellSample; 2]) -> [usize; 2] {
+        let [width, height] = self.texels.size;
+        [block[0].cell * width + texel[0].cell, block[1].cell * height + texel[1].cell]
+    }
 }
 
 /// The cell of a normal: that of its place in a square, to which the sphere is mapped by way of an octahedron.
 ///
 /// Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
-#[inline]
+#[inline(always)]
 fn cell(normal: DVec3) -> usize {
     let n = normal.as_vec3();
     let scale = 1.0 / (n.x.abs() + n.y.abs() + n.z.abs());
@@ -213,8 +233,7 @@ fn normals_of_cell(cell: usize) -> Spread {
     const STEPS: usize = 8;
     let place = |cell: usize, step: usize| 2.0 * (cell as f64 + step as f64 / STEPS as f64) / CELLS as f64 - 1.0;
     let steps = (0..=STEPS).flat_map(|j| (0..=STEPS).map(move |i| (i, j)));
-    let normals: Vec<DVec3> =
-        steps.map(|(i, j)| normal_at(place(cell % CELLS, i), place(cell / CELLS, j))).collect();
+    let normals: Vec<DVec3> = steps.map(|(i, j)| normal_at(place(cell % CELLS, i), place(cell / CELLS, j))).collect();
     let moment: DVec3 = normals.iter().sum();
     let axis = moment.normalize();
     let radius = normals.iter().map(|n| n.angle_between(axis)).fold(0.0, f64::max);
@@ -222,32 +241,79 @@ fn normals_of_cell(cell: usize) -> Spread {
 }
 
 impl SurfaceSampler for CosineSampler {
-    #[inline]
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
-        let [bx, by] = self.blocks.sample(cell(normal), u)?;
-        let block = by.cell * self.blocks.size[0] + bx.cell;
-        let [tx, ty] = self.texels.sample(block, [bx.offset, by.offset])?;
-        let [x, y] = [bx.cell * self.texels.size[0] + tx.cell, by.cell * self.texels.size[1] + ty.cell];
-        let g = self.map.geometry();
-        let wi = g.direction_in_texel(x, y, tx.offset, ty.offset);
-        let probability = (by.probability * bx.probability) * (ty.probability * tx.probability);
-        let pdf = probability * g.inverse_solid_angle(y);
-        Some(EnvSample { wi, pdf, radiance: self.map.texel(x, y) })
+        let mut out = [None];
+        self.sample_each(&[u], &[normal], &mut out);
+        out[0]
+    }
+
+    fn sample_each(&self, u: &[[f64; 2]], normals: &[DVec3], out: &mut [Option<EnvSample>]) {
+        pulp::Arch::new().dispatch(Fill { sampler: self, u, normals, out });
+    }
+
+    fn map(&self) -> &EnvMap {
+        &self.map
     }
 
     #[inline]
-    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64 {
+    fn pdf_in_texel(&self, (x, y): (usize, usize), normal: DVec3) -> f64 {
         let g = self.map.geometry();
-        let (x, y) = g.texel(wi);
         let [width, height] = self.texels.size;
         let [bx, by] = [x / width, y / height];
         let of_block = self.blocks.probability(cell(normal), [bx, by]);
         let texel = [x - bx * width, y - by * height];
-        of_block * self.texels.probability(by * self.blocks.size[0] + bx, texel) * g.inverse_solid_angle(y)
+        of_block * self.texels.probability(self.block([bx, by]), texel) * g.inverse_solid_angle(y)
     }
 
     fn has_samples(&self) -> bool {
         self.has_light
+    }
+}
+
+/// Samples for several normals. Each step is done for all samples before the next one, so that their look-ups overlap.
+struct Fill<'a> {
+    sampler: &'a CosineSampler,
+    u: &'a [[f64; 2]],
+    normals: &'a [DVec3],
+    out: &'a mut [Option<EnvSample>],
+}
+
+impl pulp::WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
+        let Self { sampler, u, normals, out } = self;
+        let CosineSampler { map, blocks, texels, .. } = sampler;
+        let g = map.geometry();
+        for (i, out) in out.chunks_mut(BATCH).enumerate() {
+            let (u, normals) = (&u[i * BATCH..][..out.len()], &normals[i * BATCH..][..out.len()]);
+            let mut cells = [0; BATCH];
+            let [mut bx, mut by, mut tx, mut ty] = [[CellSample::default(); BATCH]; 4];
+            // Find the row of blocks and the block, then the row of its texels and the texel.
+            for i in 0..out.len() {
+                cells[i] = cell(normals[i]);
+                by[i] = blocks.row(cells[i], u[i][1]);
+            }
+            for i in 0..out.len() {
+                bx[i] = blocks.column(cells[i], by[i].cell, u[i][0]);
+            }
+            for i in 0..out.len() {
+                ty[i] = texels.row(sampler.block([bx[i].cell, by[i].cell]), by[i].offset);
+            }
+            for i in 0..out.len() {
+                tx[i] = texels.column(sampler.block([bx[i].cell, by[i].cell]), ty[i].cell, bx[i].offset);
+                let [x, y] = sampler.texel([bx[i], by[i]], [tx[i], ty[i]]);
+                prefetch(map.image().pixels(), y * g.width() + x);
+            }
+            for i in 0..out.len() {
+                let [x, y] = sampler.texel([bx[i], by[i]], [tx[i], ty[i]]);
+                let wi = g.direction_in_texel(x, y, tx[i].offset, ty[i].offset);
+                let probability = (by[i].probability * bx[i].probability) * (ty[i].probability * tx[i].probability);
+                let pdf = probability * g.inverse_solid_angle(y);
+                out[i] = (pdf > 0.0).then(|| EnvSample { wi, pdf, radiance: map.texel(x, y) });
+            }
+        }
     }
 }
 

@@ -99,6 +99,10 @@ impl SurfaceSampler for TexelSampler {
         pulp::Arch::new().dispatch(Fill { sampler: self, u, out });
     }
 
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
     fn invert_for(&self, wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
         let Table::Rows(table) = &self.table else { return None };
         let (x, y, fx, fy) = self.map.geometry().texel_position(wi);
@@ -106,9 +110,8 @@ impl SurfaceSampler for TexelSampler {
     }
 
     #[inline]
-    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
+    fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         let g = self.map.geometry();
-        let (x, y) = g.texel(wi);
         let probability = match &self.table {
             Table::Rows(table) => table.probability(x, y),
             Table::Alias(table) => table.probability(y * g.width() + x),

@@ -3,8 +3,8 @@
 use super::paths::{Paths, Points, Shadows};
 use super::step::Step;
 use crate::bsdf::Bsdf;
-use crate::math::{Frame, Rgb};
 use crate::math::circular::Circular;
+use crate::math::{Frame, Rgb};
 use crate::render::departure::Departure;
 use crate::render::geometry::Surface;
 use crate::render::lanes::{LANES, Lane, Lane3, ZERO3, at, set};

@@ -8,9 +8,15 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub struct ShortTables {
     cells: usize,
-    /// One table after the other: n + 1 values from 0 to 1, or zeros where all weights are 0.
-    cdf: Vec<f32>,
+    /// From table to table: `cells` to a multiple of [`LANES`].
+    stride: usize,
+    /// One table after the other: the ends of the cells, the last one 1, and infinity up to the stride; zeros where all weights
+    /// are 0.
+    ends: Vec<f32>,
 }
+
+/// Most ends that processors compare together.
+const LANES: usize = 16;
 
 impl ShortTables {
     /// Memory for each cell, if tables are not of a few cells only.
@@ -20,59 +26,76 @@ impl ShortTables {
     /// weights.
     #[must_use]
     pub fn new(cells: usize, count: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> (Self, Vec<f64>) {
-        let mut cdf = vec![0.0; (cells + 1) * count];
-        let one = |(table, cdf): (usize, &mut [f32])| {
+        let stride = cells.next_multiple_of(LANES);
+        let mut ends = vec![f32::INFINITY; stride * count];
+        let one = |(table, ends): (usize, &mut [f32])| {
             let weights: Vec<f64> = (0..cells).map(|cell| weight(cell, table)).collect();
-            fill(&weights, cdf)
+            fill(&weights, &mut ends[..cells])
         };
-        let sums = cdf.par_chunks_mut(cells + 1).enumerate().map(one).collect();
-        (Self { cells, cdf }, sums)
+        let sums = ends.par_chunks_mut(stride).enumerate().map(one).collect();
+        (Self { cells, stride, ends }, sums)
     }
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, table: usize) -> &[f32] {
-        &self.cdf[table * (self.cells + 1)..(table + 1) * (self.cells + 1)]
+        &self.ends[table * self.stride..][..self.stride]
     }
 
-    /// The cell of a table for `u` in \[0, 1) and the position inside it; `None` when all weights are 0.
-    #[inline]
+    /// The cell of a table for `u` in \[0, 1) and the position inside it; a probability of 0 when all weights are 0.
+    #[inline(always)]
     #[must_use]
-    pub fn sample(&self, table: usize, u: f64) -> Option<CellSample> {
-        let cdf = self.of(table);
+    pub fn sample(&self, table: usize, u: f64) -> CellSample {
+        let ends = self.of(table);
         // What is at most u is at most u rounded down.
         let nearest = u as f32;
         let below = if f64::from(nearest) > u { nearest.next_down() } else { nearest };
-        let cell = cdf[1..].iter().map(|&end| u32::from(end <= below)).sum::<u32>() as usize;
-        let [start, end] = [*cdf.get(cell)?, *cdf.get(cell + 1)?].map(f64::from);
-        Some(CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start })
+        let mut passed = 0;
+        for &end in ends {
+            passed += u32::from(end <= below);
+        }
+        let cell = (passed as usize).min(self.cells - 1);
+        let [start, end] = bounds(ends, cell);
+        CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start }
     }
 
     /// Probability of a cell of a table.
     #[inline]
     #[must_use]
     pub fn probability(&self, table: usize, cell: usize) -> f64 {
-        let cdf = self.of(table);
-        f64::from(cdf[cell + 1]) - f64::from(cdf[cell])
+        let [start, end] = bounds(self.of(table), cell);
+        end - start
     }
 }
 
-/// Fills a table and returns the sum of its weights. A cell of positive weight always gets a positive probability.
-fn fill(weights: &[f64], cdf: &mut [f32]) -> f64 {
+/// Start and end of a cell.
+#[inline(always)]
+fn bounds(ends: &[f32], cell: usize) -> [f64; 2] {
+    let start = if cell > 0 { ends[cell - 1] } else { 0.0 };
+    [f64::from(start), f64::from(ends[cell])]
+}
+
+/// Fills the ends of a table's cells and returns the sum of its weights. A cell of positive weight always gets a positive
+/// probability.
+fn fill(weights: &[f64], ends: &mut [f32]) -> f64 {
     let total: f64 = weights.iter().sum();
-    let Some(last) = weights.iter().rposition(|&w| w > 0.0) else { return 0.0 };
-    let mut sum = 0.0;
-    for (i, &w) in weights.iter().enumerate() {
+    let Some(last) = weights.iter().rposition(|&w| w > 0.0) else {
+        ends.fill(0.0);
+        return 0.0;
+    };
+    let (mut sum, mut start) = (0.0, 0.0f32);
+    for (end, &w) in ends.iter_mut().zip(weights) {
         sum += w;
-        cdf[i + 1] = if w > 0.0 { ((sum / total) as f32).max(cdf[i].next_up()) } else { cdf[i] };
+        *end = if w > 0.0 { ((sum / total) as f32).max(start.next_up()) } else { start };
+        start = *end;
     }
     // Let the table end at 1 exactly, and restore increasing values from the right where rounding left no gap.
-    cdf[last + 1..].fill(1.0);
-    for i in (0..=last).rev() {
-        let largest = if weights[i] > 0.0 { cdf[i + 1].next_down() } else { cdf[i + 1] };
-        if cdf[i] <= largest {
+    ends[last..].fill(1.0);
+    for i in (1..=last).rev() {
+        let largest = if weights[i] > 0.0 { ends[i].next_down() } else { ends[i] };
+        if ends[i - 1] <= largest {
             break;
         }
-        cdf[i] = largest;
+        ends[i - 1] = largest;
     }
     total
 }
@@ -97,15 +120,16 @@ mod tests {
                 assert!((p - expected).abs() < 1e-4 && (p > 0.0) == (wi > 0.0), "{p} {expected}");
             }
             for u in (0..5000).map(|i| f64::from(i) / 5000.0).chain([f64::MIN_POSITIVE, 1.0f64.next_down()]) {
-                let Some(at) = tables.sample(1, u) else {
-                    assert_eq!(total, 0.0);
+                let at = tables.sample(1, u);
+                if total == 0.0 {
+                    assert_eq!(at.probability, 0.0);
                     continue;
-                };
+                }
                 let start: f64 = (0..at.cell).map(|i| tables.probability(1, i)).sum();
                 assert!(start <= u && u < start + at.probability && (0.0..1.0).contains(&at.offset));
                 assert_eq!(at.probability, tables.probability(1, at.cell));
             }
-            assert_eq!(tables.sample(0, 0.5), None);
+            assert_eq!(tables.sample(0, 0.5).probability, 0.0);
         }
     }
 }
