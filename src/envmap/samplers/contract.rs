@@ -153,9 +153,7 @@ pub trait SurfaceSampler: Send + Sync {
     fn pdf_in_texel(&self, texel: (usize, usize), normal: DVec3) -> f64;
 
     /// Whether there are samples for any normal.
-    fn has_samples(&self) -> bool {
-        true
-    }
+    fn has_samples(&self) -> bool;
 
     /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.
     fn invert_for(&self, _wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {

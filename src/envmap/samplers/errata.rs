@@ -62,6 +62,10 @@ impl SurfaceSampler for ErrataSampler {
         &self.map
     }
 
+    fn has_samples(&self) -> bool {
+        self.table.total() > 0.0
+    }
+
     fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         self.texel_pdf(x, y)
     }

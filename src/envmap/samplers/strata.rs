@@ -88,6 +88,10 @@ impl SurfaceSampler for StrataSampler {
         &self.map
     }
 
+    fn has_samples(&self) -> bool {
+        self.regions.total() > 0.0
+    }
+
     #[inline]
     fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         self.strata[self.of_texel[y * self.map.geometry().width() + x] as usize].pdf
