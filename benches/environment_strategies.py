@@ -128,7 +128,9 @@ def row(arguments, folder, path, name, scene):
     work = {key: level["cpu_seconds"] * level["mse"]["value"] for key, level in levels.items()}
     relative = {key: work[key] / work[arguments.default] for key in arguments.others if key in work}
     best = min(relative, key=relative.get)
-    errors = [levels[key]["mse"]["standard_error"] / levels[key]["mse"]["value"] for key in (arguments.default, best)]
+    # The standard error is unknown if the budget allowed one replicate only.
+    errors = [(levels[key]["mse"]["standard_error"] or float("nan")) / levels[key]["mse"]["value"]
+              for key in (arguments.default, best)]
     error = sum(e ** 2 for e in errors) ** .5
     others = ", ".join(f"{key} {value:.3g}" for key, value in relative.items())
     print(f"{name:<24} {scene:<10} {relative[best]:>12.2f} {error * relative[best]:>5.2f}  {best} ({others})", flush=True)
