@@ -166,11 +166,11 @@ impl CosineSampler {
             let (mut moment, mut flux) = (DVec3::ZERO, 0.0);
             for y in y0..block.y1 {
                 let [mut sum, mut cos, mut sin] = [0.0; 3];
-                for x in x0..block.x1 {
+                for (x, [cos_phi, sin_phi]) in (x0..).zip(&axes[x0..block.x1]) {
                     let radiance = excess(x, y);
                     sum += radiance;
-                    cos += radiance * axes[x][0];
-                    sin += radiance * axes[x][1];
+                    cos += radiance * cos_phi;
+                    sin += radiance * sin_phi;
                 }
                 let [across, along] = g.row_moment(y);
                 moment += DVec3::new(across * cos, along * sum, across * sin);
