@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn a_lying_bar_runs_from_the_least_value_to_the_largest() {
         let map = Heatmap::new(1, vec![-1.0, 4.0], Shading::Diverging, "relative error");
-        let bar = map.bar(200.0);
+        let bar = map.bar(300.0);
         let image =
             bar.items.iter().find_map(|item| if let Item::Image { image, .. } = item { Some(image) } else { None });
         let image = image.unwrap();

@@ -143,8 +143,8 @@ impl Display {
         // Samples of one texel show as a darker marker
         for [x, y] in inside {
             let centre = [place.x + x, place.y + y];
-            drawing.circle(centre, 3.6, theme::BORDER.faded(0.5));
-            drawing.circle(centre, 2.6, theme::MARKER.faded(0.6));
+            drawing.circle(centre, 5.0, theme::BORDER.faded(0.6));
+            drawing.circle(centre, 3.6, theme::MARKER.faded(0.6));
         }
     }
 
