@@ -60,6 +60,8 @@ pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.
 pub const STABLE_VARIANT: Colour = BLUE;
 pub const TEXTBOOK_VARIANT: Colour = VERMILION;
 pub const ERRATUM_VARIANT: Colour = PURPLE;
+/// How far rounding of the input alone may move a result.
+pub const EXPLAINED_BY_INPUT: Stroke = Stroke::solid(Colour::rgb(176, 208, 232), 4.0);
 
 // Roles over environment maps.
 

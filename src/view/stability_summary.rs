@@ -2,7 +2,7 @@
 //! explains of it.
 
 use super::stability::title;
-use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
+use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, theme};
 use crate::study::stability::{ErrorRow, Precision, REPORT, STABLE, TEXTBOOK};
 
 /// Scale of relative errors, and of errors over what rounding of the input explains; values outside stand at its ends.
@@ -42,17 +42,18 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         let rounding = 0.5 * row.precision.unit(1.0);
         let reach = (row.condition_at_worst.max(1.0) * rounding).clamp(ERRORS[0], ERRORS[1]);
         let y = line as f64 + 0.5 + look(row.variant).1;
-        panel.line("explained by rounding of the input, as it renders", EXPLAINED, [[rounding, y], [reach, y]])
+        panel.line(
+            "explained by rounding of the input, as it renders",
+            theme::EXPLAINED_BY_INPUT,
+            [[rounding, y], [reach, y]],
+        )
     });
     let ratios = panel("largest error / rounding of the input", RATIOS, &blank, &|row| 2.0 * row.max_ulp_per_condition)
-        .line("explained by rounding of the input, as it renders", EXPLAINED, Vec::new())
+        .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
         .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
     let panels = [explained.title("Largest error"), ratios.title("Beyond rounding of the input")];
     Plot::new(panels).frame_size(350.0, LINE * families.len() as f64).draw()
 }
-
-/// How far rounding of the input alone may move a result.
-const EXPLAINED: Stroke = Stroke::solid(Colour::rgb(176, 208, 232), 4.0);
 
 /// The colour of a variant, and the vertical offset of its markers in lines, so that none hides another.
 fn look(variant: &str) -> (Colour, f64) {
