@@ -77,11 +77,18 @@ fn difference(a: &Image, b: &Image) -> Drawing {
         rows.flat_map(|y| columns.clone().map(move |x| at(x, y))).sum::<f64>() / count
     };
     let rows = (0..height).step_by(side);
-    let values = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
-    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, "(R + G + B)/3 of A − B");
+    let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
+    // A scale that holds 99 % of the differences: a single bright pixel does not hide the others
+    let mut sizes: Vec<f64> = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let limit = sizes.get(sizes.len() * 99 / 100).copied().filter(|v| *v > 0.0);
+    let limit = limit.or(sizes.last().copied()).unwrap_or(0.0);
+    let label = "difference of (R + G + B)/3 (1 % exceed the scale)";
+    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
     let (width, height) = (width as f64, height as f64);
-    let panel =
-        Panel::new(Axis::linear("column").range(0.0, width), Axis::linear("row").range(height, 0.0)).heatmap(map);
+    let panel = Panel::new(Axis::linear("column").range(0.0, width), Axis::linear("row").range(height, 0.0))
+        .title("A − B: blue where A is darker, red where it is brighter")
+        .heatmap(map);
     let longer = 480.0 / width.max(height);
     Plot::new([panel]).frame_size(width * longer, height * longer).draw()
 }

@@ -42,6 +42,9 @@ pub struct Reproduce {
     /// to use instead of the built-in ones
     #[arg(long, value_name = "FOLDER")]
     scenes: Option<PathBuf>,
+    /// Times the usual number of pixels of PNG files along each side: 2 for slides
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    scale: u32,
     /// List the figures and stop
     #[arg(long)]
     list: bool,
@@ -117,6 +120,7 @@ impl Reproduce {
             (self.options.flip, "--flip".into()),
             (self.options.ldr, "--ldr".into()),
             (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
+            (self.scale != 1, format!("--scale {}", self.scale)),
         ];
         let given: Vec<String> = options.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag).collect();
         given.join(" ")
@@ -142,7 +146,7 @@ impl Reproduce {
             map_file::warn_upside_down(&source, console);
         }
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
-        Ok(Inputs { map: source, originals, seed: global.seed, effort })
+        Ok(Inputs { map: source, originals, seed: global.seed, effort, scale: self.scale })
     }
 }
 

@@ -42,3 +42,8 @@ pub fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
     let some = samplers::ALL.iter().filter(|entry| among(MapSampling::new(entry)));
     some.map(|entry| line(entry)).collect::<Vec<_>>().join("; ")
 }
+
+/// An exposure in stops.
+pub fn stops(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
+}

@@ -20,12 +20,13 @@ pub struct Axis {
     range: Option<(f64, f64)>,
     every: Option<f64>,
     at: Vec<f64>,
+    names: Vec<String>,
 }
 
 impl Axis {
     /// A linear axis that shows all the data. `label` may carry the markup of [`super::text`].
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new() }
+        Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new(), names: Vec::new() }
     }
 
     /// A logarithmic axis that shows all positive data.
@@ -43,7 +44,13 @@ impl Axis {
         Self { every: Some(step), ..self }
     }
 
-    /// Puts labelled ticks only at these integers.
+    /// A y axis of named places instead of numbers, the first at the top: place `i` lies at `i` + ½.
+    pub fn named(label: impl Into<String>, names: impl Into<Vec<String>>) -> Self {
+        let names = names.into();
+        Self { range: Some((names.len() as f64, 0.0)), names, ..Self::linear(label) }
+    }
+
+    /// Puts labelled ticks only at these values.
     pub fn at(self, places: impl Into<Vec<f64>>) -> Self {
         Self { at: places.into(), ..self }
     }
@@ -63,6 +70,9 @@ impl Axis {
     }
 
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
+        if !self.names.is_empty() {
+            return ticks::named(&self.names);
+        }
         if !self.at.is_empty() {
             return ticks::at(span.lo(), span.hi(), &self.at);
         }

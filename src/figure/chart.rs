@@ -29,7 +29,8 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    pub fn new(panel: &Panel, width: f64, height: f64, own_legend: bool) -> Self {
+    /// `has_own` says whether the panel shows a legend and a colour bar of its own, or shares them with others.
+    pub fn new(panel: &Panel, width: f64, height: f64, has_own: Parts) -> Self {
         let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
         let mut sketch = Sketch {
             drawing: Drawing::new(width, height, 1.0),
@@ -44,7 +45,9 @@ impl Chart {
         match &panel.heatmap {
             Some(map) => {
                 sketch.drawing.image(sketch.axes.frame, map.image());
-                room = colour_bar::draw(&mut sketch.drawing, map, &sketch.axes.frame);
+                if has_own.bar {
+                    room = colour_bar::beside(&mut sketch.drawing, map, &sketch.axes.frame);
+                }
             }
             None => sketch.axes.grid(&mut sketch.drawing),
         }
@@ -55,9 +58,16 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
-        let legend = Legend::new(&panel.marks).filter(|_| own_legend).and_then(|legend| sketch.legend(legend));
+        let legend = Legend::new(&panel.marks).filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
+}
+
+/// What panels may share.
+#[derive(Clone, Copy)]
+pub(super) struct Parts {
+    pub legend: bool,
+    pub bar: bool,
 }
 
 pub(super) struct Sketch<'a> {
@@ -85,10 +95,10 @@ impl Sketch<'_> {
 
     /// Writes the label of a reference line or a note where there is room.
     fn label(&mut self, mark: &Mark) {
-        let (label, at) = match mark {
-            Mark::Vertical { at, label } => (label, [self.axes.x.position(*at), 0.5]),
-            Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)]),
-            Mark::Note { at, text } => (text, self.position(*at)),
+        let (label, at, colour) = match mark {
+            Mark::Vertical { at, label } => (label, [self.axes.x.position(*at), 0.5], theme::INK),
+            Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)], theme::INK),
+            Mark::Note { at, text, colour } => (text, self.position(*at), *colour),
             _ => return,
         };
         if label.is_empty() || !at.iter().all(|v| (0.0..=1.0).contains(v)) {
@@ -120,7 +130,10 @@ impl Sketch<'_> {
         let place = match (found, mark) {
             (Some(place), _) => {
                 self.space.add(&place.grown(CLEAR));
-                self.drawing.rect(place, Colour::WHITE.faded(0.85));
+                // Lines of the grid run on behind notes, which may be many
+                if !matches!(mark, Mark::Note { .. }) {
+                    self.drawing.rect(place, Colour::WHITE.faded(0.85));
+                }
                 place
             }
             (None, Mark::Horizontal { .. }) => {
@@ -141,20 +154,20 @@ impl Sketch<'_> {
                 place
             }
         };
-        let text = Text::new(place.centre(), theme::NOTE_SIZE, label.clone()).held(Anchor::Middle, Level::Middle);
+        let text = Text::new(place.centre(), theme::NOTE_SIZE, label.clone())
+            .held(Anchor::Middle, Level::Middle)
+            .coloured(colour);
         self.drawing.text(if place.height > place.width { text.upwards() } else { text });
     }
 
-    /// Draws the legend in a free place along the edges, or returns it when there is none.
+    /// Draws the legend in a free corner, or returns it when there is none.
     fn legend(&mut self, legend: Legend) -> Option<Legend> {
         for columns in 1..=legend.len().min(3) {
             let [width, height] = legend.size(columns);
             let (left, right) = (INSET, self.axes.frame.width - INSET - width);
             let (top, bottom) = (INSET, self.axes.frame.height - INSET - height);
-            let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
             let corners = [[right, top], [left, top], [right, bottom], [left, bottom]];
-            let sides = [[middle[0], top], [middle[0], bottom], [right, middle[1]], [left, middle[1]]];
-            let places = corners.into_iter().chain(sides).map(|[x, y]| Rect::new(x, y, width, height));
+            let places = corners.map(|[x, y]| Rect::new(x, y, width, height));
             if let Some(place) = self.space.first_free(places) {
                 self.drawing.rect(place, Paint { fill: Some(Colour::WHITE), stroke: Some(theme::GRID) });
                 legend.draw(&mut self.drawing, [place.x, place.y], columns);

@@ -4,7 +4,7 @@
 //! top left corner, y points down.
 
 use super::rgb8::Rgb8;
-use super::shapes::{Paint, Point, Rect, Stroke, Text};
+use super::shapes::{Colour, Marker, Paint, Point, Rect, Stroke, Text};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -115,6 +115,17 @@ impl Drawing {
         self.add(Item::Circle { centre, radius, paint: paint.into() });
     }
 
+    /// A data point's marker.
+    pub fn marker(&mut self, centre: Point, radius: f64, marker: Marker, colour: Colour) {
+        let corners = marker.corners(radius);
+        if corners.is_empty() {
+            self.circle(centre, radius, marker.paint(colour));
+        } else {
+            let moved = |corner: Point| [centre[0] + corner[0], centre[1] + corner[1]];
+            self.polygon(corners.into_iter().map(moved).collect::<Vec<_>>(), marker.paint(colour));
+        }
+    }
+
     pub fn text(&mut self, text: Text) {
         self.add(Item::Text(text));
     }
@@ -157,7 +168,6 @@ pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes::Colour;
     use super::*;
 
     #[test]

@@ -111,7 +111,7 @@ impl<'a> Axes<'a> {
             let (left, right) = (frame.x - left + 4.0, right - frame.right() + 4.0);
             room = room.union(Sides { left, right, ..Sides::default() });
         }
-        let mut below = TICK + PAD + exponent_lift(across) + theme::TICK_SIZE * (text::CAP_HEIGHT + text::DESCENT);
+        let mut below = below_ticks(across);
         let mut left = ticks_along(drawing, frame, Side::Left, &self.y, up);
 
         // Label of the x axis and the factor of its ticks
@@ -197,12 +197,17 @@ pub(super) fn bar_factor(drawing: &mut Drawing, bar: &Rect, ticks: &Ticks) {
     }
 }
 
+/// Height of ticks and their labels below a frame.
+pub(super) fn below_ticks(ticks: &Ticks) -> f64 {
+    TICK + PAD + exponent_lift(ticks) + theme::TICK_SIZE * (text::CAP_HEIGHT + text::DESCENT)
+}
+
 /// Height above the frame of the factor that all labels share.
 pub(super) fn factor_height(ticks: &Ticks) -> f64 {
     if ticks.exponent == 0 { 0.0 } else { FACTOR_GAP + theme::TICK_SIZE * 1.1 }
 }
 
-fn factor(ticks: &Ticks) -> String {
+pub(super) fn factor(ticks: &Ticks) -> String {
     format!("×10^{{{}}}", super::ticks::number(f64::from(ticks.exponent), 0))
 }
 

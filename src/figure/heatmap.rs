@@ -64,6 +64,11 @@ impl Heatmap {
         self.axis().span(self.values.iter().copied(), 0.0)
     }
 
+    /// Whether both maps show the same colours for the same values, so that one colour bar serves both.
+    pub(super) fn has_scale_of(&self, other: &Self) -> bool {
+        self.shading == other.shading && self.label == other.label && self.span() == other.span()
+    }
+
     /// The colour at a position along the colour bar, from 0 to 1.
     pub(super) fn colour(&self, position: f64) -> [u8; 3] {
         let Colour { r, g, b, .. } = match self.shading {

@@ -2,7 +2,7 @@
 
 use super::drawing::Drawing;
 use super::panel::Mark;
-use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
+use super::shapes::{Anchor, Colour, Level, Marker, Paint, Point, Rect, Stroke, Text};
 use super::text;
 use super::theme;
 
@@ -16,7 +16,7 @@ const COLUMN_GAP: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq)]
 enum Sample {
     Line(Stroke),
-    Dot(Colour),
+    Dot(Colour, Marker),
     Area { colour: Colour, outlined: bool },
 }
 
@@ -33,12 +33,13 @@ impl Legend {
         for mark in marks.iter().filter(|mark| !mark.label().is_empty()) {
             let sample = match mark {
                 Mark::Line { stroke, .. } => Sample::Line(*stroke),
-                Mark::Dots { colour, .. } => Sample::Dot(*colour),
+                Mark::Dots { colour, marker, .. } => Sample::Dot(*colour, *marker),
                 Mark::Band { colour, .. } => Sample::Area { colour: *colour, outlined: false },
                 Mark::Bars { colour, .. } => Sample::Area { colour: *colour, outlined: true },
                 Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. } => continue,
             };
             match entries.iter_mut().find(|(label, _)| label == mark.label()) {
+                Some((_, samples)) if samples.contains(&sample) => {}
                 Some((_, samples)) => samples.push(sample),
                 None => entries.push((mark.label().to_owned(), vec![sample])),
             }
@@ -91,7 +92,7 @@ impl Legend {
 fn draw_sample(drawing: &mut Drawing, sample: &Sample, [x, y]: Point) {
     match *sample {
         Sample::Line(stroke) => drawing.line([[x, y], [x + SAMPLE, y]], stroke),
-        Sample::Dot(colour) => drawing.circle([x + SAMPLE / 2.0, y], theme::DOT, colour),
+        Sample::Dot(colour, marker) => drawing.marker([x + SAMPLE / 2.0, y], theme::DOT, marker, colour),
         Sample::Area { colour, outlined } => {
             let fill = Some(colour.faded(if outlined { 0.3 } else { 0.2 }));
             let stroke = outlined.then(|| Stroke::solid(colour, 1.2));
@@ -110,8 +111,8 @@ mod tests {
 
     #[test]
     fn marks_of_one_label_share_an_entry() {
-        let dots = Mark::Dots { label: "a".into(), colour: theme::BLUE, points: Vec::new() };
-        let legend = Legend::new(&[line("a"), line("b"), line(""), dots]).unwrap();
+        let dots = Mark::Dots { label: "a".into(), colour: theme::BLUE, marker: Marker::Disc, points: Vec::new() };
+        let legend = Legend::new(&[line("a"), line("b"), line(""), dots, line("a")]).unwrap();
         assert_eq!((legend.len(), legend.entries[0].1.len()), (2, 2));
         assert_eq!(Legend::new(&[line("")]), None);
     }

@@ -4,7 +4,7 @@ use super::backend::{Canvas, GRID};
 use super::chart::{CLEAR, Sketch};
 use super::clip;
 use super::panel::Mark;
-use super::shapes::{Colour, Point, Rect, Stroke};
+use super::shapes::{Colour, Marker, Point, Rect, Stroke};
 use super::theme;
 use plotters::coord::{Shift, types::RangedCoordf64};
 use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
@@ -51,7 +51,7 @@ impl Sketch<'_> {
                         let outlines = self.outlines(edges, heights);
                         outlines.iter().for_each(|outline| self.curve(outline, Stroke::solid(*colour, OUTLINE)));
                     }
-                    (Layer::Dots, Mark::Dots { colour, points, .. }) => self.dots(*colour, points),
+                    (Layer::Dots, Mark::Dots { colour, marker, points, .. }) => self.dots(*colour, *marker, points),
                     _ => {}
                 }
             }
@@ -87,8 +87,8 @@ impl Sketch<'_> {
         }
     }
 
-    /// Dots whose centre lies within the frame.
-    fn dots(&mut self, colour: Colour, points: &[Point]) {
+    /// Markers whose centre lies within the frame.
+    fn dots(&mut self, colour: Colour, marker: Marker, points: &[Point]) {
         let mut positions: Vec<Point> = points.iter().map(|&p| self.position(p)).collect();
         // Also drops NaN.
         positions.retain(|p| p.iter().all(|v| (0.0..=1.0).contains(v)));
@@ -96,10 +96,19 @@ impl Sketch<'_> {
             let [x, y] = self.place(position);
             self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
         }
+        // Positions run from 0 to 1, upwards
+        let Rect { width, height, .. } = self.axes.frame;
+        let corners = marker.corners(theme::DOT);
         let area = self.area(theme::SOLID);
         let radius = (theme::DOT * GRID) as i32;
         for [x, y] in positions {
-            area.draw(&Circle::new((x, y), radius, shape(colour, true, 0.0))).expect(NEVER);
+            let style = shape(colour, marker != Marker::Open, OUTLINE);
+            if corners.is_empty() {
+                area.draw(&Circle::new((x, y), radius, style)).expect(NEVER);
+            } else {
+                let outline: Vec<(f64, f64)> = corners.iter().map(|c| (x + c[0] / width, y - c[1] / height)).collect();
+                area.draw(&Polygon::new(outline, style)).expect(NEVER);
+            }
         }
     }
 

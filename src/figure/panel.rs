@@ -2,18 +2,19 @@
 
 use super::axis::{Axis, Span};
 use super::heatmap::Heatmap;
-use super::shapes::{Colour, Point, Stroke};
+use super::shapes::{Colour, Marker, Point, Stroke};
+use super::theme;
 
 /// One thing drawn between the axes, in the axes' own values. An empty label keeps it out of the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Mark {
     Line { label: String, stroke: Stroke, points: Vec<Point> },
-    Dots { label: String, colour: Colour, points: Vec<Point> },
+    Dots { label: String, colour: Colour, marker: Marker, points: Vec<Point> },
     Band { label: String, colour: Colour, points: Vec<[f64; 3]> },
     Bars { label: String, colour: Colour, edges: Vec<f64>, heights: Vec<f64> },
     Vertical { at: f64, label: String },
     Horizontal { at: f64, label: String },
-    Note { at: Point, text: String },
+    Note { at: Point, text: String, colour: Colour },
 }
 
 /// A chart with its own axes. Marks are added by chaining; areas are painted below lines, lines below dots, and
@@ -50,13 +51,24 @@ impl Panel {
 
     /// Scattered dots. Under the label of a line they share its legend entry.
     pub fn dots(self, label: impl Into<String>, colour: Colour, points: impl Into<Vec<Point>>) -> Self {
-        self.with(Mark::Dots { label: label.into(), colour, points: points.into() })
+        self.markers(label, colour, Marker::Disc, points)
     }
 
-    /// A curve through `points`, each with a dot.
+    /// Scattered points of another shape.
+    pub fn markers(
+        self,
+        label: impl Into<String>,
+        colour: Colour,
+        marker: Marker,
+        points: impl Into<Vec<Point>>,
+    ) -> Self {
+        self.with(Mark::Dots { label: label.into(), colour, marker, points: points.into() })
+    }
+
+    /// A curve through `points`, each with the marker of its stroke.
     pub fn dotted_line(self, label: impl Into<String>, stroke: Stroke, points: impl Into<Vec<Point>>) -> Self {
         let (label, points) = (label.into(), points.into());
-        self.line(label.clone(), stroke, points.clone()).dots(label, stroke.colour, points)
+        self.line(label.clone(), stroke, points.clone()).markers(label, stroke.colour, theme::marker(stroke), points)
     }
 
     /// A curve through `[x, low, value, high]` at the values, with a pale band from low to high.
@@ -88,8 +100,8 @@ impl Panel {
     }
 
     /// A text in the free place nearest to a point.
-    pub fn note(self, at: Point, text: impl Into<String>) -> Self {
-        self.with(Mark::Note { at, text: text.into() })
+    pub fn note(self, at: Point, text: impl Into<String>, colour: Colour) -> Self {
+        self.with(Mark::Note { at, text: text.into(), colour })
     }
 
     /// A heat map that fills the frame, with a colour bar beside it. Axes without a range count columns from the left and

@@ -1,21 +1,30 @@
-//! A plot: panels side by side or stacked, their frames aligned, with legends that cover no data.
+//! A plot: panels in rows and columns, their frames aligned, with legends that cover no data.
 
-use super::chart::Chart;
+use super::chart::{Chart, Parts};
 use super::drawing::Drawing;
 use super::frame::Sides;
+use super::heatmap::Heatmap;
 use super::legend::Legend;
 use super::panel::Panel;
+use super::shapes::Text;
+use super::theme;
 
 /// Panels that make up one figure.
 ///
 /// Every panel's legend goes into a corner that is free of data, or else below the panel. Panels with the same legend
-/// share one, below all of them.
+/// share one, below all of them, and so do heat maps of one scale with their colour bar.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Plot {
-    panels: Vec<Panel>,
-    stacked: bool,
+    rows: Vec<Row>,
     frame: [f64; 2],
+}
+
+/// Panels side by side, under a heading (or none, when empty).
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    heading: String,
+    panels: Vec<Panel>,
 }
 
 /// Space at the page's edge, and between panels.
@@ -23,6 +32,10 @@ const EDGE: f64 = 10.0;
 const BETWEEN: f64 = 18.0;
 /// From what stands below a frame to a legend below it.
 const LEGEND_GAP: f64 = 6.0;
+/// Height of a row's heading.
+const HEADING: f64 = 24.0;
+/// Longest colour bar of several heat maps.
+const BAR: f64 = 420.0;
 /// PNG pixels per unit.
 const SCALE: f64 = 2.0;
 
@@ -31,12 +44,13 @@ impl Plot {
     pub fn new(panels: impl Into<Vec<Panel>>) -> Self {
         let panels = panels.into();
         let frame = if panels.len() > 1 { [350.0, 265.0] } else { [460.0, 310.0] };
-        Self { panels, stacked: false, frame }
+        Self { rows: vec![Row { heading: String::new(), panels }], frame }
     }
 
-    /// Panels above each other.
-    pub fn stacked(panels: impl Into<Vec<Panel>>) -> Self {
-        Self { panels: panels.into(), stacked: true, frame: [460.0, 220.0] }
+    /// Rows of panels, each row under a heading (or none, when empty).
+    pub fn grid(rows: impl IntoIterator<Item = (String, Vec<Panel>)>) -> Self {
+        let rows = rows.into_iter().map(|(heading, panels)| Row { heading, panels }).collect();
+        Self { rows, frame: [350.0, 240.0] }
     }
 
     /// Sets the size of each panel's frame in drawing units; at least 60 and at most 4000 a side.
@@ -46,68 +60,91 @@ impl Plot {
 
     pub fn draw(&self) -> Drawing {
         let [width, height] = self.frame;
-        let shared = self.shared_legend();
-        let mut charts: Vec<Chart> =
-            self.panels.iter().map(|panel| Chart::new(panel, width, height, shared.is_none())).collect();
-        // Legends that found no free place inside their frame go below it
-        for chart in &mut charts {
-            if let Some(legend) = chart.legend.take() {
-                let columns = legend.columns_within(width + 0.5 * chart.room.left);
-                let [w, h] = legend.size(columns);
-                let x = (width - w) / 2.0;
-                legend.draw(&mut chart.drawing, [x, height + chart.room.bottom + LEGEND_GAP], columns);
-                let overhang = (w - width) / 2.0;
-                let below =
-                    Sides { left: overhang, right: overhang, bottom: chart.room.bottom + LEGEND_GAP + h, top: 0.0 };
-                chart.room = chart.room.union(below);
-            }
-        }
-        // Frames line up: beside each other they share what is above and below, stacked what is left and right.
-        let common = charts.iter().fold(Sides::default(), |sides, chart| sides.union(chart.room));
-        let mut places = Vec::with_capacity(charts.len());
-        let [mut x, mut y] = [EDGE, EDGE];
-        for chart in &charts {
-            let room = if self.stacked {
-                Sides { left: common.left, right: common.right, ..chart.room }
-            } else {
-                Sides { top: common.top, bottom: common.bottom, ..chart.room }
-            };
-            places.push([(x + room.left).round(), (y + room.top).round()]);
-            if self.stacked {
-                y += (room.top + height + room.bottom + BETWEEN).ceil();
-            } else {
-                x += (room.left + width + room.right + BETWEEN).ceil();
-            }
-        }
-        let (page_width, mut page_height) = if self.stacked {
-            (EDGE + common.left + width + common.right + EDGE, y - BETWEEN + EDGE)
-        } else {
-            (x - BETWEEN + EDGE, EDGE + common.top + height + common.bottom + EDGE)
+        let (legend, bar) = (self.shared_legend(), self.shared_bar());
+        let has_own = Parts { legend: legend.is_none(), bar: bar.is_none() };
+        let draw_row = |row: &Row| -> Vec<Chart> {
+            row.panels.iter().map(|panel| chart(panel, [width, height], has_own)).collect()
         };
-        // A legend that all panels share goes below them all
-        let legend = shared.map(|legend| {
-            let columns = legend.columns_within(page_width - 2.0 * EDGE);
+        let rows: Vec<Vec<Chart>> = self.rows.iter().map(draw_row).collect();
+
+        // Frames line up: those of a column share what is left and right of them, those of a row what is above and below
+        let count = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let around = |charts: &mut dyn Iterator<Item = &Chart>| {
+            charts.fold(Sides::default(), |sides, chart| sides.union(chart.room))
+        };
+        let columns: Vec<Sides> =
+            (0..count).map(|column| around(&mut rows.iter().filter_map(|row| row.get(column)))).collect();
+        let mut page = Drawing::new(0.0, 0.0, SCALE);
+        let mut y = EDGE;
+        for (charts, Row { heading, .. }) in rows.into_iter().zip(&self.rows) {
+            if !heading.is_empty() {
+                let text = Text::new([EDGE, y + theme::TITLE_SIZE], theme::TITLE_SIZE, heading.clone()).bold();
+                page.width = page.width.max(text.width() + 2.0 * EDGE);
+                page.text(text);
+                y += HEADING;
+            }
+            let room = around(&mut charts.iter());
+            let mut x = EDGE;
+            for (chart, column) in charts.into_iter().zip(&columns) {
+                page.append(chart.drawing, (x + column.left).round(), (y + room.top).round());
+                x += (column.left + width + column.right + BETWEEN).ceil();
+            }
+            page.width = page.width.max(x - BETWEEN + EDGE);
+            y += (room.top + height + room.bottom + BETWEEN).ceil();
+        }
+        page.width = page.width.max(2.0 * EDGE).ceil();
+        page.height = (y - BETWEEN + EDGE).max(2.0 * EDGE).ceil();
+
+        // What all panels share goes below them
+        if let Some(legend) = legend {
+            let columns = legend.columns_within(page.width - 2.0 * EDGE);
             let [w, h] = legend.size(columns);
-            let at = [(page_width - w) / 2.0, page_height - EDGE + LEGEND_GAP];
-            page_height += LEGEND_GAP + h;
-            (legend, at, columns)
-        });
-        let mut page = Drawing::new(page_width.max(2.0 * EDGE).ceil(), page_height.max(2.0 * EDGE).ceil(), SCALE);
-        for (chart, [x, y]) in charts.into_iter().zip(places) {
-            page.append(chart.drawing, x, y);
-        }
-        if let Some((legend, at, columns)) = legend {
+            let at = [(page.width - w) / 2.0, page.height - EDGE + LEGEND_GAP];
             legend.draw(&mut page, at, columns);
+            page.height = (page.height + LEGEND_GAP + h).ceil();
         }
-        page
+        match bar {
+            Some(map) => {
+                let bar = map.bar(BAR.min(page.width - 2.0 * EDGE));
+                Drawing::stacked(vec![page, bar], 0.5, SCALE)
+            }
+            None => page,
+        }
+    }
+
+    fn panels(&self) -> impl Iterator<Item = &Panel> {
+        self.rows.iter().flat_map(|row| &row.panels)
     }
 
     /// The legend of all panels, if there are several and all have the same.
     fn shared_legend(&self) -> Option<Legend> {
-        let mut legends = self.panels.iter().map(|panel| Legend::new(&panel.marks));
+        let mut legends = self.panels().map(|panel| Legend::new(&panel.marks));
         let first = legends.next()??;
-        (self.panels.len() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)
+        (self.panels().count() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)
     }
+
+    /// A heat map whose colour bar serves all panels, if there are several and all have the same scale.
+    fn shared_bar(&self) -> Option<&Heatmap> {
+        let mut maps = self.panels().map(|panel| panel.heatmap.as_ref());
+        let first = maps.next()??;
+        let same = maps.all(|map| map.is_some_and(|map| map.has_scale_of(first)));
+        (self.panels().count() > 1 && same).then_some(first)
+    }
+}
+
+/// A panel drawn; a legend that found no free place inside the frame goes below it.
+fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts) -> Chart {
+    let mut chart = Chart::new(panel, width, height, has_own);
+    if let Some(legend) = chart.legend.take() {
+        let columns = legend.columns_within(width + 0.5 * chart.room.left);
+        let [w, h] = legend.size(columns);
+        let x = (width - w) / 2.0;
+        legend.draw(&mut chart.drawing, [x, height + chart.room.bottom + LEGEND_GAP], columns);
+        let overhang = (w - width) / 2.0;
+        let bottom = chart.room.bottom + LEGEND_GAP + h;
+        chart.room = chart.room.union(Sides { left: overhang, right: overhang, bottom, top: 0.0 });
+    }
+    chart
 }
 
 #[cfg(test)]
@@ -175,11 +212,19 @@ mod tests {
                 panel = panel.line(format!("series {k}"), theme::series(k), wave(k));
             }
             panel = panel.vertical(3.3, "first rule").vertical(3.5, "second").vertical(9.9, "/{θ}_{B} = 55.41°");
-            panel = panel.horizontal(0.5, "half").horizontal(0.52, "a little more").note([5.0, 0.5], "slope −1/2");
+            panel = panel.horizontal(0.5, "half").horizontal(0.52, "a little more").note(
+                [5.0, 0.5],
+                "slope −1/2",
+                theme::INK,
+            );
             let other = Panel::new(Axis::log("/{n}"), Axis::linear("").range(-3e-7, 2e6));
             let other = other.dots("dots", theme::GREEN, [[1e-9, 1.0]]);
             let both = [panel.clone(), other];
-            for plot in [Plot::new([panel]), Plot::new(both.clone()), Plot::stacked(both)] {
+            for plot in [
+                Plot::new([panel]),
+                Plot::new(both.clone()),
+                Plot::grid(both.map(|panel| (String::new(), vec![panel]))),
+            ] {
                 assert_sound(&plot.draw());
                 assert_sound(&plot.frame_size(150.0, 120.0).draw());
             }
@@ -215,7 +260,7 @@ mod tests {
                         .bars("d", theme::BLUE, vec![x, y, 1.0], vec![y, x, 3.0])
                         .vertical(x, "v")
                         .horizontal(y, "h")
-                        .note([x, y], "n");
+                        .note([x, y], "n", theme::INK);
                     let page = Plot::new([panel]).frame_size(100.0, 80.0).draw();
                     assert!(page.width < 2000.0 && page.height < 2000.0, "{x} {y}");
                 }
@@ -237,8 +282,42 @@ mod tests {
         let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)");
         let panel = Panel::new(Axis::linear("/{φ} (°)").range(0.0, 360.0), Axis::linear("/{θ} (°)").range(180.0, 0.0));
         let panel = panel.title("Observed").heatmap(map);
-        let page = Plot::new([panel.clone(), panel]).frame_size(200.0, 100.0).draw();
+        let page = Plot::new([panel.clone(), panel.clone()]).frame_size(200.0, 100.0).draw();
         assert_sound(&page);
-        assert_eq!(page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count(), 4);
+        let images = |page: &Drawing| page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count();
+        assert_eq!(images(&page), 3, "two maps of one scale share a colour bar");
+        let other = Heatmap::new(2, vec![0.0, 1.0], Shading::Linear, "density (1/sr)");
+        let other = Panel::new(Axis::linear("x"), Axis::linear("y")).heatmap(other);
+        let page = Plot::new([panel, other]).frame_size(200.0, 100.0).draw();
+        assert_sound(&page);
+        assert_eq!(images(&page), 4);
+    }
+
+    #[test]
+    fn frames_of_a_grid_line_up() {
+        let panel = |label: &str| Panel::new(Axis::linear("x").range(0.0, 1.0), Axis::linear(label).range(0.0, 1.0));
+        let rows = [("First", vec![panel("a label"), panel("")]), ("", vec![panel(""), panel("y")])];
+        let page = Plot::grid(rows.map(|(heading, panels)| (heading.to_owned(), panels))).draw();
+        assert_sound(&page);
+        let frame = |item: &Item| if let Item::Rect { rect, .. } = item { Some(*rect) } else { None };
+        let frames: Vec<Rect> = page.items.iter().filter_map(frame).collect();
+        assert_eq!(frames.len(), 4);
+        assert_eq!((frames[0].x, frames[1].x), (frames[2].x, frames[3].x));
+        assert_eq!((frames[0].y, frames[2].y), (frames[1].y, frames[3].y));
+    }
+
+    #[test]
+    fn named_places_and_every_marker_are_drawn() {
+        let axis = Axis::named("", ["light", "bsdf"].map(str::to_owned));
+        let panel = Panel::new(Axis::log("x"), axis).dots("", theme::BLUE, [[1.0, 0.5], [20.0, 1.5]]);
+        let panel = (0..5).fold(panel, |panel, i| {
+            let points = [[f64::from(i) + 1.0, 1.0], [f64::from(i) + 2.0, 1.2]];
+            panel.dotted_line(format!("{i}"), theme::series(i as usize), points)
+        });
+        let page = Plot::new([panel]).draw();
+        assert_sound(&page);
+        let light = texts(&page).into_iter().find(|t| t.markup == "light").unwrap().at[1];
+        let bsdf = texts(&page).into_iter().find(|t| t.markup == "bsdf").unwrap().at[1];
+        assert!(light < bsdf, "the first name stands at the top");
     }
 }

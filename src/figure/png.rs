@@ -34,8 +34,23 @@ impl Drawing {
         }
         // The page is opaque white below everything, so alpha is not needed.
         let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        Ok(Rgb8::new(w as usize, h as usize, rgb).png().to_vec())
+        Ok(with_resolution(Rgb8::new(w as usize, h as usize, rgb).png(), self.scale))
     }
+}
+
+/// Length of a PNG file's signature and of its header, before which no other chunk stands.
+const PNG_HEADER: usize = 8 + 25;
+/// Drawing units, which are CSS pixels, per metre.
+const UNITS_PER_METRE: f64 = 96.0 / 0.0254;
+
+/// A PNG file with a chunk that states its pixels per metre (pHYs), so that it is printed at the size of the drawing.
+fn with_resolution(png: &[u8], scale: f64) -> Vec<u8> {
+    let density = ((scale * UNITS_PER_METRE).round() as u32).to_be_bytes();
+    let chunk = [b"pHYs", &density[..], &density, &[1]].concat();
+    let mut crc = flate2::Crc::new();
+    crc.update(&chunk);
+    let (header, rest) = png.split_at(PNG_HEADER);
+    [header, &9u32.to_be_bytes(), &chunk, &crc.sum().to_be_bytes(), rest].concat()
 }
 
 /// Paints one item. Items without extent make no path and are not painted.
@@ -199,6 +214,15 @@ mod tests {
         drawing.text(Text::new([2.0, 15.0], 14.0, "θ∥"));
         let dark = painted(&drawing).pixels().filter(|p| p.0[0] < 100).count();
         assert!((10..200).contains(&dark), "{dark} dark pixels");
+    }
+
+    #[test]
+    fn the_file_states_its_resolution() {
+        let png = Drawing::new(20.0, 10.0, 2.0).png().unwrap();
+        assert_eq!(png[PNG_HEADER + 4..PNG_HEADER + 8], *b"pHYs");
+        // 192 pixels per inch are 7559 per metre; decoders check the sum
+        assert_eq!(png[PNG_HEADER + 8..PNG_HEADER + 12], 7559u32.to_be_bytes());
+        assert_eq!(image::load_from_memory(&png).unwrap().width(), 40);
     }
 
     #[test]

@@ -64,6 +64,37 @@ impl From<Stroke> for Paint {
     }
 }
 
+/// The shape of a data point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    Disc,
+    Square,
+    Diamond,
+    Triangle,
+    /// A triangle on its tip.
+    Wedge,
+    /// A circle, for points that stand apart from those with a filled marker.
+    Open,
+}
+
+impl Marker {
+    /// The corners about the origin of a shape that looks as large as a disc of this radius; a circle has none.
+    pub fn corners(self, radius: f64) -> Vec<Point> {
+        let [side, tip] = [0.9 * radius, 1.3 * radius];
+        match self {
+            Self::Disc | Self::Open => Vec::new(),
+            Self::Square => vec![[-side, -side], [side, -side], [side, side], [-side, side]],
+            Self::Diamond => vec![[0.0, -tip], [tip, 0.0], [0.0, tip], [-tip, 0.0]],
+            Self::Triangle => vec![[0.0, -tip], [tip, side], [-tip, side]],
+            Self::Wedge => vec![[0.0, tip], [tip, -side], [-tip, -side]],
+        }
+    }
+
+    pub fn paint(self, colour: Colour) -> Paint {
+        if self == Self::Open { Stroke::solid(colour, 1.3).into() } else { colour.into() }
+    }
+}
+
 /// A rectangle with sides parallel to the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
@@ -89,6 +120,10 @@ impl Rect {
 
     pub fn centre(&self) -> Point {
         [self.x + self.width / 2.0, self.y + self.height / 2.0]
+    }
+
+    pub fn contains(&self, [x, y]: Point) -> bool {
+        (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
     /// The rectangle with every side moved outwards by `margin` (inwards when negative).

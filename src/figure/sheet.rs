@@ -7,8 +7,10 @@ use super::text;
 use super::theme;
 use image::imageops::{self, FilterType};
 
-/// Widest image on the sheet, in PNG pixels; wider ones are reduced, narrower ones enlarged by whole factors.
+/// Widest image on the sheet, and widest row of images, in PNG pixels; wider ones are reduced, narrower ones enlarged by whole
+/// factors.
 const WIDEST: usize = 640;
+const WIDEST_ROW: usize = 2000;
 /// PNG pixels per unit.
 const SCALE: f64 = 2.0;
 const EDGE: f64 = 12.0;
@@ -19,7 +21,9 @@ const LINE: f64 = 16.0;
 /// [`super::text`] and are broken between words where they are wider than their image.
 pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
     let columns = columns.clamp(1, images.len().max(1));
-    let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image)).collect();
+    let limit = WIDEST.min(WIDEST_ROW / columns);
+    let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image, limit)).collect();
+    let size = |image: &Rgb8| size(image, limit);
     let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
     let cell = widest.max(text::width(title, theme::TITLE_SIZE, true) / columns as f64 - GAP);
     let captioned = |((caption, _), image): (&(String, Rgb8), Rgb8)| (size(&image), image, wrapped(caption, cell));
@@ -52,18 +56,18 @@ pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> 
     page
 }
 
-/// The image at no more than [`WIDEST`] pixels across.
-fn reduced(image: &Rgb8) -> Rgb8 {
-    if image.width() <= WIDEST {
+/// The image at no more than `widest` pixels across.
+fn reduced(image: &Rgb8, widest: usize) -> Rgb8 {
+    if image.width() <= widest {
         return image.clone();
     }
-    let height = (image.height() * WIDEST / image.width()).max(1);
-    imageops::resize(image.pixels(), WIDEST as u32, height as u32, FilterType::Triangle).into()
+    let height = (image.height() * widest / image.width()).max(1);
+    imageops::resize(image.pixels(), widest as u32, height as u32, FilterType::Triangle).into()
 }
 
 /// Size on the sheet in units: a whole number of PNG pixels for each pixel.
-fn size(image: &Rgb8) -> [f64; 2] {
-    let zoom = (WIDEST / image.width()).max(1) as f64;
+fn size(image: &Rgb8, widest: usize) -> [f64; 2] {
+    let zoom = (widest / image.width()).max(1) as f64;
     [image.width() as f64 * zoom / SCALE, image.height() as f64 * zoom / SCALE]
 }
 
@@ -94,6 +98,9 @@ mod tests {
         let sheet = contact_sheet("", 2, &[("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))]);
         let width = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None };
         assert_eq!(sheet.items.iter().filter_map(width).collect::<Vec<_>>(), [600.0, 640.0, 640.0]);
+        let many: Vec<_> = (0..4).map(|_| (String::new(), grey(160))).collect();
+        let sheet = contact_sheet("", 4, &many);
+        assert_eq!(sheet.items.iter().find_map(width), Some(480.0), "rows of many images stay on the page");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The theme of all figures: colours by role, dashes, line widths, font sizes.
 
-use super::shapes::{Colour, Stroke};
+use super::shapes::{Colour, Marker, Stroke};
 
 // The palette of Okabe and Ito (2008), distinct with every common kind of colour vision. It is private to `figure`: views
 // take colours by the roles below.
@@ -60,12 +60,18 @@ pub const GUIDE: Stroke = Stroke { colour: Colour::rgb(120, 120, 120), width: 1.
 pub const STABLE_VARIANT: Colour = BLUE;
 pub const TEXTBOOK_VARIANT: Colour = VERMILION;
 pub const ERRATUM_VARIANT: Colour = PURPLE;
+/// How far rounding of the input alone may move a result.
+pub const EXPLAINED_BY_INPUT: Stroke = Stroke::solid(Colour::rgb(176, 208, 232), 4.0);
 
 // Roles over environment maps.
 
 /// Markers of samples and centroids: a blue that stands out from stone and from glass.
 pub const MARKER: Colour = Colour::rgb(30, 90, 255);
-/// Borders of regions, and the rim of a centroid's marker.
+/// Dark lines around white ones, so that these stand out from bright windows.
+pub const MARKER_SHADE: Colour = Colour::rgb(16, 16, 24);
+/// The rim of a marker on black, whose own colour may be nearly black.
+pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
+/// Borders of regions, and the rims of markers.
 pub const BORDER: Colour = Colour::WHITE;
 
 /// The sampling strategies that have the same colour in every figure.
@@ -97,6 +103,14 @@ pub const DASH_DOT: &[f64] = &[7.0, 2.5, 1.5, 2.5];
 pub const LONG_DASH: &[f64] = &[11.0, 3.5];
 
 const DASHES: [&[f64]; 5] = [SOLID, DASHED, DASH_DOT, DOTTED, LONG_DASH];
+
+/// The markers of curves, by dash pattern: black-and-white prints distinguish points as well as lines.
+const MARKERS: [Marker; 5] = [Marker::Disc, Marker::Square, Marker::Diamond, Marker::Triangle, Marker::Wedge];
+
+/// The marker of points on a curve of this stroke.
+pub fn marker(stroke: Stroke) -> Marker {
+    DASHES.iter().position(|dash| *dash == stroke.dash).map_or(Marker::Disc, |place| MARKERS[place])
+}
 
 pub const LINE: f64 = 1.6;
 pub const THIN: f64 = 0.9;
@@ -141,5 +155,12 @@ mod tests {
         }
         assert_eq!(colours[2], strategies(&["light"])[0]);
         assert_eq!(strategies(&["unknown"; 20]).len(), 20);
+    }
+
+    #[test]
+    fn neighbouring_series_have_different_markers() {
+        for i in 0..35 {
+            assert_ne!(marker(series(i)), marker(series(i + 1)));
+        }
     }
 }

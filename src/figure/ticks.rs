@@ -56,11 +56,18 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
     steps(lo, hi, step, decimals, parts.unwrap_or(1))
 }
 
-/// Ticks at those of `places` (integers) that lie in the range.
+/// Ticks at those of `places` that lie in the range, labelled with as many decimals as each needs, up to six.
 pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
-    let major = inside.map(|&at| Tick { at, label: number(at, 0) }).collect();
+    let decimals = |v: f64| (0..6).find(|&d| (v * ten(d) - (v * ten(d)).round()).abs() < 1e-6).unwrap_or(6) as usize;
+    let major = inside.map(|&at| Tick { at, label: number(at, decimals(at)) }).collect();
     Ticks { major, ..Ticks::default() }
+}
+
+/// A tick in the middle of each place of a list, which is one wide.
+pub fn named(names: &[String]) -> Ticks {
+    let tick = |(i, name): (usize, &String)| Tick { at: i as f64 + 0.5, label: name.clone() };
+    Ticks { major: names.iter().enumerate().map(tick).collect(), ..Ticks::default() }
 }
 
 /// Multiples of `step`, each divided into `parts`; labels need `decimals` (negative: trailing zeros).
@@ -165,6 +172,8 @@ mod tests {
             (every(0.0, 90.0, 15.0), "0 15 30 45 60 75 90", 0),
             (every(0.0, 0.5, 0.25), "0.00 0.25 0.50", 0),
             (at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0]), "8 16 32", 0),
+            (at(0.01, 1.0, &[0.02, 0.25, 1.0]), "0.02 0.25 1", 0),
+            (named(&["a".into(), "b".into()]), "a b", 0),
             (log(1e-3, 1.0, 8), "10^{−3} 10^{−2} 10^{−1} 10^{0}", 0),
             (log(1e-30, 1.0, 4), "10^{−30} 10^{−20} 10^{−10} 10^{0}", 0),
             // No two decades inside: plain round values; one decade inside: round steps of the logarithm.

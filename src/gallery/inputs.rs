@@ -33,6 +33,8 @@ pub struct Inputs {
     pub originals: Option<Originals>,
     pub seed: u64,
     pub effort: Effort,
+    /// PNG files have this many times the pixels along each side.
+    pub scale: u32,
 }
 
 impl Inputs {

@@ -7,6 +7,7 @@ use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
 use super::studies::Studies;
 use crate::error::{Error, Result};
+use crate::figure::Drawing;
 use crate::files;
 use crate::interrupt;
 use crate::output;
@@ -86,6 +87,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     let Content { drawing, table, image, checks, errata } = (figure.make)(inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
+    let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), ..drawing };
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)

@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// The smallest inputs.
 pub fn inputs() -> Inputs {
     let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
-    Inputs { map, originals: None, seed: 1, effort: Effort::Quick }
+    Inputs { map, originals: None, seed: 1, effort: Effort::Quick, scale: 1 }
 }
 
 /// A record with one good and one bad check.

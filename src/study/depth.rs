@@ -6,11 +6,9 @@
 use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::inside;
 use crate::error::{Error, Result};
-use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
-use crate::raster::{Image, Metadata};
-use crate::render::film::{Film, Part, PathClasses};
-use crate::render::{Dropped, Job, Sampling, Settings, Silent, render};
+use crate::raster::Image;
+use crate::render::{Dropped, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
 use serde::Serialize;
@@ -20,8 +18,6 @@ pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
 /// Scatterings up to which path classes have layers of their own.
 const CLASS_DEPTH: u32 = 5;
-/// Rows that are rendered together: enough for many threads.
-const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -103,8 +99,10 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let by_class = Settings { paths: Some(CLASS_DEPTH), sampling: Sampling::Mis, ..*settings };
-    let (layers, dropped) = layers(scene, &request, &by_class)?;
+    let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
+    let rendered = render(scene, &request, &by_class, &Silent)?;
+    let (layers, dropped) = (rendered.part.film.path_layers(), rendered.dropped);
+    drop(rendered);
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -163,28 +161,6 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         }
     }
     Ok(Depths { images, differences, rows, classes, request, dropped })
-}
-
-/// The light of every path class. A film with path classes is many times larger than its layers, so that it is
-/// rendered some rows at a time.
-fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<(String, Image)>, Dropped)> {
-    let Request { width, height, spp, .. } = *request;
-    let job = Job::new(scene, request, settings)?;
-    let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
-    for top in (0..height).step_by(ROWS) {
-        let film = Film::strip(width, top..height.min(top + ROWS), settings.paths.map(PathClasses::up_to))?;
-        let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
-        job.run(&mut part, 0..spp, &Silent);
-        interrupt::check()?;
-        dropped = dropped.merge(part.film.dropped());
-        let strips = part.film.path_layers();
-        if top == 0 {
-            layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
-        }
-        layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
-    }
-    let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
-    Ok((images.collect(), dropped))
 }
 
 /// The smallest depth with this path class: the number of its scatterings.

@@ -84,10 +84,10 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
     Ok(StatueRender { row, statue, mask, objects, rendered })
 }
 
-/// The statue's mean radiance with normals sampled from the full distribution, with an eighth of the samples and other random
+/// The statue's mean radiance with normals sampled from the full distribution, with a sixteenth of the samples and other random
 /// numbers: independent of the image that it is compared with.
 pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
-    let request = Request { spp: (request.spp / 8).max(2), ..*request };
+    let request = Request { spp: (request.spp / 16).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     settings.model.normals = NormalSampling::Ndf;
     Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.film, mask))

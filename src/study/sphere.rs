@@ -72,7 +72,7 @@ pub struct SphereRender {
     pub row: SphereRow,
     /// The render.
     pub rendered: Rendered,
-    /// (I − I*) / I* per pixel, NaN off the disc.
+    /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
     pub relative_error: Vec<f64>,
     /// Σ (I − I*)² over disjoint sets of pixels, whose random numbers are independent.
     group_errors: [f64; GROUPS],
@@ -93,10 +93,9 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
     let mut group_errors = [0.0; GROUPS];
     for (i, pixel) in exact.pixels.iter().enumerate() {
         let Some(expected) = pixel.map(|p| p.element_sum() / 3.0) else { continue };
-        // Compare pixels of the disc; those of the ring count in the sums.
-        let got = rendered.image.pixels()[i].as_dvec3().element_sum() / 3.0;
-        relative_error[i] = if expected > 0.0 { (got - expected) / expected } else { 0.0 };
         if in_ring(i % exact.size, i / exact.size, exact.size) {
+            let got = rendered.image.pixels()[i].as_dvec3().element_sum() / 3.0;
+            relative_error[i] = if expected > 0.0 { (got - expected) / expected } else { 0.0 };
             sum += got - expected;
             sum2 += (got - expected).powi(2);
             group_errors[i % GROUPS] += (got - expected).powi(2);
@@ -119,7 +118,7 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
 /// A strategy by its label, and the column of that name in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Label {
-    /// In words.
+    /// Its name in the registry of strategies.
     pub strategy: &'static str,
 }
 
@@ -133,12 +132,12 @@ pub struct Series {
     pub slope: Estimate,
 }
 
-/// The strategies that are compared: label, sampling, pdf of light samples.
+/// The strategies that are compared: name as in the registry of strategies, sampling, pdf of light samples.
 const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
-    ("radiance × cosine (default)", Sampling::Mis, MapSampling::COSINE),
-    ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED),
-    ("MIS, map", Sampling::Mis, MapSampling::MAP),
-    ("map alone, as the report", Sampling::Light, MapSampling::MAP),
+    ("mis-cosine", Sampling::Mis, MapSampling::COSINE),
+    ("mis-compensated", Sampling::Mis, MapSampling::COMPENSATED),
+    ("mis", Sampling::Mis, MapSampling::MAP),
+    ("light", Sampling::Light, MapSampling::MAP),
 ];
 
 /// Renders the sphere by every strategy at each number of samples per pixel.

@@ -1,6 +1,6 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
 
-use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
+use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
 use crate::study::converge::curve::{Curve, CurveVerdict, Level};
@@ -79,27 +79,10 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
     }
 }
 
-/// "light: −0.50 ± 0.02", or what is wrong with it.
-fn label(curve: &Curve) -> String {
-    let name = curve.strategy.name.replace('+', ", ");
-    match curve.verdict {
-        CurveVerdict::Biased => format!("{name}: bias {}", short(curve.bias2.value.sqrt())),
-        CurveVerdict::Unknown => name,
-        _ => format!("{name}: {}", signed(curve.slope.value, curve.slope.half_width)),
-    }
-}
-
 /// Two digits that count: "0.0020", "0.31".
 fn short(value: f64) -> String {
     let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
-}
-
-/// "−0.50 ± 0.02".
-fn signed(value: f64, half_width: f64) -> String {
-    let sign = if value < 0.0 { "−" } else { "" };
-    let digits = if half_width < 0.0095 { 3 } else { 2 };
-    format!("{sign}{:.digits$} ± {half_width:.digits$}", value.abs())
 }
 
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
@@ -117,15 +100,15 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
     result.curves.iter().zip(&names).map(stroke).collect()
 }
 
-/// Error against processor time and against samples, and efficiency at equal time.
+/// Error against processor time and against samples; below, efficiency at equal time and the slopes, a row for each strategy.
 pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
-            panel = panel.banded_line(label(curve), stroke, &points);
+            panel = panel.banded_line(curve.strategy.name.as_str(), stroke, &points);
         }
-        panel = panel.line("slope −1/2", theme::GUIDE, guide(result, at));
+        panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
         match &result.reference {
             Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
             _ => panel,
@@ -133,8 +116,13 @@ pub fn curves(result: &Convergence) -> Drawing {
     };
     let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
     let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
-    Plot::new([time, samples, efficiency(result)]).frame_size(330.0, 300.0).draw()
+    let rows = [vec![time, samples], vec![efficiency(result), slopes(result)]];
+    Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(FRAME[0], FRAME[1]).draw()
 }
+
+/// Size of the frames of [`curves`].
+const FRAME: [f64; 2] = [350.0, 250.0];
+const GUIDE: &str = "slope −1/2: independent samples";
 
 /// A level at `x`, with the interval of its error.
 pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
@@ -153,28 +141,64 @@ fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
 /// 1 / (MSE · time) of each strategy, at the level nearest to the time that all have had.
 fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
-    let title = format!("Efficiency at equal time ({})", duration(seconds));
-    let count = result.curves.len() as f64;
-    let x = Axis::linear("strategies, in the order of the legend").range(0.0, count).at([-1.0]);
-    let mut panel = Panel::new(x, Axis::log("1 / (MSE · time) (1/s)")).title(title);
-    for (i, (curve, stroke)) in result.curves.iter().zip(strokes(result)).enumerate() {
-        let Some(level) = curve.nearest(seconds).map(|at| &curve.levels[at]) else { continue };
-        let left = i as f64;
-        panel = panel.bars("", stroke.colour, vec![left + 0.15, left + 0.85], vec![level.efficiency]);
-        let [low, high] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
-        panel = panel.line("", Stroke::solid(theme::INK, 1.0), [[left + 0.5, low], [left + 0.5, high]]);
-        panel = panel.line(label(curve), stroke, Vec::new());
-    }
-    panel.line("slope −1/2", theme::GUIDE, Vec::new())
+    let at_equal_time = |curve: &Curve| {
+        let level = &curve.levels[curve.nearest(seconds)?];
+        let [a, b] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
+        Some([a.min(b), level.efficiency, a.max(b)])
+    };
+    let title = format!("Efficiency after about {}", duration(seconds));
+    by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time).title(title)
 }
 
-/// "0.52 s", "31 ms".
+/// The exponent of the error over the samples, of strategies without bias.
+fn slopes(result: &Convergence) -> Panel {
+    let slope = |curve: &Curve| {
+        let known = curve.verdict != CurveVerdict::Biased && curve.slope.value.is_finite();
+        known.then_some([curve.slope.low(), curve.slope.value, curve.slope.high()])
+    };
+    let count = result.curves.len() as f64;
+    let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
+    let panel = by_strategy(result, axis, false, &slope).title("Slope of the error");
+    panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]])
+}
+
+/// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
+fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve) -> Option<[f64; 3]>) -> Panel {
+    let is_biased = |(curve, _): &(&Curve, Stroke)| curve.verdict == CurveVerdict::Biased;
+    let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
+    let border = unbiased.len() as f64;
+    let rows = || unbiased.iter().chain(&biased);
+    let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy.name {
+        _ if !names => String::new(),
+        name if is_biased(&(curve, *stroke)) => format!("{name}: biased"),
+        name => name.clone(),
+    };
+    let mut panel = Panel::new(x, Axis::named("", rows().map(name).collect::<Vec<_>>()));
+    for (i, (curve, stroke)) in rows().enumerate() {
+        let Some([low, value, high]) = value(curve) else { continue };
+        let (y, biased) = (i as f64 + 0.5, is_biased(&(curve, *stroke)));
+        let marker = if biased { Marker::Open } else { Marker::Disc };
+        let interval = Stroke::solid(stroke.colour, theme::LINE);
+        panel = panel.line("", interval, [[low, y], [high, y]]).markers("", stroke.colour, marker, [[value, y]]);
+    }
+    if !biased.is_empty() {
+        panel = panel.horizontal(border, "");
+    }
+    // The legend of the panels above
+    for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
+        panel = panel.line(curve.strategy.name.as_str(), stroke, Vec::new());
+    }
+    panel.line(GUIDE, theme::GUIDE, Vec::new())
+}
+
+/// "0.52 s", "0.095 s", "3.1 ms".
 pub fn duration(seconds: f64) -> String {
     match seconds {
-        s if s >= 10.0 => format!("{s:.0} s"),
-        s if s >= 1.0 => format!("{s:.1} s"),
-        s if s >= 0.1 => format!("{s:.2} s"),
-        s => format!("{:.1} ms", 1e3 * s),
+        s if s >= 10.0 => format!("{s:.0}\u{a0}s"),
+        s if s >= 1.0 => format!("{s:.1}\u{a0}s"),
+        s if s >= 0.1 => format!("{s:.2}\u{a0}s"),
+        s if s >= 0.01 => format!("{s:.3}\u{a0}s"),
+        s => format!("{:.1}\u{a0}ms", 1e3 * s),
     }
 }
 
@@ -195,38 +219,48 @@ pub fn images(result: &Convergence) -> Drawing {
     errors.sort_by(f64::total_cmp);
     let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
     let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
+    let scale = |width: usize, values: Vec<f64>| {
+        Heatmap::new(width, values, Shading::Diverging, ERROR_LABEL).range(-100.0 * limit, 100.0 * limit)
+    };
     let mut cells = Vec::new();
     for (curve, level, image) in shown {
         let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
             let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
             // Relative to at least 3 % of the mean
-            (got - expected) / expected.max(0.03 * mean)
+            100.0 * (got - expected) / expected.max(0.03 * mean)
         });
-        let map = Heatmap::new(image.width(), relative.collect(), Shading::Diverging, "").range(-limit, limit).image();
+        let map = scale(image.width(), relative.collect()).image();
         let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
         let caption = format!(
-            "{}: {} spp, {}, RMSE {}\u{a0}%",
-            curve.strategy.name.replace('+', ", "),
+            "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
+            curve.strategy.name,
             level.spp,
             duration(level.cpu_seconds),
-            short(100.0 * level.rmse() / mean)
+            short(level.rmse())
         );
-        cells.push((caption, beside(&shown, &map)));
+        cells.push((caption, above(&shown, &map)));
     }
-    let title = format!("About {} of processor time each; relative error, ±{} %", duration(seconds), 100.0 * limit);
-    contact_sheet(&title, 4, &cells)
+    let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
+    let sheet = contact_sheet(&title, 4, &cells);
+    let bar = scale(1, Vec::new()).bar(420.0);
+    Drawing::stacked(vec![sheet, bar], 0.5, 2.0)
 }
 
-fn beside(left: &Rgb8, right: &Rgb8) -> Rgb8 {
-    let width = left.width();
-    Rgb8::from_fn(2 * width, left.height(), |x, y| {
-        let (image, x) = if x < width { (left, x) } else { (right, x - width) };
-        image.pixel(x, y)
+/// The label of the colour bar of relative errors.
+pub const ERROR_LABEL: &str = "relative error (%): blue is too dark, red too bright, grey not compared";
+
+/// One image above another of the same width, a line apart.
+fn above(upper: &Rgb8, lower: &Rgb8) -> Rgb8 {
+    let height = upper.height();
+    Rgb8::from_fn(upper.width(), height + 1 + lower.height(), |x, y| match y {
+        y if y < height => upper.pixel(x, y),
+        y if y == height => [255; 3],
+        y => lower.pixel(x, y - height - 1),
     })
 }
 
 /// The next of 1, 2, 5 times a power of ten.
-fn round(value: f64) -> f64 {
+pub fn round(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return 1.0;
     }

@@ -1,7 +1,7 @@
 //! Error and time over a quantity: missing light over depth, efficiency over roughness, error over a number of lights.
 
 use super::converge::{duration, with_band};
-use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
+use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::study::converge::curve::{Curve, Level};
 use crate::study::converge::depth::{DepthCurve, DepthLevel};
 use crate::study::converge::roughness::{self, NORMALS};
@@ -45,9 +45,9 @@ pub fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
 
 /// Missing light over the depth, and over the time that the render takes.
 pub fn depths(scenes: &[DepthCurve]) -> Drawing {
-    let share = || Axis::log("light missing (share of all)");
-    let mut over_depth = Panel::new(Axis::linear("maximum depth").range(0.0, 10.0).every(1.0), share());
-    let mut over_time = Panel::new(Axis::linear("processor time (share of depth 100's)").range(0.0, 1.1), share());
+    let share = || Axis::log("missing light (share of all)");
+    let mut over_depth = Panel::new(Axis::linear("maximum depth").range(-0.4, 10.4).every(1.0), share());
+    let mut over_time = Panel::new(Axis::linear("processor time (1: that of the deepest)").range(0.0, 1.1), share());
     for (i, depths) in scenes.iter().enumerate() {
         let stroke = theme::series(i);
         // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
@@ -61,12 +61,12 @@ pub fn depths(scenes: &[DepthCurve]) -> Drawing {
         over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label.clone(), stroke, by_depth);
         over_time = over_time.dotted_line(label, stroke, by_time);
         for level in levels {
-            over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string());
+            over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string(), stroke.colour);
         }
     }
     Plot::new([
-        over_depth.title("Light missing at each maximum depth"),
-        over_time.title("Time that it saves (labels: depth)"),
+        over_depth.title("Missing light by maximum depth"),
+        over_time.title("Missing light by time (labels: maximum depth)"),
     ])
     .draw()
 }
@@ -105,7 +105,9 @@ pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow>
 
 /// Noise and efficiency over the roughness, a curve for each way of sampling normals.
 pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
-    let alpha = || Axis::log("/{α}");
+    let mut alphas: Vec<f64> = levels.iter().map(|l| f64::from(l.alpha)).collect();
+    alphas.dedup();
+    let alpha = || Axis::log("roughness /{α}").at(alphas.clone());
     let mut noise = Panel::new(alpha(), Axis::log("RMSE of the metal's radiance"));
     let mut efficiency = Panel::new(alpha(), Axis::log("1 / (MSE · processor time) (1/s)"));
     let colours = theme::strategies(&NORMALS.map(|(name, _)| name));
@@ -128,26 +130,30 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
 /// Error over the number of lights, and over time: fixed lights, and random light samples.
 pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let error = || Axis::log("RMSE of radiance");
-    let mut by_number = Panel::new(Axis::log("lights, or light samples per pixel"), error());
+    let mut by_number = Panel::new(Axis::log("fixed lights, or light samples per pixel"), error());
     let mut by_time = Panel::new(Axis::log("processor time (s)"), error());
-    let mut add = |label: &str, stroke: Stroke, points: Vec<(f64, &Level)>| {
+    let mut add = |label: &str, stroke: Stroke, marker: Marker, points: Vec<(f64, &Level)>| {
         let number: Vec<_> = points.iter().map(|(number, level)| with_band(*number, level)).collect();
         let time: Vec<_> = points.iter().map(|(_, level)| with_band(level.cpu_seconds, level)).collect();
-        by_number = by_number.clone().banded_line(label, stroke, &number);
-        by_time = by_time.clone().banded_line(label, stroke, &time);
+        let marked = |panel: &Panel, points: &[[f64; 4]]| {
+            let at: Vec<_> = points.iter().map(|&[x, _, value, _]| [x, value]).collect();
+            panel.clone().banded_line(label, stroke, points).markers(label, stroke.colour, marker, at)
+        };
+        (by_number, by_time) = (marked(&by_number, &number), marked(&by_time, &time));
     };
     let names = [&CUTS[..], &SAMPLED].concat();
     let colours = theme::strategies(&names);
     let stroke = |i: usize| Stroke { colour: colours[i], ..theme::series(i) };
-    let labels = ["median cut: fixed lights", "variance minimisation: fixed lights"];
+    let labels = ["median-cut: fixed lights, biased", "variance-cut: fixed lights, biased"];
     for ((i, cut), label) in CUTS.into_iter().enumerate().zip(labels) {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
-        add(label, stroke(i), points.collect());
+        add(label, stroke(i), Marker::Open, points.collect());
     }
     for (i, name) in SAMPLED.into_iter().enumerate() {
         let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
-        add(&format!("{name}: sampled at each hit"), stroke(i + CUTS.len()), points);
+        let stroke = stroke(i + CUTS.len());
+        add(&format!("{name}: sampled at each hit"), stroke, theme::marker(stroke), points);
     }
     Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }

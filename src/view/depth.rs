@@ -2,7 +2,7 @@
 
 use crate::errata::Conventions;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
-use crate::raster::{Image, ToneMap, to_rgb8};
+use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
@@ -10,39 +10,25 @@ fn by_conventions(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
-/// How [`by_conventions`] shows radiance, for captions.
-pub const SHOWN: &str = "shown as (√2/{L})^{1/2.2}, as in the report";
-
-pub fn image(result: &Depths, place: usize) -> Drawing {
-    let depth = DEPTHS[place];
-    let what = match depth {
-        0 => "no scattering".into(),
-        1 => "at most one scattering".into(),
-        n => format!("at most {n} scatterings"),
-    };
-    let caption = format!("/{{m}} = {depth}: {what}; mean radiance {:.3}; {SHOWN}", result.mean(depth));
-    captioned(caption, &result.images[place])
+/// An image as the second report shows its own, and nothing else: ready for slides.
+pub fn image(image: &Image) -> Drawing {
+    Drawing::over(by_conventions(image))
 }
 
-/// An image as the second report shows its own, with a text below it.
-pub fn captioned(caption: String, image: &Image) -> Drawing {
-    contact_sheet("", 1, &[(caption, by_conventions(image))])
-}
-
-/// By how much differences are brightened, all alike.
-const FACTOR: f32 = 4.0;
-/// Wider differences are averaged over blocks of pixels, for less noise and smaller files.
-const WIDEST: usize = 320;
-
-/// The differences of consecutive depths on one scale, each with the path classes that make it.
+/// The differences of consecutive depths, each brightened by a power of two, with the path classes that make it.
 pub fn differences(result: &Depths) -> Drawing {
     let shown = |(image, pair): (&Image, &[u32])| {
-        let brighter = image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * FACTOR);
-        (caption(result, pair[0], pair[1]), by_conventions(&brighter))
+        // Darker than usual, so that caustics keep their shapes
+        let factor = (auto_exposure(image).floor() - 1.0).max(0.0).exp2();
+        let mut caption = caption(result, pair[0], pair[1]);
+        if factor > 1.0 {
+            caption += &format!(" Shown {factor}\u{a0}times brighter.");
+        }
+        (caption, by_conventions(&image.map(|p| p * factor)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let title = format!("What each depth adds, {FACTOR} times brighter, and the path classes that make it");
-    contact_sheet(&title, 3, &images)
+    let title = "What each maximum depth /{m} adds. L: light, D: diffuse reflection, S: mirror or glass, E: eye";
+    contact_sheet(title, 3, &images)
 }
 
 /// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
@@ -52,16 +38,16 @@ fn caption(result: &Depths, before: u32, depth: u32) -> String {
     let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
     let mut text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
     if depth == DEPTHS[DEPTHS.len() - 1] {
-        return text + "All classes of more than five scatterings";
+        return text + "All classes of more than five scatterings.";
     }
     let named = &classes[..classes.len().min(NAMED)];
     let list = named.iter().map(|r| format!("{}{} {}", r.class, meaning(&r.class), percent(r.share_of_difference)));
     text += &list.collect::<Vec<_>>().join(", ");
     match &classes[named.len()..] {
-        [] => text,
+        [] => text + ".",
         others => {
             let share = others.iter().map(|r| r.share_of_difference).sum();
-            text + &format!(", {} others {}", others.len(), percent(share))
+            text + &format!(", {} others {}.", others.len(), percent(share))
         }
     }
 }

@@ -16,27 +16,35 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let title = format!("from /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
+    let title = format!("From /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
+    // Beyond the critical angle the curves lie on each other
+    let schlick = if curves.critical_deg.is_some() { "Schlick (from /{θ}_{c} on equal to /{R})" } else { "Schlick" };
     let mut main = Panel::new(angle_axis(), Axis::linear("share of the power").range(0.0, 1.0))
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
         .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
         .line("/{T} = 1 − /{R}", stroke(theme::TRANSMITTANCE, theme::DASH_DOT), of(|r| r.transmittance))
-        .line("Schlick", stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick));
+        .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick));
     if let Some(brewster) = curves.brewster_deg {
-        main = main.vertical(brewster, format!("/{{θ}}_{{B}} = {brewster:.2}°"));
+        main = main.vertical(brewster, format!("Brewster's angle /{{θ}}_{{B}} = {brewster:.2}°"));
     }
     if let Some(critical) = curves.critical_deg {
-        main = main.vertical(critical, format!("/{{θ}}_{{c}} = {critical:.2}°"));
+        main = main.vertical(critical, format!("critical angle /{{θ}}_{{c}} = {critical:.2}°"));
     }
-    let relative = of(|r| if r.r_unpolarized > 0.0 { (r.r_schlick - r.r_unpolarized) / r.r_unpolarized } else { 0.0 });
-    let errors = Panel::new(angle_axis(), Axis::linear("error"))
-        .title("Schlick against exact")
-        .line("absolute", stroke(theme::SCHLICK, theme::SOLID), of(|r| r.r_schlick - r.r_unpolarized))
-        .line("relative", stroke(theme::RELATIVE_ERROR, theme::DASHED), relative)
-        .horizontal(0.0, "");
-    Plot::new([main, errors]).draw()
+    let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
+    let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
+    let panel = |title: &str, label: &str, colour, points: Vec<Point>| {
+        let panel = Panel::new(angle_axis(), Axis::linear(label)).title(title).horizontal(0.0, "");
+        panel.line("", stroke(colour, theme::SOLID), points)
+    };
+    let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
+        curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
+    };
+    let absolute = panel("Schlick's error", "Schlick − exact", theme::SCHLICK, points(&error));
+    let relative =
+        panel("Schlick's relative error", "(Schlick − exact) / exact (%)", theme::RELATIVE_ERROR, points(&relative));
+    Plot::new([main, absolute, relative]).frame_size(330.0, 265.0).draw()
 }
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
@@ -45,8 +53,7 @@ pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
     let mut panels: Vec<Panel> =
         curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
     panels.push(errors(curves));
-    let rows = panels.chunks(2).map(|pair| Plot::new(pair.to_vec()).frame_size(350.0, 240.0).draw());
-    Drawing::stacked(rows.collect(), 0.0, 2.0)
+    Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).draw()
 }
 
 fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
@@ -73,12 +80,12 @@ fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
         )
         .line(label("/{F} approximate"), stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
         .line(label("Schlick"), stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
-        .vertical(c.pseudo_brewster_deg, format!("{:.1}°", c.pseudo_brewster_deg))
+        .vertical(c.pseudo_brewster_deg, format!("pseudo-Brewster angle {:.1}°", c.pseudo_brewster_deg))
 }
 
 fn errors(curves: &metal::ConductorCurves) -> Panel {
     let colours = if curves.channels.len() == 1 { &[theme::UNPOLARIZED][..] } else { &theme::CHANNELS };
-    let mut panel = Panel::new(angle_axis(), Axis::linear("error of /{F}")).title("approximations against exact");
+    let mut panel = Panel::new(angle_axis(), Axis::linear("error of /{F}")).title("Errors of the approximations");
     for (c, &colour) in curves.channels.iter().zip(colours) {
         let of = |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> {
             c.rows.iter().map(|r| [r.theta_deg, f(r) - r.r_unpolarized]).collect()

@@ -5,6 +5,7 @@ use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, theme};
 use crate::math::Rgb;
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::{map_samples, median_cut};
+use std::collections::BTreeMap;
 
 /// How radiance becomes colour.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,6 +37,9 @@ pub struct Display {
 
 /// Smallest and largest width of a map on the page; smaller maps are enlarged, larger ones reduced, by integer factors.
 const PAGE: [usize; 2] = [512, 2048];
+/// The map's height over the sides of the inset and of the part that it shows.
+const INSET_SIDE: usize = 4;
+const INSET_PART: usize = 24;
 
 impl Display {
     pub fn new(map: &EnvMap, look: Look) -> Self {
@@ -55,33 +59,93 @@ impl Display {
         Drawing::over(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
     }
 
-    /// A square marker of `side` texels around texel (x, y): wrapped at the seam, clipped at the poles.
-    fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, colour: Colour) {
+    /// A square marker around texel (x, y), `side` texels wide and `rim` drawing units wider on all sides: wrapped at the
+    /// seam, clipped at the poles.
+    fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, rim: f64, colour: Colour) {
         // Rows are clipped at the poles, columns wrap around the seam in two parts
         let half = (side / 2) as i64;
         let (x, y) = (x as i64, (y as i64).min(self.height as i64 - 1));
-        let y0 = (y - half).max(0);
-        let y1 = (y - half + side as i64).min(self.height as i64);
-        let width = self.width as i64;
-        let span = (side as i64).min(width);
-        let x0 = (x - half).rem_euclid(width);
-        let first = span.min(width - x0);
-        for (from, length) in [(x0, first), (0, span - first)] {
-            if length > 0 && y1 > y0 {
-                let s = self.scale;
-                let rect = Rect::new(from as f64 * s, y0 as f64 * s, length as f64 * s, (y1 - y0) as f64 * s);
-                drawing.rect(rect, colour);
+        let s = self.scale;
+        let (width, height) = (self.width as f64 * s, self.height as f64 * s);
+        let top = ((y - half) as f64 * s - rim).max(0.0);
+        let bottom = ((y - half + side as i64) as f64 * s + rim).min(height);
+        let span = (side as f64 * s + 2.0 * rim).min(width);
+        let left = ((x - half) as f64 * s - rim).rem_euclid(width);
+        let first = span.min(width - left);
+        for (from, length) in [(left, first), (0.0, span - first)] {
+            if length > 0.0 && bottom > top {
+                drawing.rect(Rect::new(from, top, length, bottom - top), colour);
             }
         }
     }
 
-    /// The map with a blue marker at each sample.
+    /// Markers with rims, which stand out from every background; rims lie below all markers.
+    fn markers(&self, drawing: &mut Drawing, markers: &[((f64, f64), usize, Colour)], rims: &[(f64, Colour)]) {
+        for &(rim, colour) in rims {
+            markers.iter().for_each(|&(at, side, _)| self.marker(drawing, at, side, rim, colour));
+        }
+        markers.iter().for_each(|&(at, side, colour)| self.marker(drawing, at, side, 0.0, colour));
+    }
+
+    /// The map with a blue marker at each sample; samples that one marker would cover have one of as many times its area. An
+    /// inset enlarges the place with most samples.
     pub fn samples(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = Drawing::over(self.base.clone());
-        for r in rows {
-            self.marker(&mut drawing, (r.x, r.y), side, theme::MARKER);
+        let groups = grouped(rows, side);
+        let marker = |group: &Group| {
+            let wide = (side as f64 * (group.count as f64).sqrt()).round() as usize;
+            (group.at, wide, theme::MARKER)
+        };
+        let markers: Vec<_> = groups.iter().map(marker).collect();
+        self.markers(&mut drawing, &markers, &[(2.0, theme::MARKER_SHADE), (1.0, theme::BORDER)]);
+        if let Some(densest) = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1) {
+            self.inset(&mut drawing, rows, densest.at);
         }
         drawing
+    }
+
+    /// An enlarged part of the map around a texel, with a marker at each sample, in the corner with the fewest samples.
+    fn inset(&self, drawing: &mut Drawing, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) {
+        let (width, height) = (self.base.width(), self.base.height());
+        // Pixels of the page that the part has along each side
+        let part = (height / INSET_PART).max(1);
+        let zoom = (height / INSET_SIDE / part).max(2);
+        let corner =
+            |at: f64, size: usize| ((at * self.scale) as usize).saturating_sub(part / 2).min(size - part.min(size));
+        let (left, top) = (corner(x, width), corner(y, height));
+        let image = Rgb8::from_fn(part * zoom, part * zoom, |i, j| {
+            self.base.pixel((left + i / zoom).min(width - 1), (top + j / zoom).min(height - 1))
+        });
+        let side = (part * zoom) as f64;
+        let gap = 0.02 * height as f64;
+        let (far_right, low) = (width as f64 - gap - side, height as f64 - gap - side);
+        let corners = [[far_right, low], [gap, low], [far_right, gap], [gap, gap]];
+        let covered = |&[x, y]: &[f64; 2]| {
+            let place = Rect::new(x, y, side, side);
+            rows.iter().filter(|r| place.contains([r.x * self.scale, r.y * self.scale])).count()
+        };
+        let [x, y] = corners.into_iter().min_by_key(covered).unwrap_or([gap; 2]);
+        let place = Rect::new(x, y, side, side);
+        let source = Rect::new(left as f64, top as f64, part as f64, part as f64);
+        for (frame, width, colour) in [
+            (source, 3.0, theme::MARKER_SHADE),
+            (source, 1.2, theme::BORDER),
+            (place, 5.0, theme::MARKER_SHADE),
+            (place, 3.0, theme::BORDER),
+        ] {
+            drawing.rect(frame, Stroke::solid(colour, width));
+        }
+        drawing.image(place, image);
+        let zoom = zoom as f64;
+        let inside =
+            rows.iter().map(|r| [(r.x * self.scale - left as f64) * zoom, (r.y * self.scale - top as f64) * zoom]);
+        let inside: Vec<_> = inside.filter(|p| p.iter().all(|v| (0.0..side).contains(v))).collect();
+        // Samples of one texel show as a darker marker
+        for [x, y] in inside {
+            let centre = [place.x + x, place.y + y];
+            drawing.circle(centre, 5.0, theme::BORDER.faded(0.6));
+            drawing.circle(centre, 3.6, theme::MARKER.faded(0.6));
+        }
     }
 
     /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
@@ -95,9 +159,10 @@ impl Display {
         let strip = Image::from_pixels(rows.len(), 1, colours);
         // The brightest lights may clip; the colours of the other markers matter more.
         let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
-        for (r, rgb) in rows.iter().zip(bytes.chunks_exact(3)) {
-            self.marker(&mut drawing, (r.x, r.y), side, Colour::rgb(rgb[0], rgb[1], rgb[2]));
-        }
+        let colour = |rgb: &[u8]| Colour::rgb(rgb[0], rgb[1], rgb[2]);
+        let markers: Vec<_> =
+            rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), side, colour(rgb))).collect();
+        self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
         drawing
     }
 
@@ -105,21 +170,24 @@ impl Display {
     pub fn partition(&self, rows: &[median_cut::RegionRow]) -> Drawing {
         let s = self.scale;
         let mut drawing = Drawing::over(self.base.clone());
-        let line = Stroke::solid(theme::BORDER, 1.0);
-        for r in rows {
-            // Each region draws its left and upper border; the map's own edge needs none.
-            let (x0, y0, x1, y1) = (r.x0 as f64 * s, r.y0 as f64 * s, r.x1 as f64 * s, r.y1 as f64 * s);
-            if r.x0 > 0 {
-                drawing.line([[x0, y0], [x0, y1]], line);
-            }
-            if r.y0 > 0 {
-                drawing.line([[x0, y0], [x1, y0]], line);
+        // White lines on dark ones are seen on windows as on walls
+        for line in [Stroke::solid(theme::MARKER_SHADE, 3.4), Stroke::solid(theme::BORDER, 1.4)] {
+            for r in rows {
+                // Each region draws its left and upper border; the map's own edge needs none.
+                let (x0, y0, x1, y1) = (r.x0 as f64 * s, r.y0 as f64 * s, r.x1 as f64 * s, r.y1 as f64 * s);
+                if r.x0 > 0 {
+                    drawing.line([[x0, y0], [x0, y1]], line);
+                }
+                if r.y0 > 0 {
+                    drawing.line([[x0, y0], [x1, y0]], line);
+                }
             }
         }
         for r in rows {
             let centre = [r.centroid_x * s, r.centroid_y * s];
-            drawing.circle(centre, 4.5, theme::BORDER);
-            drawing.circle(centre, 3.5, theme::MARKER);
+            for (radius, colour) in [(6.5, theme::MARKER_SHADE), (5.5, theme::BORDER), (4.0, theme::MARKER)] {
+                drawing.circle(centre, radius, colour);
+            }
         }
         drawing
     }
@@ -130,12 +198,29 @@ impl Display {
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
         let mut drawing = self.black();
-        for r in rows {
-            let colour = Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
-            self.marker(&mut drawing, (r.centroid_x, r.centroid_y), side, colour);
-        }
+        let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
+        let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), side, colour(r))).collect();
+        self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
         drawing
     }
+}
+
+/// Samples that one marker covers.
+struct Group {
+    /// Their mean position in texels.
+    at: (f64, f64),
+    count: usize,
+}
+
+/// The samples in cells of `side` texels a side, in the order of the cells.
+fn grouped(rows: &[map_samples::SampleRow], side: usize) -> Vec<Group> {
+    let mut cells: BTreeMap<[usize; 2], (f64, f64, usize)> = BTreeMap::new();
+    for r in rows {
+        let cell = cells.entry([r.y, r.x].map(|v| v as usize / side.max(1))).or_default();
+        *cell = (cell.0 + r.x, cell.1 + r.y, cell.2 + 1);
+    }
+    let group = |(x, y, count): (f64, f64, usize)| Group { at: (x / count as f64, y / count as f64), count };
+    cells.into_values().map(group).collect()
 }
 
 #[cfg(test)]
@@ -154,14 +239,31 @@ mod tests {
         let display = Display::new(&map, Look::default());
         let at = |x: f64, y: f64, side: usize| {
             let mut drawing = display.black();
-            display.marker(&mut drawing, (x, y), side, theme::MARKER);
+            display.marker(&mut drawing, (x, y), side, 0.0, theme::MARKER);
             rects(&drawing)
         };
         assert_eq!(at(100.5, 50.5, 5), [Rect::new(98.0, 48.0, 5.0, 5.0)]);
         assert_eq!(at(0.5, 50.5, 5), [Rect::new(1022.0, 48.0, 2.0, 5.0), Rect::new(0.0, 48.0, 3.0, 5.0)]);
         assert_eq!(at(1023.5, 0.5, 5), [Rect::new(1021.0, 0.0, 3.0, 3.0), Rect::new(0.0, 0.0, 2.0, 3.0)]);
         assert_eq!(at(10.5, 511.9, 5), [Rect::new(8.0, 509.0, 5.0, 3.0)]);
+        let mut drawing = display.black();
+        display.marker(&mut drawing, (0.5, 50.5), 5, 1.0, theme::BORDER);
+        assert_eq!(rects(&drawing), [Rect::new(1021.0, 47.0, 3.0, 7.0), Rect::new(0.0, 47.0, 4.0, 7.0)]);
         assert_eq!(at(10.5, 10.5, 5000), [Rect::new(582.0, 0.0, 442.0, 512.0), Rect::new(0.0, 0.0, 582.0, 512.0)]);
+    }
+
+    #[test]
+    fn samples_under_one_marker_share_a_larger_one() {
+        let at = |x: f64, y: f64| map_samples::SampleRow { x, y, ..map_samples::SampleRow::default() };
+        let rows = [at(100.5, 50.5), at(101.5, 50.5), at(102.5, 50.5), at(103.5, 50.5), at(500.5, 50.5)];
+        let counts: Vec<usize> = grouped(&rows, 5).iter().map(|group| group.count).collect();
+        assert_eq!(counts, [4, 1]);
+        let map = EnvMap::new(Image::from_fn(1024, 512, |_, _| Rgb::ONE));
+        let drawing = Display::new(&map, Look::default()).samples(&rows, 5);
+        let sides: Vec<f64> = rects(&drawing).iter().map(|rect| rect.width).collect();
+        // Two rims below the markers, then the frames of the inset and of what it shows
+        assert_eq!(sides[..6], [14.0, 9.0, 12.0, 7.0, 10.0, 5.0]);
+        assert_eq!(sides[6..], [21.0, 21.0, 126.0, 126.0]);
     }
 
     #[test]

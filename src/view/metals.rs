@@ -1,38 +1,68 @@
-//! The metals as small multiples: reflectance, and the error of the second report's approximation.
+//! The metals as small multiples: reflectance, and the error of the second report's approximation; below them, the table.
 
-use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::study::metal::{ConductorCurves, ConductorRow};
+use super::text::capitalized;
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
+use crate::study::metal::{ConductorCurves, ConductorRow, MetalRow, MetalTable};
 
-/// One column for each metal: reflectance above, error of the approximation below, each row on one scale.
-pub fn drawing(metals: &[ConductorCurves]) -> Drawing {
-    let columns: Vec<Drawing> = metals.iter().enumerate().map(|(i, metal)| column(metal, i)).collect();
-    let height = columns.iter().map(|column| column.height).fold(0.0, f64::max);
-    let mut sheet = Drawing::new(0.0, height, 2.0);
-    for column in columns {
-        let x = sheet.width;
-        sheet.width += column.width;
-        sheet.append(column, x, 0.0);
-    }
-    sheet
+/// One column for each metal: reflectance above, error of the approximation below, each row on one scale; then the table.
+pub fn drawing(metals: &MetalTable) -> Drawing {
+    let curves = &metals.curves;
+    let exact = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "reflectance")).range(0.4, 1.0).every(0.2);
+        panel(metal, y, "", |r| r.r_unpolarized).title(capitalized(&metal.metal))
+    });
+    let errors = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "approximation − exact")).range(0.0, 0.008).every(0.002);
+        panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
+    });
+    let rows = [exact.collect(), errors.collect()];
+    let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
+    Drawing::stacked(vec![plot, numbers(metals)], 0.5, 2.0)
 }
 
-fn column(metal: &ConductorCurves, place: usize) -> Drawing {
-    // The first column names the axes, and its upper panel, where there is room, the colours.
-    let of_first = |text: &'static str| if place == 0 { text } else { "" };
-    let panel = |y: Axis, value: fn(&ConductorRow) -> f64, named: bool| {
-        let angle = Axis::linear("/{θ} (degrees)").range(0.0, 90.0).every(30.0);
-        metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
-            let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
-            let label = if named && place == 0 { channel.name.as_str() } else { "" };
-            panel.line(label, Stroke::solid(colour, theme::LINE), points)
-        })
+/// The first column names the axes.
+fn of_first(place: usize, text: &'static str) -> &'static str {
+    if place == 0 { text } else { "" }
+}
+
+fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> f64) -> Panel {
+    let angle = Axis::linear(x).range(0.0, 90.0).every(30.0);
+    metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
+        let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
+        panel.line(channel.name.as_str(), Stroke::solid(colour, theme::LINE), points)
+    })
+}
+
+/// One line for each metal and channel.
+fn numbers(metals: &MetalTable) -> Drawing {
+    let header = [
+        "metal",
+        "wavelength (nm)",
+        "η",
+        "k",
+        "R at 0°",
+        "pseudo-Brewster angle",
+        "albedo",
+        "by the approximation",
+        "its largest error",
+        "at",
+    ];
+    let mut last = "";
+    let row = |r: &MetalRow| {
+        let metal = if r.metal == last { String::new() } else { format!("{} ({})", r.metal, r.symbol) };
+        last = r.metal;
+        vec![
+            metal,
+            format!("{:.0}", r.wavelength_nm),
+            format!("{:.3}", r.eta),
+            format!("{:.3}", r.k),
+            format!("{:.4}", r.r_normal),
+            format!("{:.2}°", r.pseudo_brewster_deg),
+            format!("{:.4}", r.albedo),
+            format!("{:.4}", r.albedo_approximate),
+            format!("{:.4}", r.approximate_max_abs_error),
+            format!("{:.1}°", r.approximate_max_abs_error_deg),
+        ]
     };
-    let reflectance = Axis::linear(of_first("reflectance")).range(0.4, 1.0).every(0.2);
-    let error = Axis::linear(of_first("approximate − exact")).range(0.0, 0.008).every(0.002);
-    Plot::stacked([
-        panel(reflectance, |r| r.r_unpolarized, true).title(metal.metal.clone()),
-        panel(error, |r| r.r_unpolarized_approximate - r.r_unpolarized, false),
-    ])
-    .frame_size(150.0, 150.0)
-    .draw()
+    table(&header, &metals.rows.iter().map(row).collect::<Vec<_>>())
 }

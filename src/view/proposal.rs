@@ -1,6 +1,6 @@
 //! Drawing of the proposal experiment.
 
-use super::text::power_of_ten;
+use super::text::p_value;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::proposal::{Proposal, RowBin};
 
@@ -19,17 +19,16 @@ pub fn drawing(result: &Proposal) -> Drawing {
         )
     };
     let share = |f: fn(&RowBin) -> f64| result.bins.iter().map(f).collect();
-    let p = |p: f64| if p >= 1e-4 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) };
     Plot::new([
-        panel(format!("uniform random numbers: {}", p(result.uniform.p)), share(|b| b.uniform)),
-        panel(format!("Gaussian random numbers: {}", p(result.gaussian.p)), share(|b| b.gaussian)),
+        panel(format!("Uniform random numbers: chi-square {}", p_value(result.uniform.p)), share(|b| b.uniform)),
+        panel(format!("Gaussian random numbers: chi-square {}", p_value(result.gaussian.p)), share(|b| b.gaussian)),
     ])
     .draw()
 }
 
 /// The drawing for a map with too little light for the experiment.
 pub fn nothing_to_test() -> Drawing {
-    Plot::new([empty("this map has light in too few rows for the experiment".into(), 1.0)]).draw()
+    Plot::new([empty("This map has light in too few rows for the experiment".into(), 1.0)]).draw()
 }
 
 fn empty(title: String, highest: f64) -> Panel {

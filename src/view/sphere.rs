@@ -1,5 +1,6 @@
 //! The sphere under an environment map: the render beside its error, and error against samples and time.
 
+use super::converge::{ERROR_LABEL, round};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{ToneMap, to_rgb8};
 use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};
@@ -8,19 +9,21 @@ use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 pub fn shot(shot: &SphereRender) -> Drawing {
     let image = &shot.rendered.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
-    let limit = 0.05;
-    let errors = Heatmap::new(image.width(), shot.relative_error.clone(), Shading::Diverging, "relative error")
-        .range(-limit, limit)
-        .image();
     let row = &shot.row;
-    contact_sheet(
-        &format!("{} samples per pixel, {} light samples each", row.spp, row.light_samples),
-        2,
-        &[
-            ("rendered, shown one stop brighter".into(), rendered),
-            (format!("relative error, ±5 %; RMSE {:.2} %", 100.0 * row.rel_rmse), errors),
-        ],
-    )
+    let limit = 100.0 * round(largest_of_most(&shot.relative_error));
+    let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
+    let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
+    let title = format!("{} camera samples per pixel, {} light samples for each", row.spp, row.light_samples);
+    let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
+    let cells = [("rendered, shown one stop brighter".into(), rendered), (error, errors.image())];
+    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5, 2.0)
+}
+
+/// The modulus that 95 % of the errors do not exceed.
+fn largest_of_most(errors: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = errors.iter().filter(|e| e.is_finite()).map(|e| e.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.get(sizes.len() * 95 / 100).copied().unwrap_or(f64::NAN)
 }
 
 pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
@@ -31,9 +34,9 @@ pub fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
 pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
     let axis = || Axis::log("relative RMSE");
     let mut by_samples =
-        Panel::new(Axis::log("samples per pixel").at([8.0, 16.0, 32.0, 64.0]), axis()).title("error against samples");
-    let mut by_time = Panel::new(Axis::log("render time (s)"), axis()).title("error against time");
-    let names: Vec<&str> = series.iter().map(|s| strategy(s.label)).collect();
+        Panel::new(Axis::log("samples per pixel").at([8.0, 16.0, 32.0, 64.0]), axis()).title("Error against samples");
+    let mut by_time = Panel::new(Axis::log("render time (s)"), axis()).title("Error against time");
+    let names: Vec<&str> = series.iter().map(|s| s.label.strategy).collect();
     let colours = theme::strategies(&names);
     for (i, s) in series.iter().enumerate() {
         let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
@@ -48,15 +51,4 @@ pub fn errors(series: &[Series], with_pbrt: bool) -> Drawing {
         by_samples = by_samples.dotted_line("PBRT-v2", stroke, points);
     }
     Plot::new([by_samples, by_time]).draw()
-}
-
-/// The name of a strategy as `converge` has it, for its colour.
-fn strategy(label: Label) -> &'static str {
-    match label.strategy {
-        "radiance × cosine (default)" => "light-cosine",
-        "MIS, compensated map" => "mis-compensated",
-        "MIS, map" => "mis",
-        "map alone, as the report" => "light",
-        other => other,
-    }
 }

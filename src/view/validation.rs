@@ -1,5 +1,6 @@
 //! A run of tests as a table and as a drawing of its p-values.
 
+use super::text::p_value;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
 use etalon_stats::kolmogorov::Uniformity;
@@ -58,7 +59,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
 pub fn drawing(validation: &Validation) -> Drawing {
     let tests = validation.ranked();
-    let n = tests.len();
+    let (n, total) = (tests.len(), validation.tests.len());
     // p-values of 0 and below what a double can hold are at the lower end of the logarithmic axis.
     const LEAST: f64 = 1e-20;
     let dots = |verdict: Verdict, least: f64| -> Vec<Point> {
@@ -76,7 +77,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
                 Stroke { dash: theme::DASHED, ..Stroke::solid(theme::REJECTED, theme::THIN) },
                 holm.clone(),
             )
-            .dots("accepted", theme::ACCEPTED, dots(Verdict::Accept, least));
+            .dots("accepted", theme::ACCEPTED.faded(0.5), dots(Verdict::Accept, least));
         [("rejected", theme::REJECTED, Verdict::Reject), ("inconclusive", theme::INCONCLUSIVE, Verdict::Inconclusive)]
             .into_iter()
             .filter(|(.., verdict)| tests.iter().any(|test| test.verdict == *verdict))
@@ -89,7 +90,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
     let uniformity = validation.uniformity;
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
-            .title(format!("{n} tests: uniformity of the /{{p}}-values /{{p}} = {:.3}", uniformity.p)),
+            .title(format!("{n} /{{p}}-values of {total} tests: uniformity {}", p_value(uniformity.p))),
         panel(Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0), Axis::log("/{p}-value").range(foot, 1.0), foot)
             .title(format!(
                 "{} accepted, {} rejected, {} inconclusive",
@@ -141,10 +142,10 @@ pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
     let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
         .title(format!(
-            "{} /{{p}}-values under {} seeds: uniformity /{{p}} = {:.3}",
+            "{} /{{p}}-values under {} seeds: uniformity {}",
             calibration.p.len(),
             calibration.seeds,
-            calibration.uniformity.p
+            p_value(calibration.uniformity.p)
         ))
         .bars("found", theme::OBSERVED, edges, counts)
         .band(

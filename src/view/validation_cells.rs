@@ -1,5 +1,6 @@
 //! One test's counts: observed, expected, and their residuals.
 
+use super::text::p_value;
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use crate::study::validation::Tested;
 use etalon_stats::{Cell, Counts};
@@ -48,8 +49,8 @@ fn residual(observed: u64, expected: f64) -> f64 {
 /// The drawing of a test's cells; `None` for a test that counts nothing.
 pub fn drawing(tested: &Tested) -> Option<Drawing> {
     let counts = tested.outcome.counts.as_ref()?;
-    let p = tested.outcome.p.map_or("none".into(), |p| if p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") });
-    let title = format!("{}: {}, /{{p}} = {p}", tested.name, tested.outcome.verdict);
+    let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
+    let title = format!("{}: {}, {p}", tested.name, tested.outcome.verdict);
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
     let columns = columns(counts);
@@ -75,7 +76,9 @@ fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
     let centred =
         |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
     page.text(centred(first, theme::TITLE_SIZE, title).bold());
-    page.text(centred(second, theme::NOTE_SIZE, remark));
+    if !remark.is_empty() {
+        page.text(centred(second, theme::NOTE_SIZE, remark));
+    }
     page
 }
 
@@ -109,9 +112,9 @@ fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Plot {
     };
     let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
     Plot::new([
-        counts("observed /{O}", &|row| row.observed as f64),
-        counts("expected /{E}", &|row| row.expected),
-        Panel::new(across.clone(), down.clone()).title("residual (/{O} − /{E})/√/{E}").heatmap(residual),
+        counts("Observed /{O}", &|row| row.observed as f64),
+        counts("Expected /{E}", &|row| row.expected),
+        Panel::new(across.clone(), down.clone()).title("Residual (/{O} − /{E})/√/{E}").heatmap(residual),
     ])
     .frame_size(250.0, 210.0)
 }
@@ -132,11 +135,11 @@ fn listed(rows: &[Row], axis: &str) -> Plot {
     let observed: Vec<f64> = rows.iter().map(|row| row.observed as f64).collect();
     Plot::new([
         Panel::new(numbers(), Axis::linear("samples"))
-            .title("counts")
+            .title("Counts")
             .bars("observed", theme::OBSERVED, edges, observed)
             .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), steps(|row| row.expected)),
         Panel::new(numbers(), Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
-            .title("residual (/{O} − /{E})/√/{E}")
+            .title("Residual (/{O} − /{E})/√/{E}")
             .horizontal(0.0, "")
             .dots("", theme::RESIDUAL, residuals),
     ])
@@ -149,8 +152,15 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
         let (o, e) = of_kind.fold((0, 0.0), |(o, e), row| (o + row.observed, e + row.expected));
         format!("{o} (expected {e:.1})")
     };
-    let at_atoms = if atoms > 0 { format!("at atoms {}; ", of("atom")) } else { String::new() };
-    format!("{at_atoms}no sample {}", of("none"))
+    let mut parts = Vec::new();
+    if atoms > 0 {
+        parts.push(format!("at atoms {}", of("atom")));
+    }
+    // Most samplers always return a sample
+    if beyond.iter().any(|row| row.kind == "none" && (row.observed > 0 || row.expected > 0.0)) {
+        parts.push(format!("no sample {}", of("none")));
+    }
+    parts.join("; ")
 }
 
 /// The number of cells in each row of the grid.

@@ -2,6 +2,7 @@
 
 use crate::cli::console::Console;
 use crate::cli::map_file::{self, MapOptions};
+use crate::cli::values::stops;
 use crate::envmap::NamedMap;
 use crate::envmap::info::Info;
 use crate::error::Result;
@@ -39,7 +40,7 @@ impl MapArgs {
 #[derive(Args)]
 pub struct LookArgs {
     /// Exposure of the drawing in stops (default: chosen from the map)
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
     exposure: Option<f32>,
     /// Pure power law 1/GAMMA instead of the sRGB curve
     #[arg(long, value_name = "GAMMA", value_parser = gamma)]
@@ -53,10 +54,6 @@ impl LookArgs {
     pub fn look(&self) -> Look {
         Look { exposure: self.exposure, gamma: self.gamma }
     }
-}
-
-fn finite(text: &str) -> std::result::Result<f32, String> {
-    text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
 }
 
 fn gamma(text: &str) -> std::result::Result<f32, String> {

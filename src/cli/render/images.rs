@@ -3,21 +3,46 @@
 use crate::error::{Error, Result};
 use crate::files::{self, is_same_file};
 use crate::output::{self, Target, Written};
-use crate::raster::{self, ToneMap, WriteOptions};
+use crate::raster::{self, Image, Metadata, ToneMap, WriteOptions};
 use crate::render::film::Part;
 use std::path::{Path, PathBuf};
 
 pub struct Images {
     target: Target,
     formats: Vec<&'static str>,
-    tone: Option<ToneMap>,
+    look: Look,
     /// Of a shard: the suffix of its default name; its file has the sums.
     shard: Option<String>,
 }
 
+/// How 8-bit images show the radiance.
+#[derive(Clone, Copy)]
+pub struct Look {
+    /// Tone mapping; by default, that of the format.
+    pub tone: Option<ToneMap>,
+    /// Exposure in stops, before tone mapping.
+    pub exposure: f32,
+    /// Side of the square of PNG pixels that show a pixel.
+    pub scale: u32,
+}
+
+impl Look {
+    fn write(&self, path: &Path, format: &str, image: &Image, metadata: &Metadata) -> Result<()> {
+        let usual = if format == "ppm" { ToneMap::LinearMax } else { ToneMap::default() };
+        let options = WriteOptions { tone: self.tone.unwrap_or(usual), ..WriteOptions::default() };
+        let (is_png, factor) = (format == "png", self.exposure.exp2());
+        if !(is_png || format == "ppm") || (factor == 1.0 && self.scale == 1) {
+            return raster::write_with(path, image, metadata, options);
+        }
+        let shown = image.map(|p| p * factor);
+        let shown = if is_png { shown.enlarged(self.scale as usize) } else { shown };
+        raster::write_with(path, &shown, metadata, options)
+    }
+}
+
 impl Images {
     /// Files at `target`, by `out`; an error if they cannot have its format.
-    pub fn new(out: Option<&Path>, target: Target, tone: Option<ToneMap>, shard: Option<String>) -> Result<Self> {
+    pub fn new(out: Option<&Path>, target: Target, look: Look, shard: Option<String>) -> Result<Self> {
         let formats = match output::image_format(out)? {
             None | Some("exr") if shard.is_some() => vec!["exr"],
             Some(_) if shard.is_some() => {
@@ -28,7 +53,7 @@ impl Images {
             Some(format) => vec![format, "png"],
             None => vec!["exr", "pfm", "ppm", "png"],
         };
-        Ok(Self { target, formats, tone, shard })
+        Ok(Self { target, formats, look, shard })
     }
 
     /// The same, which also refuses to replace `input`.
@@ -50,9 +75,7 @@ impl Images {
         for format in formats {
             let path = output::with_extension(&stem, format);
             if *format != "exr" {
-                let usual = if *format == "ppm" { ToneMap::LinearMax } else { ToneMap::default() };
-                let options = WriteOptions { tone: self.tone.unwrap_or(usual), ..WriteOptions::default() };
-                raster::write_with(&path, &image, &part.metadata, options)?;
+                self.look.write(&path, format, &image, &part.metadata)?;
             } else if state.is_some_and(|state| cut || is_same_file(state, &path)) {
                 continue;
             } else if self.shard.is_some() {

@@ -10,7 +10,7 @@ use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
-use super::values::{choice, map_samplers, map_sampling};
+use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ use crate::sampling::stream::StreamKind;
 use crate::scene::Request;
 use crate::view::text::counted;
 use clap::Args;
-use images::Images;
+use images::{Images, Look};
 use model::ModelArgs;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -68,6 +68,12 @@ pub struct Render {
          ToneMap::By(Conventions::SECOND_REPORT)),
     ]))]
     tone: Option<ToneMap>,
+    /// Exposure of PNG and PPM in stops, before tone mapping; the linear PPM is scaled by its maximum whatever the exposure
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
+    exposure: f32,
+    /// Show each pixel as N x N pixels of the PNG
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    scale: u32,
     /// Write the light of each path class (LDE, LSDE, ...) up to N scatterings as a layer of the EXR file
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           value_parser = clap::value_parser!(u32).range(0..=6))]
@@ -110,6 +116,7 @@ Examples:
   etalon render sphere-env --envmap grace.exr --flip -s 16 -o sphere.exr
   etalon render cornell-spheres -s 256 -l 4 -m 7 -r 480 360 --paths 3
   etalon render cornell-statue-au --alpha 0.005 --model report --tone report
+  etalon render cornell-statue-cu -s 256 --exposure 1 --scale 2 -o slide.png
   etalon render CBspheres.dae -s 64 -m 5 -r 480 360 -f spheres.png
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
@@ -207,7 +214,8 @@ impl Render {
         }
         let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
         let out = self.file.as_deref().or(global.out.as_deref());
-        Images::new(out, global.arguments.target(out, &["scene", "shard"]), self.tone, shard)
+        let look = Look { tone: self.tone, exposure: self.exposure, scale: self.scale };
+        Images::new(out, global.arguments.target(out, &["scene", "shard"]), look, shard)
     }
 
     /// The samples to render: all, or a shard's.

@@ -58,7 +58,8 @@ pub fn figures() -> Vec<Figure> {
         title: "What each further scattering adds, by path class",
         report: Report::Second,
         reproduces: "Figure 1, what appears at each depth",
-        shows: "Each depth minus the one before, on one scale, with the path classes that make up the difference.",
+        shows: "Each depth minus the one before, with the path classes that make up the difference, in Heckbert's notation: L is \
+                the light, D a diffuse reflection, S a mirror or glass, E the eye. Each difference has an exposure of its own.",
         ..Figure::by(differences)
     };
     texts.into_iter().enumerate().map(figure).chain([differences]).collect()
@@ -94,8 +95,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     }
     let image = &result.images[place];
     let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
-    Ok(Content::new(view::image(&result, place), &rows, checks)?
-        .with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
+    Ok(Content::new(view::image(image), &rows, checks)?.with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 
 fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

@@ -17,7 +17,9 @@ pub fn figures() -> Vec<Figure> {
         title: "Importance samples of the map",
         report: Report::First,
         reproduces,
-        shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there.",
+        shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there. Samples \
+                that one marker would cover share one of as many times its area; the inset enlarges the place with most of \
+                them. The map is shown 1.5 stops darker than usual, so that lights keep their colours.",
         beside: Some(beside),
         command: Some(format!("etalon envmap sample {{map}} -n {n}")),
         ..Figure::by(move |inputs, studies| content(inputs, studies, n, Display::samples))

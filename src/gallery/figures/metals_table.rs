@@ -12,8 +12,8 @@ pub fn figures() -> Vec<Figure> {
         title: "Metals: indices, special angles, albedo, error of the approximation",
         report: Report::Second,
         reproduces: "Table 1, η and k of metals",
-        shows: "Reflectance of each metal in red, green and blue over the angle, exact and by the report's formula. The \
-                sources of η and k stand in the table.",
+        shows: "Reflectance of each metal in red, green and blue over the angle of incidence, and how far the report's \
+                approximation (without sin²θ beside η² + k²) lies above it. The sources of η and k stand in the CSV file.",
         ..Figure::by(|_, _| content())
     }]
 }
@@ -30,5 +30,5 @@ fn content() -> Result<Content> {
         Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
         Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
     ];
-    Content::new(view::drawing(&table.curves), &table.rows, checks)
+    Content::new(view::drawing(&table), &table.rows, checks)
 }

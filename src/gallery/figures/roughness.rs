@@ -4,7 +4,7 @@ use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::roughness::{self, StatueRender};
-use crate::view::statue as view;
+use crate::view::depth as view;
 
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;
@@ -24,11 +24,12 @@ pub fn figures() -> Vec<Figure> {
         title: "Golden statue of increasing roughness",
         report: Report::Second,
         reproduces,
-        shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights.",
+        shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights. Shown as in the \
+                report: (√2 L)^(1/2.2).",
         beside: Some(beside),
         command: Some(format!("etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report")),
         ..Figure::by(move |inputs, studies| {
-            let mut content = content(inputs, studies, ["Au", "gold"], alpha)?;
+            let mut content = content(inputs, studies, "Au", alpha)?;
             if let Some(smoother) = smoother {
                 content.checks.push(dimmer(inputs, studies, alpha, smoother)?);
             }
@@ -49,11 +50,11 @@ pub fn iron() -> Vec<Figure> {
         title: "Iron statue",
         report: Report::Second,
         reproduces: "Figure 4, iron",
-        shows: "The same statue in iron: all colours are reflected nearly alike.",
+        shows: "The same statue in iron: all colours are reflected nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
         beside: Some("roughness-0.5"),
         command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report".into()),
         ..Figure::by(|inputs, studies| {
-            let mut content = content(inputs, studies, ["Fe", "iron"], 0.5)?;
+            let mut content = content(inputs, studies, "Fe", 0.5)?;
             // Grey: no channel differs from the mean of all by more than a fifth.
             let radiance = statue(inputs, studies, "Fe", 0.5)?.statue;
             let colour = radiance.value.map(|v| (v / radiance.mean_rgb() - 1.0).abs());
@@ -65,7 +66,7 @@ pub fn iron() -> Vec<Figure> {
 }
 
 /// A statue, checked against a render with another way of sampling normals.
-fn content(inputs: &Inputs, studies: &mut Studies, [symbol, name]: [&str; 2], alpha: f32) -> Result<Content> {
+fn content(inputs: &Inputs, studies: &mut Studies, symbol: &str, alpha: f32) -> Result<Content> {
     let shot = statue(inputs, studies, symbol, alpha)?;
     let (scene, request) = inputs.statue(symbol, alpha)?;
     let other = roughness::mean_by_all_normals(&scene, &request, &inputs.settings(), &shot.mask)?;
@@ -74,7 +75,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, [symbol, name]: [&str; 2], al
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
         Check::within("statue by visible normals minus by all normals (standard errors)", 0.0, z, SIGMAS),
     ];
-    let content = Content::new(view::image(&shot, name), std::slice::from_ref(&shot.row), checks)?;
+    let content = Content::new(view::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 

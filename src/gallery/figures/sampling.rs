@@ -4,7 +4,7 @@ use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::sampling_strategies::{StrategyComparison, compare};
-use crate::view::statue as view;
+use crate::view::{depth, statue as view};
 
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;
@@ -23,7 +23,8 @@ pub fn figures() -> Vec<Figure> {
             title: "Copper statue, importance sampling",
             report: Report::Second,
             reproduces: "Figure 3a, importance sampling",
-            shows: "Directions sampled in proportion to what the metal reflects: little noise with few samples.",
+            shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
+                    samples. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-hemisphere"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report".into()),
             ..Figure::by(|inputs, studies| render(inputs, studies, true))
@@ -34,7 +35,7 @@ pub fn figures() -> Vec<Figure> {
             report: Report::Second,
             reproduces: "Figure 3b, uniform hemisphere sampling",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
-                    image looks dark and noisy.",
+                    image looks dark and noisy. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-importance"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report".into()),
             ..Figure::by(|inputs, studies| render(inputs, studies, false))
@@ -53,18 +54,14 @@ pub fn figures() -> Vec<Figure> {
 
 fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Content> {
     let result = both(inputs, studies)?;
-    let (shot, how) = if importance {
-        (&result.importance, "directions sampled in proportion to the BSDF")
-    } else {
-        (&result.hemisphere, "directions sampled uniformly over the hemisphere")
-    };
+    let shot = if importance { &result.importance } else { &result.hemisphere };
     let name = |what: &str| format!("{what} by importance sampling minus by hemisphere sampling (standard errors)");
     let checks = vec![
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
         Check::within(name("image"), 0.0, result.z_picture, SIGMAS),
         Check::within(name("statue"), 0.0, result.z_statue, SIGMAS),
     ];
-    let content = Content::new(view::strategy(shot, how), std::slice::from_ref(&shot.row), checks)?;
+    let content = Content::new(depth::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
 }
 

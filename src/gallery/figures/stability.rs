@@ -17,10 +17,12 @@ const TITLES: [(&str, &str); 6] = [
 
 /// The figure of what has no maps; it also summarizes the other figures.
 const SUMS: &str = "stability-sums";
-const SUMMARY: &str = "The largest relative error of each family: of the code that renders, of textbook formulas and of the \
-                       reports', in f32 (filled) and f64 (open).";
+const SUMMARY: &str = "Left, the largest relative error of each family: of the code that renders, of textbook formulas and of the \
+                       reports', in f32 (filled) and f64 (open); pale bars show how far rounding of the input alone may move the \
+                       result there (condition number × half a last place). Right, the largest error over that reach: left of \
+                       the dotted line the input explains all of it. Errors at either end of the scale are that or beyond.";
 const MAPS: &str = "Relative errors in f32 over the inputs: of the code that renders, of textbook formulas and of the reports', \
-                    beside what rounding of the inputs alone causes.";
+                    beside what rounding of the input alone causes: no formula can be expected to do better than that.";
 
 /// The families and experiments of the figure of that id.
 fn families(inputs: &Inputs, studies: &mut Studies, id: &str) -> Result<Rc<Stability>> {

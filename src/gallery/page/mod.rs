@@ -10,7 +10,7 @@ use super::figure::{Erratum, Figure};
 use crate::error::Result;
 use crate::figure::escape;
 use crate::files;
-use crate::view::text::{counted, seconds};
+use crate::view::text::{capitalized, counted, seconds};
 use article::{Article, join};
 use embedded::EmbeddedImage;
 use rayon::prelude::*;
@@ -183,11 +183,6 @@ fn p_value(p: Option<f64>) -> String {
         Some(p) if p < f64::MIN_POSITIVE => "&lt; 1e-307".to_owned(),
         Some(p) => format!("{p:.1e}"),
     }
-}
-
-fn capitalized(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
 #[cfg(test)]
