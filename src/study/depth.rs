@@ -75,6 +75,10 @@ pub struct Depths {
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
     pub request: Request,
+    /// The part of each difference, but the last, that a mirror or glass scattered.
+    pub specular: Vec<Image>,
+    /// Standard error of the pixels of the deepest image, and so, at most, of the others.
+    pub standard_error: Image,
     /// Samples that were dropped.
     pub dropped: Dropped,
 }
@@ -104,7 +108,7 @@ pub const ALL: &str = "all";
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let by_class = Settings { paths: Some(CLASS_DEPTH), sampling: Sampling::Mis, ..*settings };
-    let (layers, dropped) = layers(scene, &request, &by_class)?;
+    let Layers { layers, standard_error, dropped } = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -115,11 +119,16 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     // Each image is the one before it plus the layers that appear at its depth, summed in f64.
     let mut images = Vec::new();
     let mut differences = Vec::new();
+    let mut specular = Vec::new();
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
         let mut added = vec![DVec3::ZERO; objects.pixels.len()];
-        for (_, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
+        let mut by_specular = added.clone();
+        for (name, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
             add(&mut added, layer);
+            if name.contains('S') {
+                add(&mut by_specular, layer);
+            }
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
         let image = |pixels: &[DVec3]| {
@@ -129,6 +138,9 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         images.push(image(&so_far));
         if depth > 0 {
             differences.push(image(&added));
+        }
+        if (1..=CLASS_DEPTH).contains(&depth) {
+            specular.push(image(&by_specular));
         }
     }
 
@@ -162,21 +174,30 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
-    Ok(Depths { images, differences, rows, classes, request, dropped })
+    Ok(Depths { images, differences, rows, classes, request, specular, standard_error, dropped })
 }
 
-/// The light of every path class. A film with path classes is many times larger than its layers, so that it is
+/// The light of every path class.
+struct Layers {
+    layers: Vec<(String, Image)>,
+    standard_error: Image,
+    dropped: Dropped,
+}
+
+/// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
 /// rendered some rows at a time.
-fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<(String, Image)>, Dropped)> {
+fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
     let Request { width, height, spp, .. } = *request;
     let job = Job::new(scene, request, settings)?;
     let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
+    let mut errors = Vec::with_capacity(width * height);
     for top in (0..height).step_by(ROWS) {
         let film = Film::strip(width, top..height.min(top + ROWS), settings.paths.map(PathClasses::up_to))?;
         let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
         job.run(&mut part, 0..spp, &Silent);
         interrupt::check()?;
         dropped = dropped.merge(part.film.dropped());
+        errors.extend(part.film.standard_error().pixels());
         let strips = part.film.path_layers();
         if top == 0 {
             layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
@@ -184,7 +205,7 @@ fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<(Vec<
         layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
     }
     let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
-    Ok((images.collect(), dropped))
+    Ok(Layers { layers: images.collect(), standard_error: Image::from_pixels(width, height, errors), dropped })
 }
 
 /// The smallest depth with this path class: the number of its scatterings.
