@@ -75,8 +75,8 @@ pub struct Depths {
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
     pub request: Request,
-    /// The part of each difference, but the last, that a mirror or glass scattered.
-    pub specular: Vec<Image>,
+    /// The part of each difference, but the last, with at most one diffuse reflection: what has sharp outlines.
+    pub sharp: Vec<Image>,
     /// Standard error of the pixels of the deepest image, and so, at most, of the others.
     pub standard_error: Image,
     /// Samples that were dropped.
@@ -119,15 +119,15 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     // Each image is the one before it plus the layers that appear at its depth, summed in f64.
     let mut images = Vec::new();
     let mut differences = Vec::new();
-    let mut specular = Vec::new();
+    let mut sharp = Vec::new();
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
         let mut added = vec![DVec3::ZERO; objects.pixels.len()];
-        let mut by_specular = added.clone();
+        let mut outlined = added.clone();
         for (name, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
             add(&mut added, layer);
-            if name.contains('S') {
-                add(&mut by_specular, layer);
+            if name.matches('D').count() <= 1 {
+                add(&mut outlined, layer);
             }
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
@@ -140,7 +140,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             differences.push(image(&added));
         }
         if (1..=CLASS_DEPTH).contains(&depth) {
-            specular.push(image(&by_specular));
+            sharp.push(image(&outlined));
         }
     }
 
@@ -174,7 +174,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
-    Ok(Depths { images, differences, rows, classes, request, specular, standard_error, dropped })
+    Ok(Depths { images, differences, rows, classes, request, sharp, standard_error, dropped })
 }
 
 /// The light of every path class.

@@ -74,8 +74,8 @@ pub fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
     let error = if *error > 0.0 { format!("\u{a0}±\u{a0}{}", number(*error, *unit, 1)) } else { String::new() };
     let bound = match bound {
-        Bound::AtLeast(bound) => format!("≥\u{a0}{}", number(*bound, *unit, 2)),
-        Bound::AtMost(bound) => format!("≤\u{a0}{}", number(*bound, *unit, 2)),
+        Bound::AtLeast(bound) => format!("≥\u{a0}{}", number(*bound, *unit, 3)),
+        Bound::AtMost(bound) => format!("≤\u{a0}{}", number(*bound, *unit, 3)),
     };
     format!("{what}: {}{error} ({bound})", number(*value, *unit, 3))
 }
@@ -123,9 +123,13 @@ fn number(value: f64, unit: Unit, digits: i32) -> String {
     }
     let power = value.abs().log10().floor() as i32;
     let text = if power < -4 {
-        format!("{:.0}·10^{{{power}}}", value / 10f64.powi(power))
+        let factor = format!("{:.0}·", value / 10f64.powi(power));
+        format!("{}10^{{{power}}}", if factor == "1·" { "" } else { &factor })
     } else {
-        format!("{value:.*}", (digits - 1 - power).max(0) as usize)
+        let text = format!("{value:.*}", (digits - 1 - power).max(0) as usize);
+        // A round number is as short as it can be.
+        let round = text.contains('.') && (text.parse() == Ok(value) || text.ends_with("00"));
+        if round { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     };
     format!("{text}{sign}").replace('-', "−")
 }
@@ -237,7 +241,7 @@ pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) 
         let class = cut(&picture.class, &crop).map(|p| p * factor);
         let share = 100.0 * picture.share.value;
         let alone = format!(
-            "{} alone, × {factor}: {share:.*}\u{a0}% of the light in the frame",
+            "{} alone, ×\u{a0}{factor}: {share:.*}\u{a0}% of the light in the frame",
             picture.word,
             usize::from(share < 10.0)
         );

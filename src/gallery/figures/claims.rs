@@ -63,7 +63,7 @@ fn first(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let renders = series.last().ok_or_else(|| crate::error::Error::parameter("series", "no strategy"))?;
     let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
     claims.extend(claims::map_claims(&of_map)?);
-    let mut checks = vec![undecided(&claims)];
+    let mut checks = vec![undecided(&claims, inputs)];
     checks.extend(claims::sampled_shares(map, DIRECTIONS, inputs.seed)?.iter().map(agrees));
     content(Report::First, &claims, checks)
 }
@@ -86,7 +86,7 @@ fn second(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_metals =
         MetalInputs { scene: &scene, request: &request, statues: &statues, sampling: &sampling, metals: &metals };
     let claims = [of_depths.claims.clone(), claims::metal_claims(&of_metals)].concat();
-    let mut checks = vec![undecided(&claims)];
+    let mut checks = vec![undecided(&claims, inputs)];
     checks.extend(of_depths.agreement.iter().map(agrees));
     content(Report::Second, &claims, checks)
 }
@@ -124,10 +124,12 @@ fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Conte
     Ok(Content { claims: claims.iter().map(row).collect(), ..content })
 }
 
-/// Numbers of which chance may decide on which side of their bound they are.
-fn undecided(claims: &[Claim]) -> Check {
-    let count = claims.iter().flat_map(|claim| &claim.findings).filter(|finding| finding.holds().is_none()).count();
-    Check::equal("numbers within 3 standard errors of what the claim demands", 0.0, count as f64)
+/// Numbers of which chance may decide on which side of their bound they are. A quick run has too few samples for some.
+fn undecided(claims: &[Claim], inputs: &Inputs) -> Check {
+    let findings = || claims.iter().flat_map(|claim| &claim.findings);
+    let share = findings().filter(|finding| finding.holds().is_none()).count() as f64 / findings().count() as f64;
+    let name = "share of the numbers within 3 standard errors of what the claim demands";
+    Check::at_most(name, share, inputs.effort.of(0.0, 0.1))
 }
 
 fn agrees(agreement: &Agreement) -> Check {

@@ -1,9 +1,10 @@
 //! What the second report sees appear at each maximum depth: where each class is, and how it stands out there.
 
-use super::deep::{BEYOND, GRAZING_DEG, LongPaths, long_paths};
+use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE, percent};
 use super::events::{Event, World};
-use super::feature::{ClassImage, Place, Share};
-use super::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE};
+use super::feature::{ClassImage, Place, PlacePicture, Share};
+use super::features::{And, Feature, features};
+use super::glazing::glazing;
 use crate::error::Result;
 use crate::interrupt;
 use crate::math::mean_rgb;
@@ -30,104 +31,6 @@ pub struct Effort {
 /// Side of the blocks of pixels in which features are looked for.
 const BLOCK: usize = 16;
 
-/// Something that the report sees appear at a depth.
-struct Feature {
-    depth: u32,
-    place: &'static str,
-    claim: &'static str,
-    events: &'static [Event],
-    and: And,
-    /// Title of its picture, if the claim is about a place.
-    picture: Option<&'static str>,
-    evidence: &'static [&'static str],
-}
-
-/// What else is claimed.
-#[derive(Clone, Copy, PartialEq)]
-enum And {
-    Nothing,
-    /// It is white, and left of the middle of the object that shows it.
-    WhiteAndLeft,
-    /// It is below the middle of the object that shows it.
-    Low,
-}
-
-/// The features in the order of the report.
-fn features() -> Vec<Feature> {
-    let at = |depth: u32, place, claim, events| {
-        let evidence: &'static [&'static str] = match depth {
-            1 => &["depth-1"],
-            2 => &["depth-2", "claims-places"],
-            3 => &["depth-3", "claims-places"],
-            _ => &["depth-4", "claims-places"],
-        };
-        Feature { depth, place, claim, events, and: And::Nothing, picture: None, evidence }
-    };
-    let (b, c, d, e) = ("Fig. 1b", "Fig. 1c", "Fig. 1d", "Fig. 1e");
-    vec![
-        at(1, b, "Depth 1 shows walls and floor.", &[Diffuse]),
-        at(1, b, "Depth 1 shows the light in the mirror sphere.", &[Mirror]),
-        at(1, b, "Depth 1 shows the light on the glass sphere.", &[Reflected]),
-        at(2, c, "Depth 2 adds the ceiling.", &[Ceiling, Diffuse]),
-        at(2, c, "Depth 2 adds the walls in the mirror sphere.", &[Mirror, Diffuse]),
-        at(2, c, "Depth 2 adds light, outside of glass, mirror, eye.", &[Mirror, Reflected]),
-        at(2, c, "Depth 2 adds the walls, faintly, on the outside of the glass.", &[Reflected, Diffuse]),
-        Feature {
-            and: And::WhiteAndLeft,
-            picture: Some("white spot on the left of the glass sphere"),
-            ..at(
-                2,
-                c,
-                "Depth 2 adds a faint white spot on the left of the glass: light, mirror, outside of glass.",
-                &[Reflected, Mirror],
-            )
-        },
-        at(3, d, "Depth 3 adds the ceiling in the mirror sphere.", &[Mirror, Ceiling, Diffuse]),
-        at(3, d, "Depth 3 adds the walls through the glass sphere.", &[Refracted, Refracted, Diffuse]),
-        at(3, d, "Depth 3 adds the caustic under the glass sphere.", &[Diffuse, Refracted, Refracted]),
-        at(4, e, "Depth 4 adds the walls through the glass, in the mirror.", &[Mirror, Refracted, Refracted, Diffuse]),
-        Feature {
-            picture: Some("caustic in the mirror"),
-            ..at(4, e, "Depth 4 adds the caustic in the mirror.", &[Mirror, Diffuse, Refracted, Refracted])
-        },
-        Feature {
-            and: And::Low,
-            picture: Some("spot on the blue wall"),
-            ..at(
-                4,
-                e,
-                "Depth 4 adds a spot at the bottom of the blue wall: light, mirror, into and out of the glass, wall.",
-                &[BlueWall, Refracted, Refracted, Mirror],
-            )
-        },
-        Feature {
-            picture: Some("caustic on the outside of the glass"),
-            ..at(
-                4,
-                e,
-                "Depth 4 adds the caustic on the outside of the glass.",
-                &[Reflected, Diffuse, Refracted, Refracted],
-            )
-        },
-    ]
-}
-
-/// A place that a claim is about.
-pub struct PlacePicture {
-    /// What is there.
-    pub title: &'static str,
-    /// The class, from the light to the eye.
-    pub word: String,
-    /// The image at the depth at which it appears, with all light.
-    pub depth: u32,
-    /// The class alone.
-    pub class: Image,
-    /// Where it is.
-    pub place: Place,
-    /// Its share of the light there.
-    pub share: Share,
-}
-
 /// The claims on depths, what is seen of them, and how well the study agrees with the renderer.
 #[derive(Default)]
 pub struct DepthClaims {
@@ -152,7 +55,8 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -
     for feature in features() {
         interrupt::check()?;
         let class = class_image(&world, scene, request, feature.events, effort, seed);
-        let place = class.place().unwrap_or_default();
+        let found = class.place();
+        let place = found.unwrap_or_default();
         let shown = image_at(depths, feature.depth);
         let share = class.share_of(shown, &depths.standard_error, &place);
         let of_all = class.total()[0] / light;
@@ -168,7 +72,7 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -
             evidence: feature.evidence,
             ..Claim::default()
         });
-        if let Some(title) = feature.picture {
+        if let Some(title) = feature.picture.filter(|_| found.is_some()) {
             done.pictures.push(PlacePicture {
                 title,
                 word: class.word.clone(),
@@ -188,11 +92,12 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -
     let reflection = classes.iter().find(|class| class.word == "LDRE");
     done.claims.insert(third, gone(depths, reflection));
     done.claims.push(nothing_else(scene, depths));
-    let (glazing, picture) = glazing(&world, scene, depths, effort.to_diffuse, seed);
+    let (glazing, picture, long) = glazing(&world, scene, depths, effort.to_diffuse, seed);
     done.claims.extend(glazing);
     done.pictures.extend(picture);
     done.claims.push(brighter(depths));
     done.agreement = agreement(&world, scene, depths, &classes, light, effort, seed);
+    done.agreement.extend(long);
     Ok(done)
 }
 
@@ -229,12 +134,6 @@ fn class_image(
 
 fn image_at(depths: &Depths, depth: u32) -> &Image {
     &depths.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
-}
-
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    let decimals = (-percent.max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize + usize::from(percent < 10.0);
-    format!("{percent:.decimals$} %")
 }
 
 /// The findings on colour and position.
@@ -318,10 +217,10 @@ fn faint(depths: &Depths, class: &ClassImage, place: &Place) -> PlacePicture {
     }
 }
 
-/// Blocks in which mirrors and glass add light at a depth that can be seen.
+/// Blocks to which a depth adds light that can be seen and that has sharp outlines: reflected diffusely at most once.
 fn nothing_else(scene: &Scene, depths: &Depths) -> Claim {
     let place = DEPTHS.iter().position(|d| *d == 5).unwrap_or(0);
-    let (added, image) = (&depths.specular[place - 1], &depths.images[place]);
+    let (added, image) = (&depths.sharp[place - 1], &depths.images[place]);
     let (width, height) = (image.width(), image.height());
     let objects = ObjectIdBuffer::new(scene, &depths.request);
     let kinds = [Kind::Mirror, Kind::Glass, Kind::Diffuse];
@@ -350,7 +249,7 @@ fn nothing_else(scene: &Scene, depths: &Depths) -> Claim {
     }
     let [mirror, glass, room] = visible.map(|count| percent(count / blocks));
     let what = format!(
-        "blocks of {BLOCK}×{BLOCK} pixels in which mirror and glass add 2 % at depth 5 (mirror {mirror}, glass {glass}, room {room})"
+        "blocks of {BLOCK}×{BLOCK} pixels to which depth 5 adds 2 % with at most one diffuse reflection (mirror {mirror}, glass {glass}, room {room})"
     );
     // As many exceed three standard errors by chance, at most, with three standard errors of their number.
     let chance = 1.35e-3;
@@ -363,74 +262,6 @@ fn nothing_else(scene: &Scene, depths: &Depths) -> Claim {
         evidence: &["depth-5", "depth-differences"],
         ..Claim::default()
     }
-}
-
-fn glazing(world: &World, scene: &Scene, depths: &Depths, spp: u32, seed: u64) -> (Vec<Claim>, Option<PlacePicture>) {
-    let request = &depths.request;
-    let objects = ObjectIdBuffer::new(scene, request);
-    // The upper third of the sphere
-    let glass = objects.mask(Kind::Glass);
-    let rows: Vec<usize> = (0..glass.len()).filter(|&i| glass[i]).map(|i| i / request.width).collect();
-    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return (Vec::new(), None) };
-    let below = first + (last - first) / 3;
-    let top: Vec<bool> = glass.iter().enumerate().map(|(i, g)| *g && i / request.width < below).collect();
-    let (LongPaths { all, reflected, grazing, internal }, light) = long_paths(world, scene, request, &top, spp, seed);
-    let deepest = image_at(depths, DEPTHS[DEPTHS.len() - 1]);
-    let there: f64 = deepest.pixels().iter().zip(&top).filter(|(_, t)| **t).map(|(p, _)| mean_rgb(*p)).sum();
-    let errors = depths.standard_error.pixels().iter().zip(&top).filter(|(_, t)| **t);
-    let error_there = errors.map(|(p, _)| mean_rgb(*p).powi(2)).sum::<f64>().sqrt();
-    let everywhere = 1.0 - depths.mean(BEYOND) / depths.mean(DEPTHS[DEPTHS.len() - 1]);
-    let share = |what: String, [part, error]: [f64; 2], whole: f64, bound| Finding {
-        what,
-        value: part / whole,
-        error: error / whole,
-        unit: Unit::Percent,
-        bound,
-    };
-    let visible = format!(
-        "share of longer paths in the light of the sphere's upper third (of the image: {})",
-        percent(everywhere)
-    );
-    let evidence: &'static [&'static str] = &["depth-100", "claims-places"];
-    let claims = vec![
-        Claim {
-            place: "Fig. 1g",
-            claim: "Depth 100 adds a glazing on the top of the glass sphere.",
-            findings: vec![share(visible, all, there, Bound::AtLeast(everywhere + VISIBLE))],
-            evidence,
-            ..Claim::default()
-        },
-        Claim {
-            place: "Fig. 1g",
-            claim: "The glazing is reflection by the outside near grazing incidence.",
-            findings: vec![
-                share("share of it that the outside reflects".into(), reflected, all[0], Bound::AtLeast(0.5)),
-                share(
-                    format!(
-                        "share of it that the outside reflects beyond {GRAZING_DEG}° (reflected inside: {})",
-                        percent(internal[0] / all[0])
-                    ),
-                    grazing,
-                    all[0],
-                    Bound::AtLeast(0.5),
-                ),
-            ],
-            evidence,
-            ..Claim::default()
-        },
-    ];
-    let pixels = light.iter().map(|p| p.as_vec3()).collect();
-    let columns = (0..top.len()).filter(|&i| top[i]).map(|i| i % request.width);
-    let [left, right] = columns.fold([request.width, 0], |[l, r], x| [l.min(x), r.max(x + 1)]);
-    let picture = PlacePicture {
-        title: "the glazing on the glass sphere",
-        word: "more than 5 events".into(),
-        depth: DEPTHS[DEPTHS.len() - 1],
-        class: Image::from_pixels(request.width, request.height, pixels),
-        place: Place { from: [left, first], to: [right, below] },
-        share: Share::of([all[0], all[1]], [there, error_there]),
-    };
-    (claims, Some(picture))
 }
 
 fn brighter(depths: &Depths) -> Claim {

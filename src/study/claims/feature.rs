@@ -55,6 +55,22 @@ impl Share {
     }
 }
 
+/// A place that a claim is about.
+pub struct PlacePicture {
+    /// What is there.
+    pub title: &'static str,
+    /// The class, from the light to the eye.
+    pub word: String,
+    /// The image at the depth at which it appears, with all light.
+    pub depth: u32,
+    /// The class alone.
+    pub class: Image,
+    /// Where it is.
+    pub place: Place,
+    /// Its share of the light there.
+    pub share: Share,
+}
+
 /// The light of a class in every pixel.
 pub struct ClassImage {
     width: usize,
@@ -94,10 +110,12 @@ impl Reached {
         Some(Self { low: low - margin, high: high + margin })
     }
 
-    /// Whether a pixel shows a point of it, at its centre or at a corner.
+    /// Whether a pixel shows a point of it, among a grid of its own.
     fn is_seen(&self, world: &World, scene: &Scene, request: &Request, events: &[Event], i: usize) -> bool {
+        const GRID: u32 = 4;
         let (x, y) = ((i % request.width) as f64, (i / request.width) as f64);
-        [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].into_iter().any(|[u, v]| {
+        (0..GRID * GRID).any(|k| {
+            let [u, v] = [k % GRID, k / GRID].map(|n| (f64::from(n) + 0.5) / f64::from(GRID));
             let ray = scene.camera.ray((x + u) / request.width as f64, (y + v) / request.height as f64);
             let point = world.first_diffuse(ray, events);
             point.is_some_and(|p| p.cmpge(self.low).all() && p.cmple(self.high).all())
@@ -112,6 +130,13 @@ impl ClassImage {
     /// By `spp` paths from the eye in each pixel where the first event can happen.
     pub fn from_eye(world: &World, scene: &Scene, request: &Request, events: &[Event], spp: u32, seed: u64) -> Self {
         let mut image = Self::empty(world, scene, request, events);
+        // Where light paths arrive at few points, as many paths in all go to the pixels that show these.
+        let (mut near, mut spp) = (image.around(), spp);
+        if let Some(reached) = Reached::of(world, events, seed) {
+            let all = near.len();
+            near.retain(|&i| reached.is_seen(world, scene, request, events, i));
+            spp *= (all / near.len().max(1)).clamp(1, MOST) as u32;
+        }
         let pixel = |i: usize| -> Vec<DVec3> {
             let (x, y) = (i % request.width, i / request.width);
             let sample = |s: u32| {
@@ -122,14 +147,6 @@ impl ClassImage {
             };
             (0..spp).map(sample).collect()
         };
-        let mut near = image.around();
-        // Where light paths arrive at few points, as many paths in all go to the pixels that show these.
-        let mut spp = spp;
-        if let Some(reached) = Reached::of(world, events, seed) {
-            let all = near.len();
-            near.retain(|&i| reached.is_seen(world, scene, request, events, i));
-            spp *= (all / near.len().max(1)).clamp(1, MOST) as u32;
-        }
         let samples: Vec<Vec<DVec3>> = near.par_iter().map(|&i| pixel(i)).collect();
         for (&i, samples) in near.iter().zip(&samples) {
             for (s, value) in samples.iter().enumerate() {
@@ -269,5 +286,55 @@ impl ClassImage {
     pub fn image(&self) -> Image {
         let pixels: Vec<Rgb> = self.pixels.iter().map(|p| p.as_vec3()).collect();
         Image::from_pixels(self.width, self.mask.len() / self.width, pixels)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{Sampling, Settings, Silent, render};
+    use crate::scene::builtin;
+    use Event::{Diffuse, Mirror, Reflected, Refracted};
+
+    /// The sum of the light of a class on the objects of the mask, by the renderer.
+    fn rendered(scene: &Scene, request: &Request, word: &str, mask: &[bool]) -> f64 {
+        let settings = Settings { paths: Some(4), sampling: Sampling::Mis, ..Settings::default() };
+        let layers = render(scene, request, &settings, &Silent).unwrap().part.film.path_layers();
+        let (_, layer) = layers.iter().find(|(name, _)| name == word).unwrap();
+        layer.pixels().iter().zip(mask).filter(|(_, m)| **m).map(|(p, _)| mean_rgb(*p)).sum()
+    }
+
+    #[test]
+    fn forced_events_have_the_light_that_is_rendered() {
+        let (scene, request) = builtin::cornell_spheres();
+        let request = Request { width: 80, height: 60, spp: 64, max_depth: 4, ..request };
+        let world = World::new(&scene).unwrap();
+        let image = |events: &[Event]| ClassImage::from_eye(&world, &scene, &request, events, 32, 5);
+        for (word, parts) in [
+            ("LDSE", vec![image(&[Mirror, Diffuse])]),
+            ("LDSSE", vec![image(&[Reflected, Mirror, Diffuse]), image(&[Refracted, Refracted, Diffuse])]),
+        ] {
+            let expected = rendered(&scene, &request, word, &parts[0].mask);
+            let (sum, variance) =
+                parts.iter().map(ClassImage::total).fold((0.0, 0.0), |(s, v), [t, e]| (s + t, v + e * e));
+            let z = (sum - expected) / (2.0 * variance).sqrt();
+            assert!(z.abs() < 4.0 && variance.sqrt() < 0.05 * sum, "{word}: {sum} {expected} {z}");
+        }
+        // Of the light that a specular vertex shows of caustics, the outside of the glass reflects nearly all on the glass.
+        let caustic = image(&[Reflected, Diffuse, Refracted, Refracted]);
+        let ratio = caustic.total()[0] / rendered(&scene, &request, "LSSDSE", &caustic.mask);
+        assert!((0.85..1.1).contains(&ratio), "{ratio}");
+        // The caustic on the floor, from the light and from the eye
+        let events = [Diffuse, Refracted, Refracted];
+        let [light, eye] =
+            [ClassImage::from_light(&world, &scene, &request, &events, 1 << 15, 5), image(&events)].map(|c| c.total());
+        assert!((light[0] - eye[0]).abs() < 4.0 * light[1].hypot(eye[1]) && eye[1] < 0.1 * eye[0], "{light:?} {eye:?}");
+    }
+
+    #[test]
+    fn the_bound_of_a_share_counts_the_whole_as_much_as_it_weighs() {
+        let share = Share::of([2.0, 0.3], [4.0, 2.0]);
+        assert_eq!((share.value, share.error_at(0.0)), (0.5, 0.075));
+        assert!((share.error_at(1.0) - 0.075f64.hypot(0.5)).abs() < 1e-12);
     }
 }

@@ -1,6 +1,6 @@
 //! The first report's claims on Fresnel's equations and Schlick's approximation for glass of 1.45.
 
-use super::{Bound, Claim, Finding, Unit, VISIBLE};
+use super::claim::{Bound, Claim, Finding, Unit, VISIBLE};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::{conductor, dielectric, schlick};
 use crate::study::metal::MetalTable;
@@ -110,7 +110,7 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
             claim: "Schlick's approximation, leaving glass, by the cosine of incidence up to the critical angle.",
             findings: vec![percent(
                 &format!(
-                    "largest error of R, which is {:.1} % by the cosine outside (bound: entering glass)",
+                    "largest error of R (by the cosine outside {:.1} %, as entering glass)",
                     100.0 * correct_inside
                 ),
                 from_inside,

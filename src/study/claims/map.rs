@@ -1,6 +1,6 @@
 //! The first report's claims on its environment map: samples, median cut, and the sphere under it.
 
-use super::{Agreement, Bound, Claim, Finding, Unit, VISIBLE};
+use super::claim::{Agreement, Bound, Claim, Finding, Unit, VISIBLE};
 use crate::envmap::EnvMap;
 use crate::envmap::cut::{SideRule, Split};
 use crate::envmap::samplers::TexelSampler;
@@ -57,7 +57,7 @@ fn proposal(tested: Option<&Proposal>) -> Claim {
     let findings = tested.map(|tested| {
         vec![
             finding("p of the sampled rows with uniform numbers", tested.uniform.p, Bound::AtLeast(1e-3)),
-            finding("p with Gaussian numbers", tested.gaussian.p, Bound::AtMost(1e-6)),
+            finding("p with Gaussian numbers (0: too small for 64 bits)", tested.gaussian.p, Bound::AtMost(1e-6)),
         ]
     });
     Claim {

@@ -1,7 +1,7 @@
 //! The second report's claims on metal: indices, roughness, colour, and how it is sampled.
 
+use super::claim::{Bound, Claim, Finding, Unit, VISIBLE};
 use super::glass::squared_amplitudes_error;
-use super::{Bound, Claim, Finding, Unit, VISIBLE};
 use crate::math::mean_rgb;
 use crate::optics::metals::{GOLD, IRON, WAVELENGTHS_NM};
 use crate::optics::microfacet::{Beckmann, Microfacet};
