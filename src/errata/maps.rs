@@ -22,9 +22,22 @@ pub fn texel_pdf(probability: f64, weight: f64, [width, height]: [usize; 2]) -> 
 /// a texel from the centre, and one of finitely many directions.
 pub const PLACE_IN_TEXEL: [f64; 2] = [0.0, 0.0];
 
+/// The median pixel as the first report's formula prints it: the first at which the running sum of the energies is their total,
+/// which is the last that has any; its text says half of the total.
+#[must_use]
+pub fn median_without_half(energies: &[f64]) -> usize {
+    energies.iter().rposition(|e| *e > 0.0).unwrap_or(0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn without_the_half_all_energy_is_on_one_side() {
+        assert_eq!(median_without_half(&[1.0, 2.0, 3.0, 0.0]), 2);
+        assert_eq!(median_without_half(&[0.0; 3]), 0);
+    }
 
     #[test]
     fn the_poles_have_no_weight_and_the_others_nearly_theirs() {

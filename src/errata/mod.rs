@@ -8,6 +8,7 @@ pub mod fresnel;
 pub mod light;
 pub mod maps;
 pub mod microfacet;
+pub mod refraction;
 pub mod tone;
 
 /// Which of the reports' conventions to follow: each `true` is a departure from the correct formula.

@@ -35,6 +35,6 @@ pub use panel::Panel;
 pub use plot::Plot;
 pub use rgb8::Rgb8;
 pub use shapes::{Anchor, Colour, Level, Marker, Point, Rect, Stroke, Text};
-pub use sheet::contact_sheet;
+pub use sheet::{contact_sheet, wrapped};
 pub use svg::{base64, escape};
 pub use table::table;

@@ -72,7 +72,7 @@ fn size(image: &Rgb8, widest: usize) -> [f64; 2] {
 }
 
 /// Breaks a caption between words into lines of at most `width` (a single word may be wider).
-fn wrapped(caption: &str, width: f64) -> Vec<String> {
+pub fn wrapped(caption: &str, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // At blanks only: others, as the one between a number and its unit, hold words together.
     for word in caption.split(' ').filter(|word| !word.is_empty()) {

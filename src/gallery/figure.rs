@@ -30,14 +30,29 @@ impl Report {
         }
     }
 
-    pub fn citation(self) -> Option<&'static str> {
+    /// What it is, in full.
+    pub fn citations(self) -> &'static [&'static str] {
+        const CITATIONS: [&str; 2] = [
+            "First report: Advanced Computer Graphics coursework report, Imperial College London, Department of Computing, \
+             February 2020.",
+            "Second report: CS 184 HW3.2 report, University of California, Berkeley, spring 2022 (the course calls it \
+             project 3-2).",
+        ];
         match self {
-            Self::First => Some(
-                "Advanced Computer Graphics coursework report, Imperial College London, Department of Computing, February \
-                 2020",
-            ),
-            Self::Second => Some("CS 184 HW3.2 report, University of California, Berkeley, spring 2022"),
-            Self::Both | Self::Neither => None,
+            Self::First => &CITATIONS[..1],
+            Self::Second => &CITATIONS[1..],
+            Self::Both => &CITATIONS,
+            Self::Neither => &[],
+        }
+    }
+
+    /// What it is, in brief.
+    fn source(self) -> &'static str {
+        match self {
+            Self::First => "Imperial College London, 2020",
+            Self::Second => "CS 184, UC Berkeley, 2022",
+            Self::Both => "Imperial College London, 2020; CS 184, UC Berkeley, 2022",
+            Self::Neither => "",
         }
     }
 }
@@ -70,11 +85,11 @@ impl Figure {
         Self { id: "", title: "", report, reproduces: "", shows: "", beside: None, command: None, make: Box::new(make) }
     }
 
-    /// "first report: Figure 1, reflectance from air into glass".
+    /// "first report (Imperial College London, 2020): Figure 3, …".
     pub fn counterpart(&self) -> String {
         match self.report {
             Report::Neither => self.reproduces.to_owned(),
-            report => format!("{}: {}", report.name(), self.reproduces),
+            report => format!("{} ({}): {}", report.name(), report.source(), self.reproduces),
         }
     }
 }
@@ -88,12 +103,14 @@ pub struct Content {
     pub checks: Vec<Check>,
     /// Errors of the reports that it demonstrates.
     pub errata: Vec<Erratum>,
+    /// Claims of the reports that it answers.
+    pub claims: Vec<Claim>,
 }
 
 impl Content {
     /// A drawing, the rows of its table, and its checks.
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
-        Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new() })
+        Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new(), claims: Vec::new() })
     }
 
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
@@ -114,4 +131,20 @@ pub struct Erratum {
     pub p_value: Option<f64>,
     /// The error of an image, and its measure.
     pub picture_error: String,
+}
+
+/// A claim of a report with the answer: a row of "what the reports claim".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    pub report: String,
+    /// The figure or table of the report, or its text.
+    pub place: String,
+    pub claim: String,
+    /// The number that the report prints, if it prints one.
+    pub number: String,
+    /// The numbers that are measured, each with what the claim demands of it.
+    pub measured: Vec<String>,
+    pub verdict: String,
+    /// Figures that show it.
+    pub evidence: Vec<String>,
 }

@@ -1,7 +1,7 @@
 //! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::Check;
-use super::figure::{Content, Erratum, Figure};
+use super::figure::{Claim, Content, Erratum, Figure};
 use super::figures::registry;
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
@@ -25,6 +25,7 @@ pub struct Reproduced {
     pub seconds: f64,
     pub checks: Vec<Check>,
     pub errata: Vec<Erratum>,
+    pub claims: Vec<Claim>,
 }
 
 pub struct Reproduction {
@@ -68,8 +69,8 @@ pub fn reproduce(
             }
             made => made?,
         };
-        let Reproduced { seconds, checks, errata, .. } = made.clone();
-        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, setup: setup.clone() });
+        let Reproduced { seconds, checks, errata, claims, .. } = made.clone();
+        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, claims, setup: setup.clone() });
         done.push(made);
     }
     // Checks and page of all recorded figures
@@ -84,7 +85,7 @@ pub fn reproduce(
 fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
     interrupt::check()?;
     let start = Instant::now();
-    let Content { drawing, table, image, checks, errata } = (figure.make)(inputs, studies)?;
+    let Content { drawing, table, image, checks, errata, claims } = (figure.make)(inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
     let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), ..drawing };
@@ -99,7 +100,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
             files.push(path);
         }
     }
-    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata })
+    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims })
 }
 
 /// All checks of all recorded figures, in the order of the registry.

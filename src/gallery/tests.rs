@@ -19,6 +19,7 @@ pub fn record() -> Record {
         seconds: 0.25,
         checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
         errata: Vec::new(),
+        claims: Vec::new(),
         setup: Setup::of(&inputs(), "--quick"),
     }
 }

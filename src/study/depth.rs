@@ -6,9 +6,11 @@
 use super::object_ids::{Kind, ObjectIdBuffer};
 use super::pixel_mean::inside;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
-use crate::raster::Image;
-use crate::render::{Dropped, Settings, Silent, render};
+use crate::raster::{Image, Metadata};
+use crate::render::film::{Film, Part, PathClasses};
+use crate::render::{Dropped, Job, Sampling, Settings, Silent, render};
 use crate::scene::{Object, Projection, Request, Scene, Shape};
 use glam::DVec3;
 use serde::Serialize;
@@ -18,6 +20,8 @@ pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
 /// Scatterings up to which path classes have layers of their own.
 const CLASS_DEPTH: u32 = 5;
+/// Rows that are rendered together: enough for many threads.
+const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -71,6 +75,10 @@ pub struct Depths {
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
     pub request: Request,
+    /// The part of each difference, but the last, with at most one diffuse reflection: what has sharp outlines.
+    pub sharp: Vec<Image>,
+    /// Standard error of the pixels of the deepest image, and so, at most, of the others.
+    pub standard_error: Image,
     /// Samples that were dropped.
     pub dropped: Dropped,
 }
@@ -99,10 +107,8 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
-    let rendered = render(scene, &request, &by_class, &Silent)?;
-    let (layers, dropped) = (rendered.part.film.path_layers(), rendered.dropped);
-    drop(rendered);
+    let by_class = Settings { paths: Some(CLASS_DEPTH), sampling: Sampling::Mis, ..*settings };
+    let Layers { layers, standard_error, dropped } = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -113,11 +119,16 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     // Each image is the one before it plus the layers that appear at its depth, summed in f64.
     let mut images = Vec::new();
     let mut differences = Vec::new();
+    let mut sharp = Vec::new();
     let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
     for depth in DEPTHS {
         let mut added = vec![DVec3::ZERO; objects.pixels.len()];
-        for (_, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
+        let mut outlined = added.clone();
+        for (name, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
             add(&mut added, layer);
+            if name.matches('D').count() <= 1 {
+                add(&mut outlined, layer);
+            }
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
         let image = |pixels: &[DVec3]| {
@@ -127,6 +138,9 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         images.push(image(&so_far));
         if depth > 0 {
             differences.push(image(&added));
+        }
+        if (1..=CLASS_DEPTH).contains(&depth) {
+            sharp.push(image(&outlined));
         }
     }
 
@@ -160,7 +174,38 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
-    Ok(Depths { images, differences, rows, classes, request, dropped })
+    Ok(Depths { images, differences, rows, classes, request, sharp, standard_error, dropped })
+}
+
+/// The light of every path class.
+struct Layers {
+    layers: Vec<(String, Image)>,
+    standard_error: Image,
+    dropped: Dropped,
+}
+
+/// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
+/// rendered some rows at a time.
+fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
+    let Request { width, height, spp, .. } = *request;
+    let job = Job::new(scene, request, settings)?;
+    let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
+    let mut errors = Vec::with_capacity(width * height);
+    for top in (0..height).step_by(ROWS) {
+        let film = Film::strip(width, top..height.min(top + ROWS), settings.paths.map(PathClasses::up_to))?;
+        let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
+        job.run(&mut part, 0..spp, &Silent);
+        interrupt::check()?;
+        dropped = dropped.merge(part.film.dropped());
+        errors.extend(part.film.standard_error().pixels());
+        let strips = part.film.path_layers();
+        if top == 0 {
+            layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
+        }
+        layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
+    }
+    let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
+    Ok(Layers { layers: images.collect(), standard_error: Image::from_pixels(width, height, errors), dropped })
 }
 
 /// The smallest depth with this path class: the number of its scatterings.

@@ -1,6 +1,7 @@
 //! One file per experiment: each computes a plain result and neither plots nor prints.
 
 pub mod audit;
+pub mod claims;
 pub mod converge;
 pub mod depth;
 pub mod fit;

@@ -41,7 +41,7 @@ impl Exact {
 }
 
 /// The sphere's normal at the centre of pixel (x, y), if the sphere covers it.
-fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
+pub(super) fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
     let at = |i: usize| (2 * i + 1) as f64 / size as f64 - 1.0;
     let (nx, ny) = (at(x), -at(y));
     let z2 = 1.0 - nx * nx - ny * ny;

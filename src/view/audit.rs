@@ -2,7 +2,7 @@
 
 use super::text::power_of_ten;
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
-use crate::study::audit::Erratum;
+use crate::study::audit::{Erratum, Nature};
 use etalon_stats::Verdict;
 
 /// Panels in a row, the size of a frame, and of the text under it.
@@ -19,12 +19,12 @@ const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
 /// A panel for each erratum, with the verdicts and the error of an image below it.
 pub fn drawing(errata: &[Erratum]) -> Drawing {
-    // Lay out panels in a grid, with three lines of text below each
+    // Lay out panels in a grid, with four lines of text below each
     let panels: Vec<Drawing> =
         errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
     let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
     let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
-    let height = below + 3.0 * LINE + 2.0 * GAP;
+    let height = below + 4.0 * LINE + 1.5 * GAP;
     let rows = errata.len().div_ceil(COLUMNS);
     let head = EDGE + theme::LABEL_SIZE + GAP;
     let columns = COLUMNS.min(errata.len());
@@ -38,7 +38,11 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
         let lines = [
             (PRINTED.colour, format!("as printed: {}", verdict(erratum.verdict, p))),
             (CORRECTED.colour, format!("corrected: {}", verdict(erratum.right_verdict, erratum.right_p))),
-            (theme::INK, format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))),
+            (theme::INK, effect(erratum)),
+            (
+                theme::INK,
+                if erratum.nature == Nature::Print { "(error of print, at its word)".into() } else { String::new() },
+            ),
         ];
         let middle = x + drawing.width - MARGIN - 0.5 * FRAME[0];
         sheet.append(drawing, x, y);
@@ -86,6 +90,17 @@ fn verdict(verdict: Verdict, p: Option<f64>) -> String {
         Some(p) if p >= 1e-3 => format!("{word}, /{{p}} = {p:.2}"),
         Some(p) => format!("{word}, /{{p}} {}", power_of_ten(p)),
     }
+}
+
+/// "light on a floor: −12.3 %"; an error of print has this only if it is taken at its word.
+pub fn consequence(erratum: &Erratum) -> String {
+    let at_its_word = if erratum.nature == Nature::Print { "if taken at its word, " } else { "" };
+    format!("{at_its_word}{}", effect(erratum))
+}
+
+/// "light on a floor: −12.3 %".
+fn effect(erratum: &Erratum) -> String {
+    format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))
 }
 
 /// "−12.3 %".

@@ -6,7 +6,7 @@ use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
-fn by_conventions(image: &Image) -> Rgb8 {
+pub(super) fn by_conventions(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
 }
 

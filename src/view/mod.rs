@@ -3,6 +3,7 @@
 //! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
 pub mod audit;
+pub mod claims;
 pub mod converge;
 pub mod converge_series;
 pub mod depth;

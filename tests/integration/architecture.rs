@@ -421,8 +421,11 @@ fn speaks_of_reports(name: &str) -> bool {
 
 #[test]
 fn only_errata_and_what_shows_them_name_the_reports() {
-    // The audit and the stability study compare what the reports print; their views, the figures and the command line show it.
-    let allowed = ["errata", "study::audit", "study::stability", "view::audit", "view::stability", "gallery", "cli"];
+    // The audit, the claims and the stability study compare what the reports print; their views, the figures and the command line
+    // show it.
+    let studies =
+        ["study::audit", "study::claims", "study::stability", "view::audit", "view::claims", "view::stability"];
+    let allowed = [&["errata", "gallery", "cli"][..], &studies].concat();
     let found: BTreeSet<String> = modules()
         .iter()
         .filter(|module| !allowed.iter().any(|prefix| module.name().starts_with(prefix)))

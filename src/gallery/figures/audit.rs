@@ -12,9 +12,9 @@ pub fn figures() -> Vec<Figure> {
         id: "audit",
         title: "Where the reports err, and which test detects it",
         report: Report::Both,
-        reproduces: "their own formulas",
+        reproduces: "all formulas that they print and that are wrong, approximate or misprinted",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
-                image.",
+                image. An error of print stands in the text alone: what follows is what it would do if taken at its word.",
         ..Figure::by(|inputs, _| content(inputs))
     }]
 }
@@ -34,13 +34,13 @@ fn content(inputs: &Inputs) -> Result<Content> {
 
 fn row(erratum: &Erratum) -> figure::Erratum {
     figure::Erratum {
-        printed: format!("{}: {}", erratum.report, erratum.printed),
+        printed: format!("{}, {}: {}", erratum.report, erratum.nature.name(), erratum.printed),
         right: erratum.right.to_owned(),
         test: match &erratum.violation {
             Some(violation) => format!("{}: {violation}", erratum.test),
             None => erratum.test.to_owned(),
         },
         p_value: erratum.p,
-        picture_error: format!("{}: {}", erratum.error_of, view::percent(erratum.error_in_picture)),
+        picture_error: view::consequence(erratum),
     }
 }

@@ -9,7 +9,7 @@ use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::view::depth as view;
 
 /// One render, taken apart by path class.
-fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
+pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
     let (scene, request) = inputs.spheres();
     studies.get("depths", || depth::depths(&scene, &request, &inputs.settings()))
 }
@@ -17,28 +17,40 @@ fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
 /// One figure for each of [`DEPTHS`], in that order, and one of what each adds.
 pub fn figures() -> Vec<Figure> {
     let texts = [
-        ("depth-0", "Figure 1a, depth 0", "Only the area light itself is visible."),
+        (
+            "depth-0",
+            "Figure 1a, maximum depth 0 (CBspheres.dae, -t 8 -s 64 -l 4 -m 0 -r 480 360)",
+            "Only the area light itself is visible.",
+        ),
         (
             "depth-1",
-            "Figure 1b, depth 1",
+            "Figure 1b, maximum depth 1 (CBspheres.dae, -t 8 -s 64 -l 4 -m 1 -r 480 360)",
             "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
         ),
         (
             "depth-2",
-            "Figure 1c, depth 2",
+            "Figure 1c, maximum depth 2 (CBspheres.dae, -t 8 -s 64 -l 4 -m 2 -r 480 360)",
             "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
              light must enter and leave it.",
         ),
         (
             "depth-3",
-            "Figure 1d, depth 3",
+            "Figure 1d, maximum depth 3 (CBspheres.dae, -t 8 -s 64 -l 4 -m 3 -r 480 360)",
             "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
         ),
-        ("depth-4", "Figure 1e, depth 4", "The glass sphere, as clear as before, appears in the mirror sphere."),
-        ("depth-5", "Figure 1f, depth 5", "The light that this depth adds is faint."),
+        (
+            "depth-4",
+            "Figure 1e, maximum depth 4 (CBspheres.dae, -t 8 -s 64 -l 4 -m 4 -r 480 360)",
+            "The glass sphere, as clear as before, appears in the mirror sphere.",
+        ),
+        (
+            "depth-5",
+            "Figure 1f, maximum depth 5 (CBspheres.dae, -t 8 -s 64 -l 4 -m 5 -r 480 360)",
+            "The light that this depth adds is faint.",
+        ),
         (
             "depth-100",
-            "Figure 1g, depth 100",
+            "Figure 1g, maximum depth 100 (CBspheres.dae, -t 8 -s 64 -l 4 -m 100 -r 480 360)",
             "Practically all light. Compare it with depth 5 to see how little was missing.",
         ),
     ];
@@ -57,7 +69,7 @@ pub fn figures() -> Vec<Figure> {
         id: "depth-differences",
         title: "What each further scattering adds, by path class",
         report: Report::Second,
-        reproduces: "Figure 1, what appears at each depth",
+        reproduces: "Figure 1, what appears at each depth (CBspheres.dae, -t 8 -s 64 -l 4 -r 480 360)",
         shows: "Each depth minus the one before, with the path classes that make up the difference, in Heckbert's notation: L is \
                 the light, D a diffuse reflection, S a mirror or glass, E the eye. Each difference has an exposure of its own.",
         ..Figure::by(differences)

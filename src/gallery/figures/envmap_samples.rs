@@ -25,14 +25,29 @@ pub fn figures() -> Vec<Figure> {
         ..Figure::by(move |inputs, studies| content(inputs, studies, n, Display::samples))
     };
     vec![
-        on_the_map("envmap-samples-64", 64, "Figure 3, 64 samples", "envmap-samples-256"),
-        on_the_map("envmap-samples-256", 256, "Figure 4, 256 samples", "median-cut-64"),
-        on_the_map("envmap-samples-1024", 1024, "Figure 5, 1024 samples", "envmap-samples-256"),
+        on_the_map(
+            "envmap-samples-64",
+            64,
+            "Figure 3, 64 samples of the Grace map of 1024×512, 5×5 markers",
+            "envmap-samples-256",
+        ),
+        on_the_map(
+            "envmap-samples-256",
+            256,
+            "Figure 4, 256 samples of the Grace map of 1024×512, 5×5 markers",
+            "median-cut-64",
+        ),
+        on_the_map(
+            "envmap-samples-1024",
+            1024,
+            "Figure 5, 1024 samples of the Grace map of 1024×512, 5×5 markers",
+            "envmap-samples-256",
+        ),
         Figure {
             id: "envmap-samples-only-256",
             title: "The samples alone, in the colour of their radiance",
             report: Report::First,
-            reproduces: "Figure 6, radiance of 256 samples",
+            reproduces: "Figure 6, 256 samples alone with the RGB of the map",
             shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
             beside: Some("envmap-samples-256"),
             command: Some("etalon envmap sample {map} -n 256".into()),

@@ -22,7 +22,7 @@ pub fn figures() -> Vec<Figure> {
             id: "fresnel-enter",
             title: "Reflectance from air into glass",
             report: Report::First,
-            reproduces: "Figure 1, reflectance from air into glass",
+            reproduces: "Figure 1, η = 1 to 1.45; it prints \"Brewster: 55.40771131249006\"",
             shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
                     approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
             beside: Some("fresnel-exit"),
@@ -33,7 +33,7 @@ pub fn figures() -> Vec<Figure> {
             id: "fresnel-exit",
             title: "Reflectance from glass into air",
             report: Report::First,
-            reproduces: "Figure 2, reflectance from glass into air",
+            reproduces: "Figure 2, η = 1.45 to 1; it prints \"Critical: 43.60281897270362\"",
             shows: "The same from inside: total internal reflection beyond the critical angle.",
             beside: Some("fresnel-enter"),
             command: Some("etalon fresnel --eta-i 1.45 --eta-t 1".into()),
@@ -45,7 +45,11 @@ pub fn figures() -> Vec<Figure> {
 fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
     let curves = fresnel::curves(eta_i, eta_t, POINTS, Conventions::CORRECT)?;
     // From inside, Brewster's angle is the complement.
-    let brewster = if eta_t > eta_i { BREWSTER_DEG } else { 90.0 - BREWSTER_DEG };
+    let (brewster, of_brewster) = if eta_t > eta_i {
+        (BREWSTER_DEG, "Brewster's angle (degrees; the report prints 55.40771131249006)")
+    } else {
+        (90.0 - BREWSTER_DEG, "Brewster's angle (degrees)")
+    };
     let mut checks = vec![
         Check::within("reflectance at normal incidence", NORMAL_REFLECTANCE, curves.r_normal, 1e-14),
         Check::within(
@@ -54,12 +58,17 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
             curves.r_normal_perpendicular,
             1e-15,
         ),
-        Check::within("Brewster angle (degrees)", brewster, curves.brewster_deg.unwrap_or(f64::NAN), 1e-11),
+        Check::within(of_brewster, brewster, curves.brewster_deg.unwrap_or(f64::NAN), 1e-11),
     ];
     if eta_i > eta_t {
         let critical = curves.critical_deg.unwrap_or(f64::NAN);
         let beyond = curves.rows.iter().filter(|r| r.theta_deg > critical).map(|r| r.r_unpolarized);
-        checks.push(Check::within("critical angle (degrees)", CRITICAL_DEG, critical, 1e-11));
+        checks.push(Check::within(
+            "critical angle (degrees; the report prints 43.60281897270362)",
+            CRITICAL_DEG,
+            critical,
+            1e-11,
+        ));
         checks.push(Check::equal("least reflectance beyond the critical angle", 1.0, beyond.fold(f64::NAN, f64::min)));
     }
     Content::new(view::dielectric(&curves), &curves.rows, checks)

@@ -22,15 +22,15 @@ pub fn figures() -> Vec<Figure> {
         ..Figure::by(move |inputs, studies| content(inputs, studies, n, Display::partition))
     };
     vec![
-        partition("median-cut-2", 2, "Figure 7, 1 cut", "median-cut-4"),
-        partition("median-cut-4", 4, "Figure 8, 2 cuts", "median-cut-16"),
-        partition("median-cut-16", 16, "Figure 9, 4 cuts", "median-cut-64"),
-        partition("median-cut-64", 64, "Figure 10, 6 cuts", "median-cut-radiance-64"),
+        partition("median-cut-2", 2, "Figure 7, 1 cut: 2 regions of the Grace map", "median-cut-4"),
+        partition("median-cut-4", 4, "Figure 8, 2 cuts: 4 regions of the Grace map", "median-cut-16"),
+        partition("median-cut-16", 16, "Figure 9, 4 cuts: 16 regions of the Grace map", "median-cut-64"),
+        partition("median-cut-64", 64, "Figure 10, 6 cuts: 64 regions of the Grace map", "median-cut-radiance-64"),
         Figure {
             id: "median-cut-radiance-64",
             title: "The lights of 64 regions",
             report: Report::First,
-            reproduces: "Figure 11, radiance of the centroids",
+            reproduces: "Figure 11, the 64 centroids with their RGB radiance",
             shows: "One light at each centroid, in the colour of its region's flux.",
             beside: Some("median-cut-64"),
             command: Some("etalon envmap cut {map} -n 64".into()),

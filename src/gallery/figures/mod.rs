@@ -3,6 +3,7 @@
 //! A new figure is a file with a function `figures`, and its two lines here.
 
 mod audit;
+mod claims;
 mod depth;
 mod envmap_samples;
 mod error_depth;
@@ -37,6 +38,7 @@ pub fn registry() -> Vec<Figure> {
         metals_table::figures(),
         validation::figures(),
         audit::figures(),
+        claims::figures(),
         error_time::figures(),
         error_time_roughness::figures(),
         error_depth::figures(),

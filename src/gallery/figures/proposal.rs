@@ -1,7 +1,7 @@
 //! Inversion with uniform and with Gaussian random numbers: `proposal`.
 
 use crate::gallery::prelude::*;
-use crate::study::proposal::{self, RowBin};
+use crate::study::proposal::{self, Proposal, RowBin};
 use crate::view::proposal as view;
 
 /// Rows that are sampled.
@@ -18,12 +18,18 @@ pub fn figures() -> Vec<Figure> {
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
         command: Some("etalon envmap proposal {map}".into()),
-        ..Figure::by(|inputs, _| content(inputs))
+        ..Figure::by(content)
     }]
 }
 
-fn content(inputs: &Inputs) -> Result<Content> {
-    let Some(result) = proposal::compare(&inputs.map.map, SAMPLES, inputs.seed)? else {
+/// Both histograms, if the map has light in enough rows.
+pub fn tested(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Option<Proposal>>> {
+    studies.get("proposal", || proposal::compare(&inputs.map.map, SAMPLES, inputs.seed))
+}
+
+fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let tested = tested(inputs, studies)?;
+    let Some(result) = tested.as_ref() else {
         let check = Check::is_true("the map has light in enough rows for a test", false);
         return Content::new(view::nothing_to_test(), &[] as &[RowBin], vec![check]);
     };
@@ -32,5 +38,5 @@ fn content(inputs: &Inputs) -> Result<Content> {
         Check::at_most("p-value with uniform random numbers (no suspiciously good fit)", result.uniform.p, 1.0 - LEVEL),
         Check::at_most("p-value with Gaussian random numbers", result.gaussian.p, 1e-6),
     ];
-    Content::new(view::drawing(&result), &result.bins, checks)
+    Content::new(view::drawing(result), &result.bins, checks)
 }

@@ -2,6 +2,7 @@
 
 use crate::errata::Conventions;
 use crate::gallery::prelude::*;
+use crate::optics::metals::{IRON, WAVELENGTHS_NM};
 use crate::raster::ToneMap;
 use crate::study::roughness::{self, StatueRender};
 use crate::view::depth as view;
@@ -10,7 +11,7 @@ use crate::view::depth as view;
 const SIGMAS: f64 = 4.0;
 
 /// The statue of a metal with roughness α.
-fn statue(inputs: &Inputs, studies: &mut Studies, metal: &str, alpha: f32) -> Result<Rc<StatueRender>> {
+pub fn statue(inputs: &Inputs, studies: &mut Studies, metal: &str, alpha: f32) -> Result<Rc<StatueRender>> {
     studies.get(format!("{metal} {alpha}"), || {
         let (scene, request) = inputs.statue(metal, alpha)?;
         roughness::render_statue(&scene, &request, &inputs.settings())
@@ -37,10 +38,34 @@ pub fn figures() -> Vec<Figure> {
         })
     };
     vec![
-        figure("roughness-0.005", 0.005, None, "Figure 2a, α = 0.005", "roughness-0.05"),
-        figure("roughness-0.05", 0.05, Some(0.005), "Figure 2b, α = 0.05", "roughness-0.005"),
-        figure("roughness-0.25", 0.25, Some(0.05), "Figure 2c, α = 0.25", "roughness-0.05"),
-        figure("roughness-0.5", 0.5, Some(0.25), "Figure 2d, α = 0.5", "roughness-0.25"),
+        figure(
+            "roughness-0.005",
+            0.005,
+            None,
+            "Figure 2a, α = 0.005 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
+            "roughness-0.05",
+        ),
+        figure(
+            "roughness-0.05",
+            0.05,
+            Some(0.005),
+            "Figure 2b, α = 0.05 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
+            "roughness-0.005",
+        ),
+        figure(
+            "roughness-0.25",
+            0.25,
+            Some(0.05),
+            "Figure 2c, α = 0.25 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
+            "roughness-0.05",
+        ),
+        figure(
+            "roughness-0.5",
+            0.5,
+            Some(0.25),
+            "Figure 2d, α = 0.5 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
+            "roughness-0.25",
+        ),
     ]
 }
 
@@ -49,7 +74,7 @@ pub fn iron() -> Vec<Figure> {
         id: "iron",
         title: "Iron statue",
         report: Report::Second,
-        reproduces: "Figure 4, iron",
+        reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
         shows: "The same statue in iron: all colours are reflected nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
         beside: Some("roughness-0.5"),
         command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report".into()),
@@ -60,9 +85,22 @@ pub fn iron() -> Vec<Figure> {
             let colour = radiance.value.map(|v| (v / radiance.mean_rgb() - 1.0).abs());
             let largest = colour.into_iter().fold(0.0, f64::max);
             content.checks.push(Check::at_most("largest relative difference of a channel from grey", largest, 0.2));
+            content.checks.extend(iron_of_the_report());
             Ok(content)
         })
     }]
+}
+
+/// The indices of iron that are rendered, and those of the report's Table 1.
+pub fn iron_of_the_report() -> Vec<Check> {
+    const TABLE_1: [[f64; 2]; 3] = [[2.8851, 3.0449], [2.9500, 2.9300], [2.6500, 2.8095]];
+    let channels = TABLE_1.into_iter().zip(WAVELENGTHS_NM).zip(IRON.eta.into_iter().zip(IRON.k));
+    let checks = |(([eta, k], nm), ours): (([f64; 2], f64), (f64, f64))| {
+        [("η", eta, ours.0), ("k", k, ours.1)].map(|(name, table, ours)| {
+            Check::equal(format!("{name} of iron at {nm} nm (the report's Table 1: {table:.4})"), table, ours)
+        })
+    };
+    channels.flat_map(checks).collect()
 }
 
 /// A statue, checked against a render with another way of sampling normals.

@@ -10,7 +10,7 @@ use crate::view::{depth, statue as view};
 const SIGMAS: f64 = 4.0;
 
 /// Both renders and their profile.
-fn both(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<StrategyComparison>> {
+pub fn both(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<StrategyComparison>> {
     let (scene, request) = inputs.copper()?;
     studies.get("copper", || compare(&scene, &request, &inputs.settings()))
 }
@@ -22,7 +22,7 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-importance",
             title: "Copper statue, importance sampling",
             report: Report::Second,
-            reproduces: "Figure 3a, importance sampling",
+            reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
                     samples. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-hemisphere"),
@@ -33,7 +33,7 @@ pub fn figures() -> Vec<Figure> {
             id: "sampling-hemisphere",
             title: "Copper statue, uniform hemisphere sampling",
             report: Report::Second,
-            reproduces: "Figure 3b, uniform hemisphere sampling",
+            reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
                     image looks dark and noisy. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-importance"),

@@ -30,10 +30,20 @@ pub fn figures() -> Vec<Figure> {
         ..Figure::by(move |inputs, studies| content(inputs, studies, spp))
     };
     vec![
-        sphere("sphere-8", 8, "Figure 12, 8 samples", "sphere-64"),
-        sphere("sphere-16", 16, "Figure 13, 16 samples", "sphere-8"),
-        sphere("sphere-32", 32, "Figure 14, 32 samples", "sphere-16"),
-        sphere("sphere-64", 64, "Figure 15, 64 samples", "sphere-32"),
+        sphere("sphere-8", 8, "Figure 12, PBRT: diffuse sphere of albedo 1 in the Grace map, 8 samples", "sphere-64"),
+        sphere("sphere-16", 16, "Figure 13, PBRT: diffuse sphere of albedo 1 in the Grace map, 16 samples", "sphere-8"),
+        sphere(
+            "sphere-32",
+            32,
+            "Figure 14, PBRT: diffuse sphere of albedo 1 in the Grace map, 32 samples",
+            "sphere-16",
+        ),
+        sphere(
+            "sphere-64",
+            64,
+            "Figure 15, PBRT: diffuse sphere of albedo 1 in the Grace map, 64 samples",
+            "sphere-32",
+        ),
         Figure {
             id: "sphere-error",
             title: "Error of the sphere against samples and time",
@@ -62,10 +72,19 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
     Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
 }
 
+/// The exact image with a ninth of the pixels, which are enough to measure errors.
+pub fn small(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Exact>> {
+    exact(inputs, studies, inputs.effort.of(171, 127))
+}
+
+/// Renders by each strategy; the last one is the report's.
+pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Vec<Series>>> {
+    let exact = small(inputs, studies)?;
+    studies.get("sphere", || study::compare(&inputs.map, &SPP, &exact, &inputs.settings()))
+}
+
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    // A sixteenth of the pixels is enough to measure errors.
-    let exact = exact(inputs, studies, 127)?;
-    let series = study::compare(&inputs.map, &SPP, &exact, &inputs.settings())?;
+    let series = series(inputs, studies)?;
     let grace = studies.map_info(inputs)?.is_grace();
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
     if grace {

@@ -6,7 +6,7 @@ mod record;
 
 pub use record::{Record, Records, Setup, read_records, without_folder};
 
-use super::figure::{Erratum, Figure};
+use super::figure::{Claim, Erratum, Figure};
 use crate::error::Result;
 use crate::figure::escape;
 use crate::files;
@@ -49,14 +49,16 @@ fn document(articles: &[Article<'_>], folder: &Path) -> String {
     let reports: Vec<&[&Article<'_>]> = sorted.chunk_by(|a, b| a.figure.report == b.figure.report).collect();
     let part = |(i, group): (usize, &&[&Article<'_>])| {
         let (number, report) = (i + 1, group[0].figure.report);
-        let citation = report.citation().map_or_else(String::new, |text| format!("<p class=\"fine\">{text}</p>\n"));
+        let citation: String =
+            report.citations().iter().map(|text| format!("<p class=\"fine\">{text}</p>\n")).collect();
         let articles: String = group.iter().map(|article| article.html(folder)).collect();
         let heading = format!("<h2 id=\"part-{number}\">{}</h2>", capitalized(report.name()));
         format!("<section>\n{heading}\n{citation}{articles}</section>\n")
     };
     let parts: String = reports.iter().enumerate().map(part).collect();
     let (style, script) = (include_str!("page.css"), include_str!("page.js"));
-    let (summary, contents, errata) = (summary(articles), contents(articles, &reports), errata(articles));
+    let (summary, contents) = (summary(articles), contents(articles, &reports));
+    let (claims, errata) = (claims(articles), errata(articles));
     format!(
         r##"<!DOCTYPE html>
 <html lang="en">
@@ -72,7 +74,7 @@ fn document(articles: &[Article<'_>], folder: &Path) -> String {
 <body>
 <a class="skip" href="#main">Skip to the figures</a>
 {summary}{contents}<main id="main" tabindex="-1">
-{errata}{parts}</main>
+{claims}{errata}{parts}</main>
 <dialog aria-label="Enlarged figure"></dialog>
 <script>
 //<![CDATA[
@@ -123,6 +125,8 @@ compressed here; the files beside this page are exact. <a href="checks.csv">chec
 
 fn contents(articles: &[Article<'_>], reports: &[&[&Article<'_>]]) -> String {
     let wrong = articles.iter().any(|a| !a.record.errata.is_empty());
+    let claimed = articles.iter().any(|a| !a.record.claims.is_empty());
+    let claimed = if claimed { "<p><a href=\"#claims\">What the reports claim</a></p>\n" } else { "" };
     let wrong = if wrong { "<p><a href=\"#errata\">Where the reports are wrong</a></p>\n" } else { "" };
     let entry = |article: &&Article<'_>| {
         let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
@@ -142,7 +146,7 @@ fn contents(articles: &[Article<'_>], reports: &[&[&Article<'_>]]) -> String {
 <label><input type="checkbox" id="failed" /> only failed</label><button type="button" id="theme">Dark or light</button>
 <p class="fine" id="found" role="status"></p></div>
 <details open="open"><summary>Contents</summary>
-{wrong}{parts}</details>
+{claimed}{wrong}{parts}</details>
 </nav>
 "#
     )
@@ -169,6 +173,40 @@ fn errata(articles: &[Article<'_>]) -> String {
 <div class="wide" tabindex="0"><table>
 <thead><tr><th scope="col">As printed</th><th scope="col">Corrected</th><th scope="col">Detected by</th>
 <th scope="col">p-value</th><th scope="col">Error in an image</th><th scope="col">Figure</th></tr></thead>
+<tbody>
+{rows}</tbody></table></div>
+</section>
+"#
+    )
+}
+
+/// The claims with their verdicts; figures that are on the page are linked.
+fn claims(articles: &[Article<'_>]) -> String {
+    let link = |id: &String| {
+        let shown = escape(id);
+        let known = articles.iter().any(|article| article.figure.id == id);
+        if known { format!("<a href=\"#figure-{shown}\">{shown}</a>") } else { shown }
+    };
+    let row = |claim: &Claim| {
+        let [report, place, text, number, verdict] =
+            [&claim.report, &claim.place, &claim.claim, &claim.number, &claim.verdict].map(|text| escape(text));
+        let measured = claim.measured.iter().map(|text| escape(text)).collect::<Vec<_>>().join("<br />");
+        let evidence = claim.evidence.iter().map(link).collect::<Vec<_>>().join(", ");
+        format!(
+            "<tr><td>{text}</td><td>{report}, {place}</td><td>{number}</td><td>{measured}</td>\
+             <td><strong>{verdict}</strong></td><td>{evidence}</td></tr>\n"
+        )
+    };
+    let rows: String = articles.iter().flat_map(|article| &article.record.claims).map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        r#"<section>
+<h2 id="claims">What the reports claim</h2>
+<div class="wide" tabindex="0"><table>
+<thead><tr><th scope="col">Claim</th><th scope="col">In the report</th><th scope="col">Its number</th>
+<th scope="col">Measured, and what the claim demands</th><th scope="col">Verdict</th><th scope="col">Evidence</th></tr></thead>
 <tbody>
 {rows}</tbody></table></div>
 </section>

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::files;
 use crate::gallery::check::Check;
-use crate::gallery::figure::{Erratum, Figure};
+use crate::gallery::figure::{Claim, Erratum, Figure};
 use crate::gallery::inputs::Inputs;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -22,6 +22,9 @@ pub struct Record {
     pub seconds: f64,
     pub checks: Vec<Check>,
     pub errata: Vec<Erratum>,
+    /// None in records of earlier versions.
+    #[serde(default)]
+    pub claims: Vec<Claim>,
     pub setup: Setup,
 }
 

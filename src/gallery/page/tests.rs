@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::figure::Drawing;
-use crate::gallery::figure::Erratum;
+use crate::gallery::figure::{Claim, Erratum};
 use crate::gallery::registry;
 use crate::gallery::tests::record;
 
@@ -67,16 +67,29 @@ fn failures_and_errata_are_shown_as_text() {
                 p_value: Some(1e-12),
                 picture_error: "3 %".into(),
             }];
+            record.claims = vec![Claim {
+                report: "second report".into(),
+                place: "Fig. 4".into(),
+                claim: evil.into(),
+                number: String::new(),
+                measured: vec!["share: 3 % (≥ 2 %)".into()],
+                verdict: "holds".into(),
+                evidence: vec!["depth-2".into(), "no-such-figure".into()],
+            }];
         } else {
             record.checks.retain(|c| c.pass);
         }
     });
     let tree = parsed(&text);
     let evil_texts = tree.descendants().filter(|n| n.is_text() && n.text().is_some_and(|t| t.contains(evil))).count();
-    assert_eq!(evil_texts, 2, "in the table of errata and in the summary");
+    assert_eq!(evil_texts, 3, "in the tables of errata and of claims, and in the summary");
     assert_eq!(tree.descendants().filter(|n| n.has_tag_name("script")).count(), 1);
     let failed: Vec<_> = tree.descendants().filter(|n| n.attribute("data-failed") == Some("1")).collect();
     assert_eq!(failed.iter().map(|n| n.attribute("id")).collect::<Vec<_>>(), [Some("figure-iron")]);
     assert!(tree.descendants().any(|n| n.attribute("id") == Some("errata")));
+    assert!(
+        text.contains("<a href=\"#figure-depth-2\">depth-2</a>, no-such-figure"),
+        "only figures on the page are linked"
+    );
     assert!(text.contains("1.0e-12") && text.contains("NaN"));
 }

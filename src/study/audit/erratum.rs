@@ -4,6 +4,30 @@ use crate::study::validation::Case;
 use etalon_stats::{Outcome, Verdict};
 use serde::Serialize;
 
+/// What kind of error it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Nature {
+    /// A formula that the report or its course uses and that is wrong.
+    #[default]
+    Error,
+    /// A formula that is meant to be approximate.
+    Approximation,
+    /// A slip of the text: the images, or words beside the formula, show that the program has it right.
+    Print,
+}
+
+impl Nature {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Approximation => "approximation",
+            Self::Print => "error of print",
+        }
+    }
+}
+
 /// One error of a report. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Erratum {
@@ -11,6 +35,8 @@ pub struct Erratum {
     pub title: &'static str,
     /// Which report.
     pub report: &'static str,
+    /// An error, an approximation or an error of print.
+    pub nature: Nature,
     /// As printed.
     pub printed: &'static str,
     /// Corrected.
@@ -29,7 +55,7 @@ pub struct Erratum {
     pub right_verdict: Verdict,
     /// Its p-value.
     pub right_p: Option<f64>,
-    /// Relative error that it causes, and of what.
+    /// Relative error that it causes (an error of print: that it would cause if taken at its word), and of what.
     pub error_in_picture: f64,
     /// What has this error.
     pub error_of: &'static str,
@@ -68,4 +94,12 @@ pub fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     const STEPS: u32 = 180;
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
     (0..=STEPS).map(|i| [at(i), f(at(i))]).collect()
+}
+
+/// The mean over uniform light that meets a surface: 2 ∫ f cos θ d cos θ.
+pub fn mean_by_cosine(f: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 100_000;
+    let step = 1.0 / f64::from(STEPS);
+    let at = |i: u32| (f64::from(i) + 0.5) * step;
+    (0..STEPS).map(|i| 2.0 * f(at(i)) * at(i) * step).sum()
 }

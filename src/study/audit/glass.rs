@@ -1,6 +1,6 @@
 //! Both reports' glass: Schlick's polynomial of the incident cosine, inside as outside.
 
-use super::erratum::{Erratum, ErratumCurves, Suspect, curve};
+use super::erratum::{Erratum, ErratumCurves, Suspect, curve, mean_by_cosine};
 use crate::bsdf::{Dielectric, DielectricFresnel, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
@@ -43,9 +43,9 @@ pub fn suspect() -> Suspect {
         printed: "F₀ + (1 − F₀)(1 − cos θᵢ)⁵ on both sides",
         right: "Fresnel's equations; Schlick's cosine is that on the less dense side",
         test: "chi-square of reflected and refracted directions from inside at 40°",
-        error_in_picture: reflected(
-            |cos| if dielectric::eta_cos_t(cos, 1.0 / ETA).is_some() { printed(cos) } else { 1.0 },
-        ) / reflected(right)
+        error_in_picture: mean_by_cosine(|cos| {
+            if dielectric::eta_cos_t(cos, 1.0 / ETA).is_some() { printed(cos) } else { 1.0 }
+        }) / mean_by_cosine(right)
             - 1.0,
         error_of: "light reflected inside",
         curves: ErratumCurves {
@@ -59,12 +59,4 @@ pub fn suspect() -> Suspect {
         ..Erratum::default()
     };
     (erratum, [case("printed", true), case("right", false)])
-}
-
-/// The share of uniform light that is reflected: 2 ∫ R cos θ d cos θ.
-fn reflected(reflectance: impl Fn(f64) -> f64) -> f64 {
-    const STEPS: u32 = 100_000;
-    let step = 1.0 / f64::from(STEPS);
-    let at = |i: u32| (f64::from(i) + 0.5) * step;
-    (0..STEPS).map(|i| 2.0 * reflectance(at(i)) * at(i) * step).sum()
 }

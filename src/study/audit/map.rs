@@ -74,7 +74,7 @@ pub fn pole_rows() -> Suspect {
     let erratum = Erratum {
         title: "rows at the poles",
         report: "first report",
-        printed: "row h weighs sin(hπ/(H − 1))",
+        printed: "row h weighs sin(hπ/(H − 1)), for the samples and again for the cuts",
         right: "row h weighs cos θₕ − cos θₕ₊₁",
         test: "chi-square of the directions, uniform sky of 32×16",
         error_in_picture: -of_floor(0),

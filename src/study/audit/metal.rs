@@ -1,12 +1,12 @@
-//! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing.
+//! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing, its approximation of Fresnel's equations.
 
-use super::erratum::{Erratum, ErratumCurves, Suspect, curve, exact};
+use super::erratum::{Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
 use crate::bsdf::{ConductorFresnel, ErrataConductor, Scatter, pdf_without_cosine};
 use crate::errata::Conventions;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
-use crate::optics::conductor::fresnel;
-use crate::optics::metals::COPPER;
+use crate::optics::conductor::{fresnel, fresnel_approximate};
+use crate::optics::metals::{COPPER, METALS};
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::stream::{Independent, Stream};
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-4;
 const FAINTEST: f64 = 1e-30;
 
 pub fn suspects() -> Result<Vec<Suspect>> {
-    Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?])
+    Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?, approximate_fresnel()])
 }
 
 /// The direction in the plane of incidence at that angle in degrees, to the far side of the normal where positive.
@@ -197,4 +197,59 @@ fn shadowing_with_pi() -> Result<Suspect> {
         ..Erratum::default()
     };
     Ok((erratum, [case("printed", true), case("right", false)]))
+}
+
+fn approximate_fresnel() -> Suspect {
+    const ANGLES: u32 = 900;
+    // f64 rounds what both ways of computing the exact reflectance have in common.
+    const ROUNDING: f64 = 1e-12;
+    let case = |name: &str, formula: fn(f64, f64, f64) -> f64| {
+        Case::new(format!("audit/conductor/{name}"), move |_: &Protocol, _| {
+            let indices = METALS.iter().flat_map(|metal| metal.eta.into_iter().zip(metal.k));
+            let angles = |i: u32| (f64::from(i) * 90.0 / f64::from(ANGLES)).to_radians().cos().max(0.0);
+            let errors = indices.flat_map(|(eta, k)| {
+                (0..=ANGLES).map(move |i| (formula(angles(i), eta, k) - by_complex_root(angles(i), eta, k)).abs())
+            });
+            let largest = errors.fold(0.0, f64::max);
+            let violation = (largest > ROUNDING).then(|| format!("reflectances differ by up to {largest:.4}"));
+            Ok(exact(violation, 3 * METALS.len() as u64 * u64::from(ANGLES + 1)))
+        })
+    };
+    let [printed, right]: [fn(f64, f64, f64) -> f64; 2] =
+        [|c, eta, k| fresnel_approximate(c, eta, k).unpolarized(), |c, eta, k| fresnel(c, eta, k).unpolarized()];
+    let (eta, k) = (COPPER.eta[BLUE], COPPER.k[BLUE]);
+    let erratum = Erratum {
+        title: "conductors by |n|² ≫ 1",
+        report: "second report (its course)",
+        nature: Nature::Approximation,
+        printed: "sin² θ dropped against η² + k²",
+        right: "Fresnel's equations of a complex index",
+        test: "all metals at every angle, against complex arithmetic",
+        error_in_picture: mean_by_cosine(|c| printed(c, eta, k)) / mean_by_cosine(|c| right(c, eta, k)) - 1.0,
+        error_of: "albedo, copper, blue",
+        curves: ErratumCurves {
+            x: "/{θ} (degrees)",
+            every: 30.0,
+            y: "/{R}, blue of copper",
+            printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos().max(0.0), eta, k)),
+            right: curve(0.0, 90.0, |a| right(a.to_radians().cos().max(0.0), eta, k)),
+            scattered: false,
+        },
+        ..Erratum::default()
+    };
+    (erratum, [case("printed", printed), case("right", right)])
+}
+
+/// The reflectance of unpolarized light as the equations stand: the complex z = √((η + ik)² − sin² θ), r⊥ = (c − z)/(c + z) and
+/// r∥ = (n²c − z)/(n²c + z).
+fn by_complex_root(c: f64, eta: f64, k: f64) -> f64 {
+    let n2 = [eta * eta - k * k, 2.0 * eta * k];
+    let z2 = [n2[0] - (1.0 - c * c), n2[1]];
+    let modulus = z2[0].hypot(z2[1]);
+    let z = [((modulus + z2[0]) / 2.0).sqrt(), ((modulus - z2[0]) / 2.0).sqrt()];
+    let ratio = |a: [f64; 2]| {
+        let of = |sign: f64| (a[0] + sign * z[0]).powi(2) + (a[1] + sign * z[1]).powi(2);
+        of(-1.0) / of(1.0)
+    };
+    0.5 * (ratio([c, 0.0]) + ratio([n2[0] * c, n2[1] * c]))
 }

@@ -1,0 +1,137 @@
+//! What the reports claim, and what is measured: `claims-first`, `claims-second`, `claims-places`.
+
+use super::{depth, proposal, roughness, sampling, sphere};
+use crate::gallery::figure;
+use crate::gallery::prelude::*;
+use crate::study::claims::{self, Agreement, Claim, DepthClaims, Effort, MapInputs, MetalInputs};
+use crate::study::depth::DEPTHS;
+use crate::study::metal::{self, MetalTable};
+use crate::view::claims as view;
+
+/// Standard errors by which two ways to measure a number may differ.
+const SIGMAS: f64 = 4.0;
+/// Roughness of the report's statues of gold.
+const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
+/// Directions sampled to check the shares of the map.
+const DIRECTIONS: usize = 1 << 14;
+
+/// A table of claims for each report, and pictures of the places that the second one speaks of.
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "claims-first",
+            title: "What the first report claims, and what is measured",
+            report: Report::First,
+            reproduces: "all claims of its text and figures",
+            shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
+                    it. The verdict follows from these numbers.",
+            ..Figure::by(first)
+        },
+        Figure {
+            id: "claims-second",
+            title: "What the second report claims, and what is measured",
+            report: Report::Second,
+            reproduces: "all claims of its text and figures",
+            shows: "The same for the second report. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
+                    glass from outside and inside, T refraction, E eye. A share of 2 % is what an observer just sees.",
+            beside: Some("claims-places"),
+            ..Figure::by(second)
+        },
+        Figure {
+            id: "claims-places",
+            title: "The places that the second report speaks of, and the light that makes them",
+            report: Report::Second,
+            reproduces: "Figure 1, what appears at each depth",
+            shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone. The frame \
+                    was found with one half of the samples, its share of the light measured with the other.",
+            beside: Some("claims-second"),
+            ..Figure::by(places)
+        },
+    ]
+}
+
+fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
+    studies.get("claims", || metal::table(2))
+}
+
+fn first(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let exact = sphere::small(inputs, studies)?;
+    let series = sphere::series(inputs, studies)?;
+    let tested = proposal::tested(inputs, studies)?;
+    let map = &inputs.map.map;
+    let mut claims = claims::glass_claims(&*metals(studies)?);
+    let renders = series.last().ok_or_else(|| crate::error::Error::parameter("series", "no strategy"))?;
+    let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
+    claims.extend(claims::map_claims(&of_map)?);
+    let mut checks = vec![undecided(&claims, inputs)];
+    checks.extend(claims::sampled_shares(map, DIRECTIONS, inputs.seed)?.iter().map(agrees));
+    content(Report::First, &claims, checks)
+}
+
+fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> {
+    let depths = depth::series(inputs, studies)?;
+    let (scene, _) = inputs.spheres();
+    let effort =
+        Effort { to_diffuse: 8, to_specular: 32, from_walls: 2, from_light: inputs.effort.of(1 << 19, 1 << 17) };
+    studies.get("claims", || claims::depth_claims(&scene, &depths, effort, inputs.seed))
+}
+
+fn second(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let of_depths = of_depths(inputs, studies)?;
+    let statues: Vec<_> =
+        ALPHAS.iter().map(|&alpha| roughness::statue(inputs, studies, "Au", alpha)).collect::<Result<_>>()?;
+    let statues: Vec<_> = statues.iter().map(Rc::as_ref).collect();
+    let (scene, request) = inputs.statue("Au", ALPHAS[0])?;
+    let (sampling, metals) = (sampling::both(inputs, studies)?, metals(studies)?);
+    let of_metals =
+        MetalInputs { scene: &scene, request: &request, statues: &statues, sampling: &sampling, metals: &metals };
+    let claims = [of_depths.claims.clone(), claims::metal_claims(&of_metals)].concat();
+    let mut checks = vec![undecided(&claims, inputs)];
+    checks.extend(of_depths.agreement.iter().map(agrees));
+    content(Report::Second, &claims, checks)
+}
+
+fn places(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let (of_depths, depths) = (of_depths(inputs, studies)?, depth::series(inputs, studies)?);
+    let image = |depth: u32| DEPTHS.iter().position(|d| *d == depth).map(|i| depths.images[i].clone());
+    let drawing = view::places(&of_depths.pictures, image);
+    // A class is a part of the light.
+    let checks = of_depths.pictures.iter().map(|picture| {
+        let (share, error) = (picture.share.value, picture.share.error_at(1.0));
+        let name = format!("{} minus all light, {} (standard errors)", picture.word, picture.title);
+        Check::at_most(name, (share - 1.0) / error, SIGMAS)
+    });
+    Content::new(drawing, &view::place_rows(&of_depths.pictures), checks.collect())
+}
+
+fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Content> {
+    let content = Content::new(view::table(claims), &view::rows(claims), checks)?;
+    let row = |claim: &Claim| figure::Claim {
+        report: report.name().to_owned(),
+        place: claim.place.to_owned(),
+        claim: claim.claim.to_owned(),
+        number: claim.number.to_owned(),
+        measured: claim
+            .findings
+            .iter()
+            .map(view::plain_sentence)
+            .chain([claim.remark.to_owned()])
+            .filter(|text| !text.is_empty())
+            .collect(),
+        verdict: claim.verdict().name().to_owned(),
+        evidence: claim.evidence.iter().map(|id| (*id).to_owned()).collect(),
+    };
+    Ok(Content { claims: claims.iter().map(row).collect(), ..content })
+}
+
+/// Numbers of which chance may decide on which side of their bound they are. A quick run has too few samples for some.
+fn undecided(claims: &[Claim], inputs: &Inputs) -> Check {
+    let findings = || claims.iter().flat_map(|claim| &claim.findings);
+    let share = findings().filter(|finding| finding.holds().is_none()).count() as f64 / findings().count() as f64;
+    let name = "share of the numbers within 3 standard errors of what the claim demands";
+    Check::at_most(name, share, inputs.effort.of(0.0, 0.1))
+}
+
+fn agrees(agreement: &Agreement) -> Check {
+    Check::within(format!("{} (standard errors)", agreement.name), 0.0, agreement.z, SIGMAS)
+}

@@ -1,0 +1,161 @@
+//! A claim, its findings and its verdict.
+
+use serde::Serialize;
+
+/// Standard errors that a number must be away from its bound.
+pub const SIGMAS: f64 = 3.0;
+
+/// The smallest relative difference in brightness that an observer sees, 2 %: Weber's fraction.
+///
+/// Source: Hood & Finkelstein, "Sensitivity to Light", in *Handbook of Perception and Human Performance*, 1986.
+pub const VISIBLE: f64 = 0.02;
+
+/// A number measured in two ways.
+pub struct Agreement {
+    /// What it is.
+    pub name: &'static str,
+    /// Difference in standard errors.
+    pub z: f64,
+}
+
+/// What a number must be for the claim.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// At least that.
+    AtLeast(f64),
+    /// At most that.
+    AtMost(f64),
+}
+
+/// How a number is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unit {
+    /// As it is.
+    #[default]
+    Plain,
+    /// A share, in percent.
+    Percent,
+    /// A quotient.
+    Times,
+    /// An angle in degrees.
+    Degrees,
+}
+
+/// A number that speaks for or against a claim.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// What it is.
+    pub what: String,
+    /// The number.
+    pub value: f64,
+    /// The standard error of its distance from the bound; 0 where no chance is involved.
+    pub error: f64,
+    /// How it is shown.
+    pub unit: Unit,
+    /// What the claim demands.
+    pub bound: Bound,
+}
+
+impl Finding {
+    /// A number without an error of chance.
+    pub fn exact(what: impl Into<String>, value: f64, unit: Unit, bound: Bound) -> Self {
+        Self { what: what.into(), value, error: 0.0, unit, bound }
+    }
+
+    /// Whether it meets the demand; `None` if chance may decide.
+    pub fn holds(&self) -> Option<bool> {
+        let (low, high) = (self.value - SIGMAS * self.error, self.value + SIGMAS * self.error);
+        match self.bound {
+            Bound::AtLeast(bound) if low >= bound => Some(true),
+            Bound::AtMost(bound) if high <= bound => Some(true),
+            Bound::AtLeast(bound) if high < bound => Some(false),
+            Bound::AtMost(bound) if low > bound => Some(false),
+            _ => None,
+        }
+    }
+}
+
+/// What the findings say of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// All findings meet it.
+    Holds,
+    /// Some do.
+    HoldsPartly,
+    /// None does.
+    DoesNotHold,
+    /// There is nothing to measure, or chance may decide.
+    #[default]
+    NotTestable,
+}
+
+impl Verdict {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::HoldsPartly => "holds partly",
+            Self::DoesNotHold => "does not hold",
+            Self::NotTestable => "not testable",
+        }
+    }
+}
+
+/// A claim with its findings.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Claim {
+    /// In the report: a figure, a table or the text.
+    pub place: &'static str,
+    /// What the report says.
+    pub claim: &'static str,
+    /// The number that the report prints, if it prints one.
+    pub number: &'static str,
+    /// What is measured; without findings the claim cannot be tested.
+    pub findings: Vec<Finding>,
+    /// What the numbers mean, or why there are none.
+    pub remark: &'static str,
+    /// Figures that show it.
+    pub evidence: &'static [&'static str],
+}
+
+impl Claim {
+    /// The verdict on the claim.
+    pub fn verdict(&self) -> Verdict {
+        let decided: Option<Vec<bool>> = self.findings.iter().map(Finding::holds).collect();
+        let Some(decided) = decided.filter(|all| !all.is_empty()) else { return Verdict::NotTestable };
+        match decided.iter().filter(|holds| **holds).count() {
+            0 => Verdict::DoesNotHold,
+            n if n == decided.len() => Verdict::Holds,
+            _ => Verdict::HoldsPartly,
+        }
+    }
+}
+
+/// A share in percent, for texts.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let decimals = (-percent.max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize + usize::from(percent < 10.0);
+    format!("{percent:.decimals$} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_follow_from_findings() {
+        let finding =
+            |value, error| Finding { error, ..Finding::exact("light", value, Unit::Percent, Bound::AtLeast(0.5)) };
+        let verdict = |findings: &[Finding]| Claim { findings: findings.to_vec(), ..Claim::default() }.verdict();
+        let (yes, no, unclear) = (finding(0.9, 0.1), finding(0.1, 0.1), finding(0.6, 0.1));
+        assert_eq!(verdict(&[yes.clone(), yes.clone()]), Verdict::Holds);
+        assert_eq!(verdict(&[yes.clone(), no.clone()]), Verdict::HoldsPartly);
+        assert_eq!(verdict(&[no.clone()]), Verdict::DoesNotHold);
+        assert_eq!(verdict(&[yes, unclear]), Verdict::NotTestable);
+        assert_eq!(verdict(&[finding(f64::NAN, 0.0)]), Verdict::NotTestable);
+        assert_eq!(verdict(&[]), Verdict::NotTestable);
+        let at_most = |value| Finding::exact("error", value, Unit::Plain, Bound::AtMost(0.0)).holds();
+        assert_eq!((at_most(0.0), at_most(1e-9)), (Some(true), Some(false)));
+    }
+}

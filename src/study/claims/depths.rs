@@ -1,0 +1,313 @@
+//! What the second report sees appear at each maximum depth: where each class is, and how it stands out there.
+
+use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE, percent};
+use super::events::{Event, World};
+use super::feature::{ClassImage, Place, PlacePicture, Share};
+use super::features::{And, Feature, features};
+use super::glazing::glazing;
+use crate::error::Result;
+use crate::interrupt;
+use crate::math::mean_rgb;
+use crate::raster::Image;
+use crate::scene::{Request, Scene};
+use crate::study::depth::{DEPTHS, Depths};
+use crate::study::object_ids::{Kind, ObjectIdBuffer};
+use Event::{BlueWall, Ceiling, Diffuse, Mirror, Reflected, Refracted};
+use glam::DVec3;
+
+/// How many paths are traced.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// From the eye in each pixel, for classes that end at a diffuse surface, where the light is sampled.
+    pub to_diffuse: u32,
+    /// From the eye in each pixel, for classes that end at a mirror or glass, where paths must meet the light.
+    pub to_specular: u32,
+    /// From the eye in each pixel of walls, of which there are many.
+    pub from_walls: u32,
+    /// From the light.
+    pub from_light: u32,
+}
+
+/// Side of the blocks of pixels in which features are looked for.
+const BLOCK: usize = 16;
+
+/// The claims on depths, what is seen of them, and how well the study agrees with the renderer.
+#[derive(Default)]
+pub struct DepthClaims {
+    /// In the order of the report.
+    pub claims: Vec<Claim>,
+    /// Of the claims that are about a place.
+    pub pictures: Vec<PlacePicture>,
+    /// Of classes that both measure.
+    pub agreement: Vec<Agreement>,
+}
+
+/// Tests the claims on the scene of which `depths` are the images.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::error::Error::Interrupted).
+pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -> Result<DepthClaims> {
+    let Some(world) = World::new(scene) else { return Ok(untestable()) };
+    let request = &depths.request;
+    let mut done = DepthClaims { claims: vec![alone(scene, depths)], ..DepthClaims::default() };
+    let light: f64 = depths.mean(DEPTHS[DEPTHS.len() - 1]) * (request.width * request.height) as f64;
+    let mut classes = Vec::new();
+    for feature in features() {
+        interrupt::check()?;
+        let class = class_image(&world, scene, request, feature.events, effort, seed);
+        let found = class.place();
+        let place = found.unwrap_or_default();
+        let shown = image_at(depths, feature.depth);
+        let share = class.share_of(shown, &depths.standard_error, &place);
+        let of_all = class.total()[0] / light;
+        let what = format!("share of {} in the light there ({} of all light)", class.word, percent(of_all));
+        let error = share.error_at(VISIBLE);
+        let mut findings =
+            vec![Finding { what, value: share.value, error, unit: Unit::Percent, bound: Bound::AtLeast(VISIBLE) }];
+        findings.extend(also(&class, feature.and));
+        done.claims.push(Claim {
+            place: feature.place,
+            claim: feature.claim,
+            findings,
+            evidence: feature.evidence,
+            ..Claim::default()
+        });
+        if let Some(title) = feature.picture.filter(|_| found.is_some()) {
+            done.pictures.push(PlacePicture {
+                title,
+                word: class.word.clone(),
+                depth: feature.depth,
+                class: class.image(),
+                place,
+                share,
+            });
+        }
+        if feature.events == [Reflected, Diffuse] {
+            done.pictures.push(faint(depths, &class, &place));
+        }
+        classes.push(class);
+    }
+    // In the order of the report: after the features of depth 3
+    let third = done.claims.iter().rposition(|claim| claim.place == "Fig. 1d").map_or(0, |i| i + 1);
+    let reflection = classes.iter().find(|class| class.word == "LDRE");
+    done.claims.insert(third, gone(depths, reflection));
+    done.claims.push(nothing_else(scene, depths));
+    let (glazing, picture, long) = glazing(&world, scene, depths, effort.to_diffuse, seed);
+    done.claims.extend(glazing);
+    done.pictures.extend(picture);
+    done.claims.push(brighter(depths));
+    done.agreement = agreement(&world, scene, depths, &classes, light, effort, seed);
+    done.agreement.extend(long);
+    Ok(done)
+}
+
+/// The claims of a scene whose light this study does not know.
+fn untestable() -> DepthClaims {
+    let claim = |feature: Feature| Claim {
+        place: feature.place,
+        claim: feature.claim,
+        remark: "The scene has no rectangle that emits light.",
+        evidence: feature.evidence,
+        ..Claim::default()
+    };
+    DepthClaims { claims: features().into_iter().map(claim).collect(), ..DepthClaims::default() }
+}
+
+fn class_image(
+    world: &World,
+    scene: &Scene,
+    request: &Request,
+    events: &[Event],
+    effort: Effort,
+    seed: u64,
+) -> ClassImage {
+    let spp = match events {
+        [Diffuse | BlueWall, _, ..] => {
+            return ClassImage::from_light(world, scene, request, events, effort.from_light, seed);
+        }
+        [Diffuse | Ceiling, ..] => effort.from_walls,
+        [.., Diffuse] => effort.to_diffuse,
+        _ => effort.to_specular,
+    };
+    ClassImage::from_eye(world, scene, request, events, spp, seed)
+}
+
+fn image_at(depths: &Depths, depth: u32) -> &Image {
+    &depths.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
+}
+
+/// The findings on colour and position.
+fn also(class: &ClassImage, and: And) -> Vec<Finding> {
+    let ([middle_x, middle_y], [[x, x_error], [y, y_error]]) = (class.middle(), class.centroid());
+    let pixels = |what: &str, value: f64, error: f64, bound| Finding {
+        what: what.into(),
+        value,
+        error,
+        unit: Unit::Plain,
+        bound,
+    };
+    match and {
+        And::Nothing => Vec::new(),
+        And::WhiteAndLeft => {
+            let sum: DVec3 = class.pixels.iter().sum();
+            let colour = (sum / (sum.element_sum() / 3.0) - 1.0).abs().max_element();
+            vec![
+                pixels("its column minus the sphere's middle (pixels)", x - middle_x, x_error, Bound::AtMost(0.0)),
+                Finding::exact(
+                    "largest difference of a channel from white",
+                    colour,
+                    Unit::Percent,
+                    Bound::AtMost(VISIBLE),
+                ),
+            ]
+        }
+        And::Low => {
+            vec![pixels("its row minus the wall's middle (pixels)", y - middle_y, y_error, Bound::AtLeast(0.0))]
+        }
+    }
+}
+
+fn alone(scene: &Scene, depths: &Depths) -> Claim {
+    let objects = ObjectIdBuffer::new(scene, &depths.request);
+    // Pixels beside the light show a part of it.
+    let distance = objects.depth_inside(&objects.mask(Kind::AreaLight), 2);
+    let lit =
+        depths.images[0].pixels().iter().zip(&distance).filter(|(p, d)| mean_rgb(**p) > 0.0 && **d < -1.5).count();
+    Claim {
+        place: "Fig. 1a",
+        claim: "Depth 0 shows the area light alone.",
+        findings: vec![Finding::exact("other pixels with light", lit as f64, Unit::Plain, Bound::AtMost(0.0))],
+        evidence: &["depth-0"],
+        ..Claim::default()
+    }
+}
+
+/// The share of the walls' reflection in the light of the glass sphere at a depth.
+fn reflection_share(depths: &Depths, reflection: &ClassImage, depth: u32) -> Share {
+    let whole = Place { from: [0, 0], to: [depths.request.width, depths.request.height] };
+    reflection.share_of(image_at(depths, depth), &depths.standard_error, &whole)
+}
+
+fn gone(depths: &Depths, reflection: Option<&ClassImage>) -> Claim {
+    let findings = reflection.map(|class| {
+        let [before, share] = [2, 3].map(|depth| reflection_share(depths, class, depth));
+        let before = percent(before.value);
+        let what = format!("share of LDRE in the light of the glass sphere at depth 3 (at depth 2: {before})");
+        let (value, error) = (share.value, share.error_at(VISIBLE));
+        Finding { what, value, error, unit: Unit::Percent, bound: Bound::AtMost(VISIBLE) }
+    });
+    Claim {
+        place: "Fig. 1d",
+        claim: "At depth 3 the faint reflection of floor and walls on the glass is gone.",
+        findings: findings.into_iter().collect(),
+        remark: "The same light is there; what comes through the glass outshines it.",
+        evidence: &["depth-3", "claims-places"],
+        ..Claim::default()
+    }
+}
+
+fn faint(depths: &Depths, class: &ClassImage, place: &Place) -> PlacePicture {
+    PlacePicture {
+        title: "the reflection that is “gone”",
+        word: class.word.clone(),
+        depth: 3,
+        class: class.image(),
+        place: *place,
+        share: class.share_of(image_at(depths, 3), &depths.standard_error, place),
+    }
+}
+
+/// Blocks to which a depth adds light that can be seen and that has sharp outlines: reflected diffusely at most once.
+fn nothing_else(scene: &Scene, depths: &Depths) -> Claim {
+    let place = DEPTHS.iter().position(|d| *d == 5).unwrap_or(0);
+    let (added, image) = (&depths.sharp[place - 1], &depths.images[place]);
+    let (width, height) = (image.width(), image.height());
+    let objects = ObjectIdBuffer::new(scene, &depths.request);
+    let kinds = [Kind::Mirror, Kind::Glass, Kind::Diffuse];
+    let (mut visible, mut blocks) = ([0.0; 3], 0.0);
+    for top in (0..height).step_by(BLOCK) {
+        for left in (0..width).step_by(BLOCK) {
+            let pixels: Vec<usize> = (top..height.min(top + BLOCK))
+                .flat_map(|y| (left..width.min(left + BLOCK)).map(move |x| y * width + x))
+                .collect();
+            let n = pixels.len() as f64;
+            let light = pixels.iter().map(|&i| mean_rgb(image.pixels()[i])).sum::<f64>() / n;
+            let values: Vec<f64> = pixels.iter().map(|&i| mean_rgb(added.pixels()[i])).collect();
+            let mean = values.iter().sum::<f64>() / n;
+            let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+            if light <= 0.0 {
+                continue;
+            }
+            blocks += 1.0;
+            if (mean - SIGMAS * error) / light > VISIBLE {
+                // What most of its pixels show
+                let count = |kind: Kind| pixels.iter().filter(|&&i| objects.pixels[i] == Some(kind)).count();
+                let most = (0..kinds.len()).max_by_key(|&k| count(kinds[k])).unwrap_or(0);
+                visible[most] += 1.0;
+            }
+        }
+    }
+    let [mirror, glass, room] = visible.map(|count| percent(count / blocks));
+    let what = format!(
+        "blocks of {BLOCK}×{BLOCK} pixels to which depth 5 adds 2 % with at most one diffuse reflection (mirror {mirror}, glass {glass}, room {room})"
+    );
+    // As many exceed three standard errors by chance, at most, with three standard errors of their number.
+    let chance = 1.35e-3;
+    let limit = chance + SIGMAS * f64::sqrt(chance * (1.0 - chance) / blocks);
+    let share = visible.iter().sum::<f64>() / blocks;
+    Claim {
+        place: "Fig. 1f",
+        claim: "Depth 5 adds no other significant feature.",
+        findings: vec![Finding::exact(what, share, Unit::Percent, Bound::AtMost(limit))],
+        evidence: &["depth-5", "depth-differences"],
+        ..Claim::default()
+    }
+}
+
+fn brighter(depths: &Depths) -> Claim {
+    let steps: Vec<f64> = DEPTHS.windows(2).map(|pair| depths.mean(pair[1]) / depths.mean(pair[0]) - 1.0).collect();
+    let list: Vec<String> = steps.iter().map(|step| percent(*step)).collect();
+    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    Claim {
+        place: "Fig. 1",
+        claim: "The overall intensity increases at every step.",
+        findings: vec![Finding::exact(
+            format!("smallest increase of {}", list.join(", ")),
+            smallest,
+            Unit::Percent,
+            Bound::AtLeast(0.0),
+        )],
+        evidence: &["depth-differences", "error-depth"],
+        ..Claim::default()
+    }
+}
+
+/// Classes that the renderer measures, too: sums of those that Heckbert's notation does not distinguish.
+fn agreement(
+    world: &World,
+    scene: &Scene,
+    depths: &Depths,
+    classes: &[ClassImage],
+    light: f64,
+    effort: Effort,
+    seed: u64,
+) -> Vec<Agreement> {
+    let more: Vec<ClassImage> = [&[Reflected, Mirror, Diffuse][..], &[Refracted, Refracted]]
+        .into_iter()
+        .map(|events| class_image(world, scene, &depths.request, events, effort, seed))
+        .collect();
+    let compared = [
+        ("LDSE on the mirror sphere, event by event minus the renderer", "LDSE", "mirror", &["LDME"][..]),
+        ("LDSE on the glass sphere, event by event minus the renderer", "LDSE", "glass", &["LDRE"]),
+        ("LDSSE on the glass sphere, event by event minus the renderer", "LDSSE", "glass", &["LDTTE", "LDMRE"]),
+        ("LSSE on the glass sphere, event by event minus the renderer", "LSSE", "glass", &["LMRE", "LTTE"]),
+    ];
+    let z = |(name, class, on, words): (&'static str, &str, &str, &[&str])| {
+        let parts = || classes.iter().chain(&more).filter(|c| words.contains(&c.word.as_str())).map(ClassImage::total);
+        let (sum, variance) = parts().fold((0.0, 0.0), |(sum, variance), [s, e]| (sum + s, variance + e * e));
+        let rendered = depths.class(class, on).map_or(f64::NAN, |row| row.share_of_light * light);
+        // The renderer takes more samples: its variance is no larger.
+        Agreement { name, z: (sum - rendered) / (2.0 * variance).sqrt() }
+    };
+    compared.map(z).into()
+}

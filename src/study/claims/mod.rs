@@ -1,0 +1,23 @@
+//! What the two reports claim, each claim compared with what this program measures.
+//!
+//! A claim has findings: numbers with standard errors, each compared with a bound. The verdict follows from them alone.
+
+mod claim;
+mod deep;
+mod depths;
+mod events;
+mod feature;
+mod features;
+mod glass;
+mod glazing;
+mod map;
+mod metal;
+#[cfg(test)]
+mod tests;
+
+pub use claim::{Agreement, Bound, Claim, Finding, Unit, Verdict};
+pub use depths::{DepthClaims, Effort, depth_claims};
+pub use feature::{Place, PlacePicture};
+pub use glass::glass_claims;
+pub use map::{MapInputs, map_claims, sampled_shares};
+pub use metal::{MetalInputs, metal_claims};
