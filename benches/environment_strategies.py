@@ -12,8 +12,8 @@ The last column says which is the best other one, and how many times as efficien
 """
 import argparse, json, os, random, struct, subprocess, tempfile
 
-DEFAULT = "mis-cosine"
-OTHERS = ["mis-cosine-compensated", "mis-compensated", "mis", "bsdf", "strata-16"]
+DEFAULT = "mis-cosine-compensated"
+OTHERS = ["mis-cosine", "mis-compensated", "mis", "bsdf", "strata-16"]
 BUILT_IN = ["nave", "sun"]
 
 
@@ -128,7 +128,9 @@ def row(arguments, folder, path, name, scene):
     work = {key: level["cpu_seconds"] * level["mse"]["value"] for key, level in levels.items()}
     relative = {key: work[key] / work[arguments.default] for key in arguments.others if key in work}
     best = min(relative, key=relative.get)
-    errors = [levels[key]["mse"]["standard_error"] / levels[key]["mse"]["value"] for key in (arguments.default, best)]
+    # The standard error is unknown if the budget allowed one replicate only.
+    errors = [(levels[key]["mse"]["standard_error"] or float("nan")) / levels[key]["mse"]["value"]
+              for key in (arguments.default, best)]
     error = sum(e ** 2 for e in errors) ** .5
     others = ", ".join(f"{key} {value:.3g}" for key, value in relative.items())
     print(f"{name:<24} {scene:<10} {relative[best]:>12.2f} {error * relative[best]:>5.2f}  {best} ({others})", flush=True)

@@ -8,7 +8,7 @@
 //! A texel is the region between its edges in θ and φ, and its radiance is constant there, so a row's solid angle is exact:
 //! (cos θ₀ − cos θ₁) Δφ.
 
-use crate::math::circular::{sin_cos_turns, turns};
+use crate::math::circular::{Circular, sin_cos_turns, turns};
 use crate::sampling::batch::{BATCH, Batch};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -127,15 +127,27 @@ impl LatLong {
     /// ∫ sin²θ dθ · ∫ (cos φ, sin φ) dφ across, ∫ sin θ cos θ dθ · Δφ along the axis.
     #[must_use]
     pub fn moment(&self, x: usize, y: usize) -> DVec3 {
+        let ([across, along], [cos_phi, sin_phi]) = (self.row_moment(y), self.column_axis(x));
+        DVec3::new(across * cos_phi, along, across * sin_phi)
+    }
+
+    /// The factors of [`LatLong::moment`] that the texels of row `y` share: of the columns' axes, and along +y.
+    #[must_use]
+    pub fn row_moment(&self, y: usize) -> [f64; 2] {
         let half_theta = 0.5 * PI / self.height() as f64;
         let half_phi = PI / self.width as f64;
-        let (middle, phi) = (half_theta * (2 * y + 1) as f64, half_phi * (2 * x + 1) as f64);
+        let middle = half_theta * (2 * y + 1) as f64;
         // Differences of sines between the edges are written as products.
         let across = half_theta - 0.5 * (2.0 * middle).cos() * (2.0 * half_theta).sin();
         let along = 0.5 * (2.0 * middle).sin() * (2.0 * half_theta).sin();
-        let (sin_phi, cos_phi) = phi.sin_cos();
-        let chord = 2.0 * half_phi.sin();
-        DVec3::new(across * chord * cos_phi, along * 2.0 * half_phi, across * chord * sin_phi)
+        [across * 2.0 * half_phi.sin(), along * 2.0 * half_phi]
+    }
+
+    /// Cosine and sine of the middle φ of column `x`.
+    #[must_use]
+    pub fn column_axis(&self, x: usize) -> [f64; 2] {
+        let (sin_phi, cos_phi) = (PI / self.width as f64 * (2 * x + 1) as f64).sin_cos();
+        [cos_phi, sin_phi]
     }
 
     /// A bounding cone of a block: its middle direction and the largest angle to it, or π where that may exceed 90°.
@@ -184,6 +196,22 @@ impl LatLong {
     #[inline]
     #[must_use]
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
+        // Single precision, which errs by less than 10⁻⁶ of a turn, tells the texel unless an edge is as close.
+        let d = direction.as_vec3();
+        let half = f32::angle(d.z.abs(), d.x) * (0.5 / std::f32::consts::PI);
+        let turns = if d.z < 0.0 { 1.0 - half } else { half };
+        let theta = f32::angle((d.x * d.x + d.z * d.z).sqrt(), d.y) * (1.0 / std::f32::consts::PI);
+        let (width, height) = (self.width as f32, self.height() as f32);
+        let (x, y) = (turns * width, theta * height);
+        let is_inside = |x: f32, margin: f32| (x - x.floor() - 0.5).abs() < 0.5 - margin;
+        if is_inside(x, 1e-6 * width) && is_inside(y, 1e-6 * height) {
+            return ((x as usize).min(self.width - 1), (y as usize).min(self.height() - 1));
+        }
+        self.texel_in_double_precision(direction)
+    }
+
+    #[cold]
+    fn texel_in_double_precision(&self, direction: DVec3) -> (usize, usize) {
         let (x, y) = self.position(direction);
         ((x as usize).min(self.width - 1), (y as usize).min(self.height() - 1))
     }
@@ -253,6 +281,23 @@ mod tests {
                 let (bx, by, bfx, bfy) = g.texel_position(d);
                 assert_eq!((bx, by), (x, y), "{w}x{h} texel {x},{y} at {fx},{fy}");
                 assert!((bfx - fx).abs() < 1e-8 && (bfy - fy).abs() < 1e-8, "{fx} {fy} came back {bfx} {bfy}");
+            }
+        }
+    }
+
+    #[test]
+    fn single_precision_finds_the_texels_of_double_precision() {
+        for (w, h) in [(1, 1), (3, 2), (1024, 512), (16_384, 8192)] {
+            let g = LatLong::new(w, h);
+            for i in 0..200_000 {
+                let (u, v) = ((f64::from(i) * 0.618_033_988_749).fract(), (f64::from(i) + 0.5) / 200_000.0);
+                let d = direction(u, 2.0 * v, 1.0);
+                assert_eq!(g.texel(d), g.texel_in_double_precision(d), "{w}x{h} {d}");
+            }
+            // Any length will do.
+            for length in [1e-300, 1e-30, 1e-20, 1e20, 1e30, 1e300] {
+                let d = length * DVec3::new(0.48, -0.6, 0.64);
+                assert_eq!(g.texel(d), g.texel_in_double_precision(d), "{w}x{h} {length}");
             }
         }
     }

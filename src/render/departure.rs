@@ -4,6 +4,7 @@ use super::mis::power_heuristic;
 use super::prepared::PreparedScene;
 use super::settings::Sampling;
 use super::shaders::Kind;
+use crate::math::Rgb;
 use crate::scene::EmitterVisibility;
 use glam::Vec3;
 
@@ -121,16 +122,22 @@ impl PreparedScene<'_> {
         power_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }
 
-    /// The MIS weight of the environment's light on a ray from `origin`.
+    /// The environment's light on a ray from `origin`, times its MIS weight.
     #[inline]
-    pub fn environment_weight(&self, departure: &Departure, origin: Vec3, direction: Vec3) -> f32 {
-        let by_light = match departure.light_samples {
-            LightSamples::Impossible | LightSamples::NotTaken => 0.0,
-            LightSamples::Complete => return 0.0,
-            LightSamples::Combined { pdf, normal, .. } => self.environment_density(direction, normal) / pdf,
+    pub fn environment_light(&self, departure: &Departure, origin: Vec3, direction: Vec3) -> Rgb {
+        let Some(environment) = &self.scene.environment else { return Rgb::ZERO };
+        if departure.light_samples == LightSamples::Complete {
+            return Rgb::ZERO;
+        }
+        let texel = environment.texel(direction.as_dvec3());
+        let by_light = match (departure.light_samples, &self.environment) {
+            (LightSamples::Combined { pdf, normal, .. }, Some(sampling)) => {
+                self.request.light_samples as f32 * sampling.pdf_in_texel(texel, normal) as f32 / pdf
+            }
+            _ => 0.0,
         };
         let emission =
             || self.light_tracing.as_ref().map_or(0.0, |tracing| tracing.density_of_environment(origin, direction));
-        power_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
+        environment.radiance_in_texel(texel) * power_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }
 }

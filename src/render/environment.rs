@@ -1,9 +1,13 @@
 //! Sampling of the environment, and of directions without regard to light.
 
+use super::lanes::{LANES, Lane3, NOTHING, at};
+use super::light_sample::{LightSample, LightSampleLanes};
 use super::needs::Needs;
 use super::settings::{Sampling, Settings};
 use crate::envmap::samplers::{EnvSample, SurfaceSampler};
 use crate::error::{Error, Result};
+use crate::math::Rgb;
+use crate::sampling::batch::BATCH;
 use crate::sampling::warp;
 use crate::scene::{Environment, Scene};
 use glam::{DVec3, Vec3};
@@ -15,7 +19,7 @@ pub struct EnvironmentSampling<'a> {
 }
 
 impl<'a> EnvironmentSampling<'a> {
-    /// Builds the sampler that the settings ask for; `None` where it is not needed.
+    /// Builds the sampler that the settings ask for; `None` where it is not needed, or has no samples.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a sampler that misses part of the light and is used alone; those of the sampler.
@@ -31,7 +35,7 @@ impl<'a> EnvironmentSampling<'a> {
                 .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
         }
         let sampler = by_light.sampler(environment.map.clone())?;
-        Ok(Some(Self { environment, sampler }))
+        Ok(sampler.has_samples().then_some(Self { environment, sampler }))
     }
 
     /// A direction towards the light that falls on a surface of this normal, in the world.
@@ -42,11 +46,37 @@ impl<'a> EnvironmentSampling<'a> {
         Some(EnvSample { wi, radiance, ..sample })
     }
 
+    /// [`EnvironmentSampling::sample`] for the first `count` lanes of random numbers and normals.
+    pub fn sample_many(&self, u: &[[f64; LANES]; 2], normals: &Lane3, count: usize, out: &mut LightSampleLanes) {
+        let environment = self.environment;
+        for start in (0..count).step_by(BATCH) {
+            let n = BATCH.min(count - start);
+            let (mut numbers, mut towards, mut samples) = ([[0.0; 2]; BATCH], [DVec3::ZERO; BATCH], [None; BATCH]);
+            for i in 0..n {
+                numbers[i] = [u[0][start + i], u[1][start + i]];
+                towards[i] = environment.to_map(at(normals, start + i).as_dvec3());
+            }
+            self.sampler.sample_each(&numbers[..n], &towards[..n], &mut samples[..n]);
+            for (i, sample) in samples[..n].iter().enumerate() {
+                let (wi, radiance, pdf) = sample.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| {
+                    ((environment.to_world * s.wi).as_vec3(), s.radiance * environment.scale, s.pdf as f32)
+                });
+                let sample = LightSample { wi, distance: f32::INFINITY, weight: radiance / pdf, pdf };
+                out.set(start + i, NOTHING, sample);
+            }
+        }
+    }
+
     /// Pdf of [`EnvironmentSampling::sample`] per solid angle.
     #[inline]
     pub fn pdf(&self, wi: Vec3, normal: Vec3) -> f64 {
-        let map = |w: Vec3| self.environment.to_map(w.as_dvec3());
-        self.sampler.pdf_for(map(wi), map(normal))
+        self.pdf_in_texel(self.environment.texel(wi.as_dvec3()), normal)
+    }
+
+    /// [`EnvironmentSampling::pdf`] of the directions in a texel of the map.
+    #[inline]
+    pub fn pdf_in_texel(&self, texel: (usize, usize), normal: Vec3) -> f64 {
+        self.sampler.pdf_in_texel(texel, self.environment.to_map(normal.as_dvec3()))
     }
 }
 

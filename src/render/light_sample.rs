@@ -1,6 +1,6 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface.
 
-use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3};
+use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3, set};
 use crate::math::Rgb;
 use glam::Vec3;
 
@@ -46,6 +46,17 @@ pub struct LightSampleLanes {
     pub pdf: Lane,
     /// Numbers of the lights, or [`super::lanes::NOTHING`].
     pub light: [u32; LANES],
+}
+
+impl LightSampleLanes {
+    /// Sets lane `i` to a sample of that light, or of none in the scene.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, light: u32, sample: LightSample) {
+        set(&mut self.wi, i, sample.wi);
+        set(&mut self.weight, i, sample.weight);
+        (self.distance[i], self.limit[i]) = (sample.distance, sample.distance);
+        (self.pdf[i], self.light[i]) = (sample.pdf, light);
+    }
 }
 
 impl Default for LightSampleLanes {

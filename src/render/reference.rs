@@ -170,7 +170,7 @@ impl<'a> Reference<'a> {
     fn emission(&mut self, ray: [Vec3; 2], departure: &Departure) -> Rgb {
         let (scene, [origin, wi]) = (self.scene, ray);
         let Some(vertex) = self.nearest(ray) else {
-            return scene.environment_radiance(wi) * scene.environment_weight(departure, origin, wi);
+            return scene.environment_light(departure, origin, wi);
         };
         let Some(emission) = &vertex.shader.emission else { return Rgb::ZERO };
         let Surface { normal, position, .. } = scene.geometry.surface(&self.rays, &self.hits, 0);

@@ -1,6 +1,6 @@
 //! The random numbers of many camera samples at once.
 
-use super::lanes::{LANES, Lane};
+use super::lanes::LANES;
 use super::wide::{Wide, wide};
 use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
 use pulp::Arch;
@@ -29,22 +29,29 @@ impl SampleLanes {
         };
     }
 
-    /// The pairs of a dimension for the given slots, as [`Stream::short_pair_of`] has them; `sub_sample` is an index and
-    /// their number.
-    pub fn fill(&self, arch: Arch, slots: &[u32], dimension: u32, sub_sample: (u32, u32), out: &mut [Lane; 2]) {
-        match self.kind {
-            StreamKind::Sobol => self.fill_with::<Sobol>(arch, slots, dimension, sub_sample, out),
-            StreamKind::Independent => self.fill_with::<Independent>(arch, slots, dimension, sub_sample, out),
-        }
-    }
-
-    fn fill_with<S: Stream>(
+    /// The pairs of a dimension for the given slots, in single precision as [`Stream::short_pair_of`] has them and in double
+    /// precision as [`Stream::pair_of`] has; `sub_sample` is an index and their number.
+    pub fn fill<T: Precision>(
         &self,
         arch: Arch,
         slots: &[u32],
         dimension: u32,
         sub_sample: (u32, u32),
-        out: &mut [Lane; 2],
+        out: &mut [[T; LANES]; 2],
+    ) {
+        match self.kind {
+            StreamKind::Sobol => self.fill_with::<Sobol, T>(arch, slots, dimension, sub_sample, out),
+            StreamKind::Independent => self.fill_with::<Independent, T>(arch, slots, dimension, sub_sample, out),
+        }
+    }
+
+    fn fill_with<S: Stream, T: Precision>(
+        &self,
+        arch: Arch,
+        slots: &[u32],
+        dimension: u32,
+        sub_sample: (u32, u32),
+        out: &mut [[T; LANES]; 2],
     ) {
         let mut key = [0; LANES];
         let mut sample = [0; LANES];
@@ -94,22 +101,42 @@ impl SampleLanes {
     }
 }
 
-struct Fill<'a, S> {
+/// A precision of random numbers.
+pub trait Precision: Sized {
+    /// The pair of a stream, from its parts.
+    fn pair<S: Stream>(key: u64, sample: u32, dimension: u32, sub_sample: (u32, u32)) -> [Self; 2];
+}
+
+impl Precision for f32 {
+    #[inline(always)]
+    fn pair<S: Stream>(key: u64, sample: u32, dimension: u32, (index, count): (u32, u32)) -> [Self; 2] {
+        S::short_pair(key, sample, dimension, index, count)
+    }
+}
+
+impl Precision for f64 {
+    #[inline(always)]
+    fn pair<S: Stream>(key: u64, sample: u32, dimension: u32, (index, count): (u32, u32)) -> [Self; 2] {
+        S::long_pair(key, sample, dimension, index, count)
+    }
+}
+
+struct Fill<'a, S, T> {
     key: &'a [u64; LANES],
     sample: &'a [u32; LANES],
     count: usize,
     dimension: u32,
     sub_sample: (u32, u32),
-    out: &'a mut [Lane; 2],
+    out: &'a mut [[T; LANES]; 2],
     stream: PhantomData<S>,
 }
 
-impl<S: Stream> Wide for Fill<'_, S> {
+impl<S: Stream, T: Precision> Wide for Fill<'_, S, T> {
     #[inline(always)]
     fn run(self) {
-        let Self { key, sample, count, dimension, sub_sample: (index, of), out, .. } = self;
+        let Self { key, sample, count, dimension, sub_sample, out, .. } = self;
         for i in 0..count.min(LANES) {
-            [out[0][i], out[1][i]] = S::short_pair(key[i], sample[i], dimension, index, of);
+            [out[0][i], out[1][i]] = T::pair::<S>(key[i], sample[i], dimension, sub_sample);
         }
     }
 }

@@ -32,10 +32,24 @@ impl Environment {
         self.to_world.transpose() * world
     }
 
+    /// The texel of the map in a world direction.
+    #[inline]
+    #[must_use]
+    pub fn texel(&self, world: DVec3) -> (usize, usize) {
+        self.map.geometry().texel(self.to_map(world))
+    }
+
+    /// Radiance that arrives from the directions in a texel.
+    #[inline]
+    #[must_use]
+    pub fn radiance_in_texel(&self, (x, y): (usize, usize)) -> Rgb {
+        self.map.texel(x, y) * self.scale
+    }
+
     /// Radiance that arrives from a world direction.
     #[inline]
     #[must_use]
     pub fn radiance(&self, world: DVec3) -> Rgb {
-        self.map.radiance(self.to_map(world)) * self.scale
+        self.radiance_in_texel(self.texel(world))
     }
 }

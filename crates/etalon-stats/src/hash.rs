@@ -33,7 +33,7 @@ pub fn key(words: [u64; 3]) -> u64 {
 }
 
 /// The 53 top bits of `x` as a number in \[0, 1).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn unit_f64(x: u64) -> f64 {
     (x >> 11) as f64 * (1.0 / (1u64 << 53) as f64)

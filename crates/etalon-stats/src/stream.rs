@@ -22,7 +22,11 @@ pub trait Stream: Copy + Send + Sync {
     ///
     /// All pairs of a pixel from one dimension, over all its samples, belong to one sequence: 8 samples with 4 pairs each are
     /// as well stratified as 32 samples with one.
-    fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2];
+    #[inline]
+    fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2] {
+        let (key, sample) = self.split();
+        Self::long_pair(Self::in_dimension(key, dimension), sample, dimension, index, count)
+    }
 
     /// The pair of [`Stream::pair_of`] rounded down to 24 bits.
     #[inline]
@@ -36,6 +40,9 @@ pub trait Stream: Copy + Send + Sync {
 
     /// [`Stream::short_pair_of`] from the parts of the stream, its key [`in_dimension`](Stream::in_dimension).
     fn short_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f32; 2];
+
+    /// [`Stream::pair_of`] from the same parts.
+    fn long_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f64; 2];
 
     /// The pair of random numbers of a dimension from which each sample takes one pair.
     #[inline]
@@ -66,12 +73,6 @@ impl Stream for Independent {
         Self { key }
     }
 
-    #[inline]
-    fn pair_of(&self, dimension: u32, index: u32, _count: u32) -> [f64; 2] {
-        let [a, b] = self.words(dimension, index);
-        [unit_f64(a), unit_f64(b)]
-    }
-
     #[inline(always)]
     fn in_dimension(key: u64, _dimension: u32) -> u64 {
         key
@@ -81,6 +82,12 @@ impl Stream for Independent {
     fn short_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
         let [a, b] = Self { key }.words(dimension, index);
         [unit_f32((a >> 32) as u32), unit_f32((b >> 32) as u32)]
+    }
+
+    #[inline(always)]
+    fn long_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f64; 2] {
+        let [a, b] = Self { key }.words(dimension, index);
+        [unit_f64(a), unit_f64(b)]
     }
 }
 
@@ -116,14 +123,6 @@ impl Stream for Sobol {
         Self { key, sample }
     }
 
-    #[inline]
-    fn pair_of(&self, dimension: u32, index: u32, count: u32) -> [f64; 2] {
-        let scramble = Self::in_dimension(self.key, dimension);
-        let [x, y] = self.words(scramble, index, count);
-        let low = mix64(scramble ^ u64::from(x)) as u32;
-        [with_low_bits(x, low), with_low_bits(y, low.rotate_left(16))]
-    }
-
     #[inline(always)]
     fn in_dimension(key: u64, dimension: u32) -> u64 {
         mix64(key.wrapping_add((u64::from(dimension) + 1).wrapping_mul(GOLDEN)))
@@ -133,6 +132,13 @@ impl Stream for Sobol {
     fn short_pair(key: u64, sample: u32, _dimension: u32, index: u32, count: u32) -> [f32; 2] {
         let [a, b] = Self { key, sample }.words(key, index, count);
         [unit_f32(a), unit_f32(b)]
+    }
+
+    #[inline(always)]
+    fn long_pair(key: u64, sample: u32, _dimension: u32, index: u32, count: u32) -> [f64; 2] {
+        let [x, y] = Self { key, sample }.words(key, index, count);
+        let low = mix64(key ^ u64::from(x)) as u32;
+        [with_low_bits(x, low), with_low_bits(y, low.rotate_left(16))]
     }
 }
 
@@ -151,7 +157,7 @@ impl Sobol {
 }
 
 /// 32 stratified bits and 21 hashed ones as a number in \[0, 1).
-#[inline]
+#[inline(always)]
 fn with_low_bits(high: u32, low: u32) -> f64 {
     unit_f64((u64::from(high) << 32) | u64::from(low))
 }

@@ -134,8 +134,26 @@ pub trait SurfaceSampler: Send + Sync {
         u.iter().filter_map(|&u| self.sample_for(u, normal)).for_each(|s| out.push(s));
     }
 
+    /// Sets `out` to the sample of each pair of random numbers and its normal; all parts have the same length.
+    fn sample_each(&self, u: &[[f64; 2]], normals: &[DVec3], out: &mut [Option<EnvSample>]) {
+        for ((out, &u), &normal) in out.iter_mut().zip(u).zip(normals) {
+            *out = self.sample_for(u, normal);
+        }
+    }
+
+    /// The map that is sampled.
+    fn map(&self) -> &EnvMap;
+
     /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.
-    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64;
+    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64 {
+        self.pdf_in_texel(self.map().geometry().texel(wi), normal)
+    }
+
+    /// [`SurfaceSampler::pdf_for`] of the directions in a texel (x, y), over which it is constant.
+    fn pdf_in_texel(&self, texel: (usize, usize), normal: DVec3) -> f64;
+
+    /// Whether there are samples for any normal.
+    fn has_samples(&self) -> bool;
 
     /// The `u` that [`SurfaceSampler::sample_for`] maps to `wi`, if the sampler has an inverse.
     fn invert_for(&self, _wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {

@@ -1,23 +1,28 @@
 //! Sampling a map in proportion to radiance × cosine: the directions that light a surface of a given normal.
 //!
-//! The map is a pyramid of blocks. Each block stores its flux F = ∫ I dω and its first moment M = ∫ I ω dω. The light that
-//! it sends to a surface of normal n is exactly n·M if it is wholly above the horizon, 0 if it is wholly below, and close to
-//! F r (1 + x)²/4 with x = n·M / (F r) if the horizon cuts it (r the sine of its angular radius; exact if cosines are uniform
-//! over ±r). A sample descends from the whole map to a block of the finest level, choosing at each step between two halves
-//! twice, and takes a texel of that block by its flux. For a diffuse surface that sees the whole map nearly every sample
-//! then has the same weight, the irradiance itself.
+//! The map is cut into blocks of texels, the sphere of normals into cells. For each cell there is a table of all blocks, for
+//! each block a table of its texels by their energies: a sample takes two look-ups, one in each.
+//!
+//! A table of blocks is by √E(cos²₊) × flux, with the mean of the squared clamped cosine over the block's light and the
+//! cell's normals: of all pdfs that know no more than the block and the cell, this has the least variance. The mean takes
+//! cosines to be uniform over an interval around their mean, as wide as their variance says. Mean and variance follow from
+//! first moments: the light of flux F = ∫ I dω and first moment M = ∫ I ω dω has the mean direction m = M / F, and deviates from it
+//! by (1 − |m|²)/2 along each tangent; the normals of a cell likewise.
 //!
 //! Its variant for MIS takes what exceeds the map's mean in place of the radiance. Light samples then all go to bright light,
 //! and none to light that BSDF samples find well.
 //!
-//! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (hierarchical warping); block
-//! moments in place of wavelet products are new here. Compensation: Karlík et al., "MIS Compensation", 2019.
+//! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (products of the map and the cosine by
+//! normal). Compensation: Karlík et al., "MIS Compensation", 2019.
 
 use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
-use crate::sampling::table::inside;
-use glam::{DVec3, DVec4, Vec3, Vec4};
+use crate::sampling::batch::BATCH;
+use crate::sampling::prefetch::prefetch;
+use crate::sampling::table::{CellSample, ShortTables};
+use glam::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// Its entry in the registry.
@@ -28,7 +33,7 @@ pub const ENTRY: &Entry = &Entry {
     has_regions: false,
     complete: true,
     invertible: false,
-    bytes_per_texel: 0,
+    bytes_per_texel: ShortTables::BYTES,
     method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::new(map)))),
 };
 
@@ -42,169 +47,92 @@ pub const COMPENSATED: &Entry = &Entry {
     ..*ENTRY
 };
 
-/// The finest level has at most so many blocks; in larger maps they are of several texels.
-const FINEST: usize = 1 << 19;
+/// Most columns and rows of blocks.
+const BLOCKS: [usize; 2] = [64, 32];
 
-/// Smallest weight of a block on the horizon, as a share of F r, so that no light above the horizon is missed.
-const FLOOR: f32 = 1e-3;
+/// Cells along each side of the square that normals are mapped to; odd, so that axes are in the middle of cells.
+const CELLS: usize = 23;
 
-/// Most quads of the coarsest level. Larger blocks extend so far around the sphere that their light on a surface is poorly
-/// estimated, and samples would be lost below the horizon.
-const ROOT: usize = 8;
+/// Smallest weight of a block that may be above the horizon, as a share of its flux, so that none of its light is missed.
+const FLOOR: f64 = 1e-3;
 
 /// Samples directions for a normal.
 #[derive(Debug, Clone)]
 pub struct CosineSampler {
     map: Arc<EnvMap>,
-    /// Radiance that is left out.
-    threshold: f64,
-    /// Side of a block of the finest level, in texels.
-    side: usize,
-    /// The energies of these blocks, if they are of several texels.
-    energies: Vec<f64>,
-    /// From the coarsest, of at most [`ROOT`] quads, to the finest.
-    levels: Vec<Level>,
+    /// For each cell, the blocks.
+    blocks: Grids,
+    /// For each block, its texels.
+    texels: Grids,
+    /// Whether there is light to sample.
+    has_light: bool,
 }
 
-/// The four children of a block, component by component, so that their weights are computed together: upper left, upper right,
-/// lower left, lower right. A child beyond the map's edge is dark.
-#[derive(Debug, Clone, Copy, Default)]
-struct Quad {
-    /// First moments of the children, one vector per axis.
-    moment: [Vec4; 3],
-    flux: Vec4,
+/// What is known of the light of a block, or of the normals of a cell.
+struct Spread {
+    /// First moment over flux.
+    mean: DVec3,
+    /// Mean of the squared deviation from it along a tangent.
+    variance: f64,
+    /// The middle of all directions, light or not, and the largest angle to it.
+    cone: (DVec3, f64),
 }
 
-/// All blocks of one size.
+impl Spread {
+    fn new(cone: (DVec3, f64), moment: DVec3, flux: f64) -> Self {
+        let mean = moment / flux.max(f64::MIN_POSITIVE);
+        Self { mean, variance: 0.5 * (1.0 - mean.length_squared()).max(0.0), cone }
+    }
+
+    /// The root of the mean squared clamped cosine between light and normals, at least [`FLOOR`] where any cosine may be
+    /// positive.
+    fn rms_cosine(&self, normals: &Self) -> f64 {
+        let angle = self.cone.1 + normals.cone.1;
+        if angle < FRAC_PI_2 && self.cone.0.dot(normals.cone.0) < -angle.sin() - 1e-9 {
+            return 0.0;
+        }
+        // Uniform over mean ± half, where deviations from the mean direction count by the sine.
+        let mean = self.mean.dot(normals.mean);
+        let half = (3.0 * (1.0 - mean * mean) * (self.variance + normals.variance)).sqrt().max(1e-6);
+        let [low, high] = [mean - half, mean + half].map(|cos| cos.max(0.0));
+        ((high.powi(3) - low.powi(3)) / (6.0 * half)).sqrt().max(FLOOR)
+    }
+}
+
+/// Distributions over grids of one size, each by rows, then by columns of the row.
 #[derive(Debug, Clone)]
-struct Level {
-    /// Number of quads in a row.
-    width: usize,
-    quads: Vec<Quad>,
-    /// Cosines and sines of the middle φ of each pair of columns: \[left, right, left, right\].
-    columns: Vec<[Vec4; 2]>,
-    /// Sines and cosines of the middle θ and sines of the angular radius of each pair of rows:
-    /// \[upper, upper, lower, lower\].
-    rows: Vec<[Vec4; 3]>,
+struct Grids {
+    /// Columns and rows.
+    size: [usize; 2],
+    rows: ShortTables,
+    columns: ShortTables,
 }
 
-impl Level {
-    /// From the blocks' moments and, in w, fluxes, `columns` in a row; each block `side` texels wide and high.
-    fn new(map: &EnvMap, side: usize, columns: usize, blocks: &[Vec4]) -> Self {
-        let g = map.geometry();
-        let rows = blocks.len() / columns;
-        let (width, height) = (columns.div_ceil(2), rows.div_ceil(2));
-        let mut quads = vec![Quad::default(); width * height];
-        for (i, block) in blocks.iter().enumerate() {
-            let (x, y) = (i % columns, i / columns);
-            let (quad, child) = (&mut quads[y / 2 * width + x / 2], x % 2 + 2 * (y % 2));
-            for axis in 0..3 {
-                quad.moment[axis][child] = block[axis];
-            }
-            quad.flux[child] = block.w;
-        }
-        // Directions and angular radii of the blocks, shared by all of a column or a row.
-        let column = |x: usize| {
-            let (x0, x1) = (x * side, ((x + 1) * side).min(g.width()));
-            (std::f64::consts::PI * (x0 + x1) as f64 / g.width() as f64).sin_cos()
-        };
-        let row = |y: usize| {
-            // The last column may be narrower; the first one's cone is wide enough for all.
-            let (y0, y1) = ((y * side).min(g.height() - 1), ((y + 1) * side).min(g.height()));
-            let (axis, radius) = g.cone(Block { x0: 0, y0, x1: side.min(g.width()), y1 });
-            let r = if radius < std::f64::consts::FRAC_PI_2 { radius.sin() + 1e-6 } else { 2.0 };
-            [axis.x.hypot(axis.z), axis.y, r]
-        };
-        Self {
-            width,
-            quads,
-            columns: (0..width)
-                .map(|x| {
-                    let [(s0, c0), (s1, c1)] = [column(2 * x), column(2 * x + 1)];
-                    [DVec4::new(c0, c1, c0, c1).as_vec4(), DVec4::new(s0, s1, s0, s1).as_vec4()]
-                })
-                .collect(),
-            rows: (0..height)
-                .map(|y| {
-                    let (upper, lower) = (row(2 * y), row(2 * y + 1));
-                    [0, 1, 2].map(|i| DVec4::new(upper[i], upper[i], lower[i], lower[i]).as_vec4())
-                })
-                .collect(),
-        }
+impl Grids {
+    /// From `weight([x, y], grid)`.
+    fn new(size: [usize; 2], count: usize, weight: impl Fn([usize; 2], usize) -> f64 + Sync) -> Self {
+        let [width, height] = size;
+        let (columns, sums) = ShortTables::new(width, height * count, |x, row| weight([x, row % height], row / height));
+        let (rows, _) = ShortTables::new(height, count, |y, grid| sums[grid * height + y]);
+        Self { size, rows, columns }
     }
 
-    /// Estimates the light that a surface of normal `n` receives from each child; 0 only where it receives none.
-    #[inline]
-    fn weights(&self, x: usize, y: usize, n: Vec3) -> Vec4 {
-        let Quad { moment, flux } = self.quads[y * self.width + x];
-        let ([cos_phi, sin_phi], [sin_theta, cos_theta, r]) = (self.columns[x], self.rows[y]);
-        // Cosine of the middle direction, light if all of the block is above the horizon, and F r.
-        let height = n.y * cos_theta + sin_theta * (n.x * cos_phi + n.z * sin_phi);
-        let received = n.x * moment[0] + n.y * moment[1] + n.z * moment[2];
-        let reach = flux * r;
-        // F r (1 + x)²/4 on the horizon, n·M above it, 0 below it.
-        let t = Vec4::ONE + (received / reach.max(Vec4::splat(f32::MIN_POSITIVE))).clamp(Vec4::NEG_ONE, Vec4::ONE);
-        let on_horizon = reach * (0.25 * t * t).max(Vec4::splat(FLOOR));
-        let weight = Vec4::select(height.cmpge(r), received.max(Vec4::ZERO), on_horizon);
-        Vec4::select(height.cmple(-r), Vec4::ZERO, weight)
+    /// Samples a row of a grid.
+    #[inline(always)]
+    fn row(&self, grid: usize, v: f64) -> CellSample {
+        self.rows.sample(grid, v)
     }
-}
 
-/// Samples an index in proportion to a few weights, and rescales the rest of `u` to \[0, 1). Returns the index and its
-/// probability, [`share`]; `None` when all weights are 0.
-#[inline]
-fn pick(u: &mut f64, weights: &[f64]) -> Option<(usize, f64)> {
-    let mut left = *u * weights.iter().sum::<f64>();
-    let mut found = None;
-    for (i, &w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-        // Rounding may leave a remainder beyond the last weight; it belongs to that one.
-        found = Some(i);
-        *u = (left / w).min(1.0f64.next_down());
-        if left < w {
-            break;
-        }
-        left -= w;
-    }
-    found.map(|i| (i, share(weights, i)))
-}
-
-/// The probability of index `i`.
-#[inline]
-fn share(weights: &[f64], i: usize) -> f64 {
-    let total: f64 = weights.iter().sum();
-    if total > 0.0 { weights[i] / total } else { 0.0 }
-}
-
-/// The weights of the coarsest level's quads, and their sums per row of quads.
-struct Root {
-    width: usize,
-    quads: [f64; ROOT],
-    rows: [f64; ROOT],
-}
-
-impl Root {
-    #[inline]
-    fn new(level: &Level, n: Vec3) -> Self {
-        let mut root = Self { width: level.width, quads: [0.0; ROOT], rows: [0.0; ROOT] };
-        for i in 0..level.quads.len() {
-            let (x, y) = (i % level.width, i / level.width);
-            root.quads[i] = level.weights(x, y, n).as_dvec4().element_sum();
-            root.rows[y] += root.quads[i];
-        }
-        root
+    /// Samples a column of a row.
+    #[inline(always)]
+    fn column(&self, grid: usize, row: usize, u: f64) -> CellSample {
+        self.columns.sample(grid * self.size[1] + row, u)
     }
 
     #[inline]
-    fn row(&self, y: usize) -> &[f64] {
-        &self.quads[y * self.width..(y + 1) * self.width]
+    fn probability(&self, grid: usize, [x, y]: [usize; 2]) -> f64 {
+        self.rows.probability(grid, y) * self.columns.probability(grid * self.size[1] + y, x)
     }
-}
-
-/// The weights of a quad's upper and lower pair, and those within the pairs.
-#[inline]
-fn pairs(weights: Vec4) -> ([f64; 2], [[f64; 2]; 2]) {
-    let [a, b, c, d] = weights.as_dvec4().to_array();
-    ([a + b, c + d], [[a, b], [c, d]])
 }
 
 impl CosineSampler {
@@ -223,132 +151,170 @@ impl CosineSampler {
         Self::above(map, threshold)
     }
 
-    /// Builds the pyramid of what exceeds a radiance, from the finest level up.
+    /// Builds the tables of what exceeds a radiance.
     fn above(map: Arc<EnvMap>, threshold: f64) -> Self {
         let g = map.geometry();
-        let mut side = 1;
-        while g.width().div_ceil(side) * g.height().div_ceil(side) > FINEST {
-            side *= 2;
-        }
-        let (mut columns, mut blocks) = (g.width().div_ceil(side), finest_blocks(&map, side, threshold));
-        let mut levels = vec![Level::new(&map, side, columns, &blocks)];
-        let mut block_side = side;
-        while levels[levels.len() - 1].quads.len() > ROOT {
-            (columns, blocks) = halved(columns, &blocks);
-            block_side *= 2;
-            levels.push(Level::new(&map, block_side, columns, &blocks));
-        }
-        levels.reverse();
-        let mut sampler = Self { map, threshold, side, energies: Vec::new(), levels };
-        if side > 1 {
-            sampler.energies = sampler.block_energies();
-        }
-        sampler
+        let [width, height] = [g.width(), g.height()];
+        let side = [width.div_ceil(BLOCKS[0]), height.div_ceil(BLOCKS[1])];
+        let [columns, rows] = [width.div_ceil(side[0]), height.div_ceil(side[1])];
+        let excess = |x: usize, y: usize| (map.mean_rgb(x, y) - threshold).max(0.0);
+        // Sum flux and first moment of each block.
+        let axes: Vec<[f64; 2]> = (0..width).map(|x| g.column_axis(x)).collect();
+        let light = |i: usize| {
+            let (x0, y0) = (i % columns * side[0], i / columns * side[1]);
+            let block = Block { x0, y0, x1: (x0 + side[0]).min(width), y1: (y0 + side[1]).min(height) };
+            let (mut moment, mut flux) = (DVec3::ZERO, 0.0);
+            for y in y0..block.y1 {
+                let [mut sum, mut cos, mut sin] = [0.0; 3];
+                for (x, [cos_phi, sin_phi]) in (x0..).zip(&axes[x0..block.x1]) {
+                    let radiance = excess(x, y);
+                    sum += radiance;
+                    cos += radiance * cos_phi;
+                    sin += radiance * sin_phi;
+                }
+                let [across, along] = g.row_moment(y);
+                moment += DVec3::new(across * cos, along * sum, across * sin);
+                flux += sum * g.solid_angle(y);
+            }
+            (Spread::new(g.cone(block), moment, flux), flux)
+        };
+        let lights: Vec<(Spread, f64)> = (0..columns * rows).into_par_iter().map(light).collect();
+        // The table of each cell's blocks, and of each block's texels.
+        let normals: Vec<Spread> = (0..CELLS * CELLS).map(normals_of_cell).collect();
+        let blocks = Grids::new([columns, rows], normals.len(), |[x, y], cell| {
+            let (light, flux) = &lights[y * columns + x];
+            if *flux > 0.0 { flux * light.rms_cosine(&normals[cell]) } else { 0.0 }
+        });
+        let texels = Grids::new(side, lights.len(), |[x, y], block| {
+            let (x, y) = (block % columns * side[0] + x, block / columns * side[1] + y);
+            if x < width && y < height { excess(x, y) * g.solid_angle(y) } else { 0.0 }
+        });
+        let has_light = lights.iter().any(|(_, flux)| *flux > 0.0);
+        Self { map, blocks, texels, has_light }
     }
 
-    /// The sums that [`CosineSampler::texels`] has, row by row.
-    fn block_energies(&self) -> Vec<f64> {
-        let g = self.map.geometry();
-        let [columns, rows] = [g.width(), g.height()].map(|texels| texels.div_ceil(self.side));
-        let energy = |i: usize| self.texels(i % columns, i / columns).map(|(_, _, energy)| energy).sum();
-        (0..columns * rows).into_par_iter().map(energy).collect()
+    /// The number of a block in its column and row.
+    #[inline(always)]
+    fn block(&self, [x, y]: [usize; 2]) -> usize {
+        y * self.blocks.size[0] + x
     }
 
-    /// The texels of a block of the finest level, each with its energy.
-    fn texels(&self, bx: usize, by: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let g = self.map.geometry();
-        let (x0, y0) = (bx * self.side, by * self.side);
-        (y0..(y0 + self.side).min(g.height()))
-            .flat_map(move |y| (x0..(x0 + self.side).min(g.width())).map(move |x| (x, y, self.energy(x, y))))
+    /// Column and row of a texel in a block.
+    #[inline(always)]
+    fn texel(&self, block: [CellSample; 2], texel: [CellSample; 2]) -> [usize; 2] {
+        let [width, height] = self.texels.size;
+        [block[0].cell * width + texel[0].cell, block[1].cell * height + texel[1].cell]
     }
+}
 
-    /// Energy of a texel above the threshold.
-    #[inline]
-    fn energy(&self, x: usize, y: usize) -> f64 {
-        (self.map.mean_rgb(x, y) - self.threshold).max(0.0) * self.map.geometry().solid_angle(y)
-    }
+/// The cell of a normal: that of its place in a square, to which the sphere is mapped by way of an octahedron.
+///
+/// Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
+#[inline(always)]
+fn cell(normal: DVec3) -> usize {
+    let n = normal.as_vec3();
+    let scale = 1.0 / (n.x.abs() + n.y.abs() + n.z.abs());
+    let (x, z) = (n.x * scale, n.z * scale);
+    // The lower half is folded outwards.
+    let folded = |a: f32, b: f32| if n.y < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
+    let along = |a: f32| (((0.5 + 0.5 * a) * CELLS as f32) as usize).min(CELLS - 1);
+    along(folded(z, x)) * CELLS + along(folded(x, z))
+}
+
+/// The normal at a place in \[−1, 1\]², the inverse of the mapping of [`cell`].
+fn normal_at(x: f64, z: f64) -> DVec3 {
+    let y = 1.0 - x.abs() - z.abs();
+    let folded = |a: f64, b: f64| if y < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
+    DVec3::new(folded(x, z), y, folded(z, x)).normalize()
+}
+
+/// The normals of a cell, from a grid of them that includes its edges.
+fn normals_of_cell(cell: usize) -> Spread {
+    const STEPS: usize = 8;
+    let place = |cell: usize, step: usize| 2.0 * (cell as f64 + step as f64 / STEPS as f64) / CELLS as f64 - 1.0;
+    let steps = (0..=STEPS).flat_map(|j| (0..=STEPS).map(move |i| (i, j)));
+    let normals: Vec<DVec3> = steps.map(|(i, j)| normal_at(place(cell % CELLS, i), place(cell / CELLS, j))).collect();
+    let moment: DVec3 = normals.iter().sum();
+    let axis = moment.normalize();
+    let radius = normals.iter().map(|n| n.angle_between(axis)).fold(0.0, f64::max);
+    Spread::new((axis, radius + 1e-3), moment, normals.len() as f64)
 }
 
 impl SurfaceSampler for CosineSampler {
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
-        let n = normal.as_vec3();
-        let [mut u, mut v] = u;
-        // Sample a quad of the coarsest level.
-        let root = Root::new(&self.levels[0], n);
-        let (mut y, row_probability) = pick(&mut v, &root.rows)?;
-        let (mut x, quad_probability) = pick(&mut u, root.row(y))?;
-        let mut probability = row_probability * quad_probability;
-        // Descend: at each level choose between upper and lower pair, then between left and right.
-        for level in &self.levels {
-            let (vertical, horizontal) = pairs(level.weights(x, y, n));
-            let (lower, p_vertical) = pick(&mut v, &vertical)?;
-            let (right, p_horizontal) = pick(&mut u, &horizontal[lower])?;
-            probability *= p_vertical * p_horizontal;
-            (x, y) = (2 * x + right, 2 * y + lower);
-        }
-        // Sample a texel of the block by its energy.
-        if self.side > 1 {
-            let energies: Vec<f64> = self.texels(x, y).map(|(_, _, energy)| energy).collect();
-            let (i, p) = pick(&mut u, &energies)?;
-            probability *= p;
-            (x, y, _) = self.texels(x, y).nth(i)?;
-        }
-        let g = self.map.geometry();
-        let wi = g.direction_in_texel(x, y, inside(u), inside(v));
-        Some(EnvSample { wi, pdf: probability / g.solid_angle(y), radiance: self.map.texel(x, y) })
+        let mut out = [None];
+        self.sample_each(&[u], &[normal], &mut out);
+        out[0]
     }
 
-    fn pdf_for(&self, wi: DVec3, normal: DVec3) -> f64 {
-        let n = normal.as_vec3();
+    fn sample_each(&self, u: &[[f64; 2]], normals: &[DVec3], out: &mut [Option<EnvSample>]) {
+        pulp::Arch::new().dispatch(Fill { sampler: self, u, normals, out });
+    }
+
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    #[inline]
+    fn pdf_in_texel(&self, (x, y): (usize, usize), normal: DVec3) -> f64 {
         let g = self.map.geometry();
-        let (tx, ty) = g.texel(wi);
-        if self.energy(tx, ty) <= 0.0 {
-            return 0.0;
-        }
-        let (bx, by) = (tx / self.side, ty / self.side);
-        // The product of the probabilities of the choices that lead to the texel.
-        let root = Root::new(&self.levels[0], n);
-        let (x, y) = (bx >> self.levels.len(), by >> self.levels.len());
-        let mut probability = share(&root.rows, y) * share(root.row(y), x);
-        for (i, level) in self.levels.iter().enumerate() {
-            let finer = self.levels.len() - 1 - i;
-            let (x, y) = (bx >> finer, by >> finer);
-            let (vertical, horizontal) = pairs(level.weights(x / 2, y / 2, n));
-            probability *= share(&vertical, y % 2) * share(&horizontal[y % 2], x % 2);
-        }
-        if self.side > 1 {
-            let total = self.energies[by * g.width().div_ceil(self.side) + bx];
-            probability *= self.energy(tx, ty) / total;
-        }
-        probability / g.solid_angle(ty)
+        let [width, height] = self.texels.size;
+        let [bx, by] = [x / width, y / height];
+        let of_block = self.blocks.probability(cell(normal), [bx, by]);
+        let texel = [x - bx * width, y - by * height];
+        of_block * self.texels.probability(self.block([bx, by]), texel) * g.inverse_solid_angle(y)
+    }
+
+    fn has_samples(&self) -> bool {
+        self.has_light
     }
 }
 
-/// Sums blocks two by two in both directions; the new number of columns and the blocks.
-fn halved(columns: usize, blocks: &[Vec4]) -> (usize, Vec<Vec4>) {
-    let (width, height) = (columns.div_ceil(2), (blocks.len() / columns).div_ceil(2));
-    let mut sums = vec![Vec4::ZERO; width * height];
-    for (i, block) in blocks.iter().enumerate() {
-        sums[i / columns / 2 * width + i % columns / 2] += *block;
-    }
-    (width, sums)
+/// Samples for several normals. Each step is done for all samples before the next one, so that their look-ups overlap.
+struct Fill<'a> {
+    sampler: &'a CosineSampler,
+    u: &'a [[f64; 2]],
+    normals: &'a [DVec3],
+    out: &'a mut [Option<EnvSample>],
 }
 
-/// Moments and fluxes of the blocks of the finest level.
-fn finest_blocks(map: &EnvMap, side: usize, threshold: f64) -> Vec<Vec4> {
-    let g = map.geometry();
-    let columns = g.width().div_ceil(side);
-    let mut blocks = vec![Vec4::ZERO; columns * g.height().div_ceil(side)];
-    blocks.par_chunks_mut(columns).enumerate().for_each(|(by, row)| {
-        for y in by * side..((by + 1) * side).min(g.height()) {
-            for x in 0..g.width() {
-                let radiance = (map.mean_rgb(x, y) - threshold).max(0.0);
-                let moment = g.moment(x, y) * radiance;
-                row[x / side] += moment.as_vec3().extend((radiance * g.solid_angle(y)) as f32);
+impl pulp::WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
+        let Self { sampler, u, normals, out } = self;
+        let CosineSampler { map, blocks, texels, .. } = sampler;
+        let g = map.geometry();
+        for (i, out) in out.chunks_mut(BATCH).enumerate() {
+            let (u, normals) = (&u[i * BATCH..][..out.len()], &normals[i * BATCH..][..out.len()]);
+            let mut cells = [0; BATCH];
+            let [mut bx, mut by, mut tx, mut ty] = [[CellSample::default(); BATCH]; 4];
+            // Find the row of blocks and the block, then the row of its texels and the texel.
+            for i in 0..out.len() {
+                cells[i] = cell(normals[i]);
+                by[i] = blocks.row(cells[i], u[i][1]);
+            }
+            for i in 0..out.len() {
+                bx[i] = blocks.column(cells[i], by[i].cell, u[i][0]);
+            }
+            for i in 0..out.len() {
+                ty[i] = texels.row(sampler.block([bx[i].cell, by[i].cell]), by[i].offset);
+            }
+            for i in 0..out.len() {
+                tx[i] = texels.column(sampler.block([bx[i].cell, by[i].cell]), ty[i].cell, bx[i].offset);
+                let [x, y] = sampler.texel([bx[i], by[i]], [tx[i], ty[i]]);
+                prefetch(map.image().pixels(), y * g.width() + x);
+            }
+            for i in 0..out.len() {
+                let [x, y] = sampler.texel([bx[i], by[i]], [tx[i], ty[i]]);
+                let wi = g.direction_in_texel(x, y, tx[i].offset, ty[i].offset);
+                let probability = (by[i].probability * bx[i].probability) * (ty[i].probability * tx[i].probability);
+                let pdf = probability * g.inverse_solid_angle(y);
+                out[i] = (pdf > 0.0).then(|| EnvSample { wi, pdf, radiance: map.texel(x, y) });
             }
         }
-    });
-    blocks
+    }
 }
 
 #[cfg(test)]

@@ -58,8 +58,15 @@ impl SurfaceSampler for ErrataSampler {
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }
 
-    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
-        let (x, y) = self.map.geometry().texel(wi);
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    fn has_samples(&self) -> bool {
+        self.table.total() > 0.0
+    }
+
+    fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         self.texel_pdf(x, y)
     }
 }

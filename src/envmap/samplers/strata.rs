@@ -84,9 +84,16 @@ impl SurfaceSampler for StrataSampler {
         Some(EnvSample { wi, pdf: self.pdf_for(wi, normal), radiance: self.map.radiance(wi) })
     }
 
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    fn has_samples(&self) -> bool {
+        self.regions.total() > 0.0
+    }
+
     #[inline]
-    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
-        let (x, y) = self.map.geometry().texel(wi);
+    fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         self.strata[self.of_texel[y * self.map.geometry().width() + x] as usize].pdf
     }
 }

@@ -91,12 +91,20 @@ impl SurfaceSampler for TexelSampler {
     /// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
     /// so every machine gets the same bits.
     fn sample_many_for(&self, u: &[[f64; 2]], _normal: DVec3, out: &mut EnvSamples) {
+        out.resize(if self.has_samples() { u.len() } else { 0 });
+        pulp::Arch::new().dispatch(Fill { sampler: self, u, out });
+    }
+
+    fn map(&self) -> &EnvMap {
+        &self.map
+    }
+
+    fn has_samples(&self) -> bool {
         let total = match &self.table {
             Table::Rows(table) => table.total(),
             Table::Alias(table) => table.total(),
         };
-        out.resize(if total > 0.0 { u.len() } else { 0 });
-        pulp::Arch::new().dispatch(Fill { sampler: self, u, out });
+        total > 0.0
     }
 
     fn invert_for(&self, wi: DVec3, _normal: DVec3) -> Option<[f64; 2]> {
@@ -106,9 +114,8 @@ impl SurfaceSampler for TexelSampler {
     }
 
     #[inline]
-    fn pdf_for(&self, wi: DVec3, _normal: DVec3) -> f64 {
+    fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         let g = self.map.geometry();
-        let (x, y) = g.texel(wi);
         let probability = match &self.table {
             Table::Rows(table) => table.probability(x, y),
             Table::Alias(table) => table.probability(y * g.width() + x),

@@ -1,10 +1,10 @@
 //! Diffuse hits in vectorized loops: rays towards a light, and the directions in which the paths continue.
 
-use super::paths::{Paths, Points};
+use super::paths::{Paths, Points, Shadows};
 use super::step::Step;
 use crate::bsdf::Bsdf;
-use crate::math::Frame;
 use crate::math::circular::Circular;
+use crate::math::{Frame, Rgb};
 use crate::render::departure::Departure;
 use crate::render::geometry::Surface;
 use crate::render::lanes::{LANES, Lane, Lane3, ZERO3, at, set};
@@ -39,9 +39,10 @@ pub fn collect(surface: Surface, is_first: bool, paths: &Paths, i: usize, shader
     points.count += 1;
 }
 
-/// The light of `samples`, one of `count` for each point, that the points scatter to the viewer: weight / π · cos · light.
-pub fn values(arch: Arch, points: &Points, samples: &LightSampleLanes, count: f32, values: &mut Lane3) {
-    wide(arch, Values { points, samples, count, values });
+/// Sets the values of shadow rays to the light of `samples`, one of `count` for each point, that the points scatter to the viewer,
+/// weight / π · cos · light; and their lengths, to 0 where that is black.
+pub fn values(arch: Arch, points: &Points, samples: &LightSampleLanes, count: f32, shadows: &mut Shadows) {
+    wide(arch, Values { points, samples, count, values: &mut shadows.value, limits: &mut shadows.limit });
 }
 
 struct Values<'a> {
@@ -49,14 +50,15 @@ struct Values<'a> {
     samples: &'a LightSampleLanes,
     count: f32,
     values: &'a mut Lane3,
+    limits: &'a mut Lane,
 }
 
 impl Wide for Values<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { points, samples, count, values } = self;
-        // A local array: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
-        let mut out = ZERO3;
+        let Self { points, samples, count, values, limits } = self;
+        // Local arrays: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+        let (mut out, mut lengths) = (ZERO3, [0.0; LANES]);
         for i in 0..points.count.min(LANES) {
             let wi = at(&samples.wi, i);
             let cos = at(&points.normal, i).dot(wi).max(0.0);
@@ -64,9 +66,11 @@ impl Wide for Values<'_> {
             let cos = if at(&points.geometric, i).dot(wi) > 0.0 { cos } else { 0.0 };
             let by_bsdf = cos * FRAC_1_PI;
             let share = power_heuristic(count * samples.pdf[i], [by_bsdf, 0.0]);
-            set(&mut out, i, at(&points.weight, i) * at(&samples.weight, i) * (by_bsdf * share / count));
+            let value = at(&points.weight, i) * at(&samples.weight, i) * (by_bsdf * share / count);
+            set(&mut out, i, value);
+            lengths[i] = if value == Rgb::ZERO { 0.0 } else { samples.limit[i] };
         }
-        *values = out;
+        (*values, *limits) = (out, lengths);
     }
 }
 

@@ -27,7 +27,7 @@ pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, rad
     let DirectLight { choices, samples, shadows, hits, .. } = buffers;
     let slots = &points.slot[..points.count];
     let places = Places { position: &points.position, normal: &points.normal, slots, surface: Kind::Diffuse };
-    // Every point has a shadow ray, also where its value is 0: copying some only would cost more than tracing all.
+    // Every point has a shadow ray, of no length where its value is 0: copying some only would cost more.
     shadows.count = points.count;
     shadows.rays.origin = points.position;
     shadows.slot = points.slot;
@@ -35,9 +35,8 @@ pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, rad
     for (source, count) in sources(step.scene, Kind::Diffuse) {
         for index in 0..count {
             sample(step, source, (index, count), &places, choices, samples);
-            diffuse::values(step.scene.arch, points, samples, count as f32, &mut shadows.value);
+            diffuse::values(step.scene.arch, points, samples, count as f32, shadows);
             shadows.rays.direction = samples.wi;
-            shadows.limit = samples.limit;
             add_light(step.scene, source, shadows, hits, radiance);
         }
     }

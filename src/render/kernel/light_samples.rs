@@ -3,14 +3,13 @@
 use super::step::Step;
 use crate::math::{Frame, Rgb};
 use crate::render::environment::BsdfOnly;
-use crate::render::lanes::{LANES, Lane, Lane3, NOTHING, at, set};
+use crate::render::lanes::{LANES, Lane, Lane3, NOTHING, at};
 use crate::render::light_sample::{LightSample, LightSampleLanes};
 use crate::render::light_selection::{Lights, Round};
 use crate::render::lights;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::Kind;
 use crate::render::wide::{Wide, wide};
-use glam::Vec3;
 
 /// A source of directions towards light.
 #[derive(Clone, Copy)]
@@ -81,13 +80,9 @@ pub fn sample(
         }
         Source::Environment => {
             let Some(environment) = &scene.environment else { return };
-            for i in 0..count {
-                let u = numbers.pair(slots[i], dimensions.environment(), sub_sample);
-                let sampled = environment.sample(u, at(normal, i));
-                let (wi, radiance, pdf) =
-                    sampled.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| (s.wi.as_vec3(), s.radiance, s.pdf as f32));
-                set_lane(out, i, NOTHING, LightSample { wi, distance: f32::INFINITY, weight: radiance / pdf, pdf });
-            }
+            let mut u = [[0.0; LANES]; 2];
+            numbers.fill(scene.arch, slots, dimensions.environment(), sub_sample, &mut u);
+            environment.sample_many(&u, normal, count, out);
             if !by_mis {
                 out.pdf[..count].fill(f32::INFINITY);
             }
@@ -97,7 +92,7 @@ pub fn sample(
                 let local = strategy.sample(numbers.pair(slots[i], dimensions.bsdf_direct(), sub_sample));
                 let wi = Frame::from_normal(at(normal, i)).to_world(local.as_vec3());
                 let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
-                set_lane(out, i, NOTHING, LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY });
+                out.set(i, NOTHING, LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY });
             }
         }
     }
@@ -165,7 +160,7 @@ impl Wide for SampleChosen<'_> {
             } else {
                 lights.sample(light, choice.probability[i], at(places.position, i), [u[0][i], u[1][i]])
             };
-            set_lane(out, i, light, sample);
+            out.set(i, light, sample);
             if !by_mis || !lights.is_found_by_rays(light) {
                 out.pdf[i] = f32::INFINITY;
             }
@@ -191,13 +186,4 @@ impl Wide for Limits<'_> {
             out.limit[i] = scene.shadow_limit(object, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
         }
     }
-}
-
-/// Sets lane `i`.
-#[inline(always)]
-fn set_lane(out: &mut LightSampleLanes, i: usize, light: u32, sample: LightSample) {
-    set(&mut out.wi, i, sample.wi);
-    set(&mut out.weight, i, sample.weight);
-    (out.distance[i], out.limit[i]) = (sample.distance, sample.distance);
-    (out.pdf[i], out.light[i]) = (sample.pdf, light);
 }

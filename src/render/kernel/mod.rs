@@ -125,14 +125,7 @@ fn add_emission(scene: &PreparedScene, paths: &Paths, hits: &Hits, radiance: &mu
         let direction = at(&paths.rays.direction, i);
         let departure = &paths.departure[i];
         let found = match hits.object[i] {
-            NOTHING if scene.scene.environment.is_some() => {
-                let weight = scene.environment_weight(departure, at(&paths.rays.origin, i), direction);
-                if weight == 0.0 {
-                    continue;
-                }
-                scene.environment_radiance(direction) * weight
-            }
-            NOTHING => continue,
+            NOTHING => scene.environment_light(departure, at(&paths.rays.origin, i), direction),
             object => {
                 let shader = &scene.shaders[object as usize];
                 let Some(emission) = &shader.emission else { continue };

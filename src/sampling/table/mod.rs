@@ -8,11 +8,13 @@
 mod cdf;
 mod grid;
 mod line;
+mod short;
 
 pub use cdf::CellSample;
 pub(crate) use cdf::inside;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
+pub use short::ShortTables;
 
 #[cfg(test)]
 pub(super) use cdf::weights;

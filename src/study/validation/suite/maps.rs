@@ -31,7 +31,7 @@ pub fn cases() -> Vec<Case> {
         sources.push(source(format!("onehot-{place}"), move || one_hot(hot)));
     }
     let mut cases: Vec<Case> = sources.iter().flat_map(of).map(|(_, case)| case).collect();
-    // Larger than the finest level of the pyramid, whose blocks are then of several texels.
+    // With blocks of 16 × 32 texels.
     let large = source("1024x1024", || Image::from_fn(1024, 1024, contrasts));
     cases.push(case(&large, cosine::ENTRY, "cosine-up".into(), DVec3::Y));
     cases
@@ -95,8 +95,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
         let map = get();
         let regions = REGIONS.min(map.image().pixels().len()) as u32;
         let by = MapSampling::with_regions(entry, regions).sampler(map.clone())?;
-        // A black map gives no samples. A sampler by the normal gives none where the estimate of a block is positive and
-        // those of all its parts are 0.
+        // A black map gives no samples. A sampler by the normal gives none where all that it samples is below the horizon.
         let mass = match entry.method {
             Method::Directions(_) => Mass::Exactly(if is_black(&map) { 0.0 } else { 1.0 }),
             _ => Mass::AtMostOne,

@@ -1,0 +1,135 @@
+//! Many distributions over as many cells each, in single precision and without a guide: small, and fast for up to some hundred
+//! cells, among which a cell is found by counting those that end before it.
+
+use super::cdf::{CellSample, inside};
+use rayon::prelude::*;
+
+/// Distributions over n cells each.
+#[derive(Debug, Clone)]
+pub struct ShortTables {
+    cells: usize,
+    /// From table to table: `cells` to a multiple of [`LANES`].
+    stride: usize,
+    /// One table after the other: the ends of the cells, the last one 1, and infinity up to the stride; zeros where all weights
+    /// are 0.
+    ends: Vec<f32>,
+}
+
+/// Most ends that processors compare together.
+const LANES: usize = 16;
+
+impl ShortTables {
+    /// Memory for each cell, if tables are not of a few cells only.
+    pub const BYTES: usize = size_of::<f32>();
+
+    /// `count` tables from weights (finite, ≥ 0) of their cells, given through `weight(cell, table)`; and the sums of their
+    /// weights.
+    #[must_use]
+    pub fn new(cells: usize, count: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> (Self, Vec<f64>) {
+        let stride = cells.next_multiple_of(LANES);
+        let mut ends = vec![f32::INFINITY; stride * count];
+        let one = |(table, ends): (usize, &mut [f32])| {
+            let weights: Vec<f64> = (0..cells).map(|cell| weight(cell, table)).collect();
+            fill(&weights, &mut ends[..cells])
+        };
+        let sums = ends.par_chunks_mut(stride).enumerate().map(one).collect();
+        (Self { cells, stride, ends }, sums)
+    }
+
+    #[inline(always)]
+    fn of(&self, table: usize) -> &[f32] {
+        &self.ends[table * self.stride..][..self.stride]
+    }
+
+    /// The cell of a table for `u` in \[0, 1) and the position inside it; a probability of 0 when all weights are 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample(&self, table: usize, u: f64) -> CellSample {
+        let ends = self.of(table);
+        // What is at most u is at most u rounded down.
+        let nearest = u as f32;
+        let below = if f64::from(nearest) > u { nearest.next_down() } else { nearest };
+        let mut passed = 0;
+        for &end in ends {
+            passed += u32::from(end <= below);
+        }
+        let cell = (passed as usize).min(self.cells - 1);
+        let [start, end] = bounds(ends, cell);
+        CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start }
+    }
+
+    /// Probability of a cell of a table.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, table: usize, cell: usize) -> f64 {
+        let [start, end] = bounds(self.of(table), cell);
+        end - start
+    }
+}
+
+/// Start and end of a cell.
+#[inline(always)]
+fn bounds(ends: &[f32], cell: usize) -> [f64; 2] {
+    let start = if cell > 0 { ends[cell - 1] } else { 0.0 };
+    [f64::from(start), f64::from(ends[cell])]
+}
+
+/// Fills the ends of a table's cells and returns the sum of its weights. A cell of positive weight always gets a positive
+/// probability.
+fn fill(weights: &[f64], ends: &mut [f32]) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let Some(last) = weights.iter().rposition(|&w| w > 0.0) else {
+        ends.fill(0.0);
+        return 0.0;
+    };
+    let (mut sum, mut start) = (0.0, 0.0f32);
+    for (end, &w) in ends.iter_mut().zip(weights) {
+        sum += w;
+        *end = if w > 0.0 { ((sum / total) as f32).max(start.next_up()) } else { start };
+        start = *end;
+    }
+    // Let the table end at 1 exactly, and restore increasing values from the right where rounding left no gap.
+    ends[last..].fill(1.0);
+    for i in (1..=last).rev() {
+        let largest = if weights[i] > 0.0 { ends[i].next_down() } else { ends[i] };
+        if ends[i - 1] <= largest {
+            break;
+        }
+        ends[i - 1] = largest;
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cdf::weights;
+    use super::*;
+
+    #[test]
+    fn probabilities_are_the_weights_and_samples_follow_them() {
+        let black = vec![0.0; 5];
+        for w in weights().into_iter().chain([black]).filter(|w| w.len() <= 1000) {
+            let (n, zeros) = (w.len(), vec![0.0; w.len()]);
+            // The table between others.
+            let (tables, sums) = ShortTables::new(n, 3, |cell, table| if table == 1 { w[cell] } else { zeros[cell] });
+            let total = w.iter().sum::<f64>();
+            assert_eq!(sums, [0.0, total, 0.0]);
+            for (i, &wi) in w.iter().enumerate() {
+                let p = tables.probability(1, i);
+                let expected = if total > 0.0 { wi / total } else { 0.0 };
+                assert!((p - expected).abs() < 1e-4 && (p > 0.0) == (wi > 0.0), "{p} {expected}");
+            }
+            for u in (0..5000).map(|i| f64::from(i) / 5000.0).chain([f64::MIN_POSITIVE, 1.0f64.next_down()]) {
+                let at = tables.sample(1, u);
+                if total == 0.0 {
+                    assert_eq!(at.probability, 0.0);
+                    continue;
+                }
+                let start: f64 = (0..at.cell).map(|i| tables.probability(1, i)).sum();
+                assert!(start <= u && u < start + at.probability && (0.0..1.0).contains(&at.offset));
+                assert_eq!(at.probability, tables.probability(1, at.cell));
+            }
+            assert_eq!(tables.sample(0, 0.5).probability, 0.0);
+        }
+    }
+}
