@@ -1,5 +1,6 @@
 //! Drawings of reflectance curves.
 
+use super::text::capitalized;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::{fresnel, metal};
 
@@ -49,9 +50,10 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
 pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
-    // Panels of one row share a legend; the second row need not repeat it.
-    let mut panels: Vec<Panel> =
-        curves.channels.iter().enumerate().map(|(i, c)| channel(&curves.metal, c, i < 2)).collect();
+    // The channels have one legend, below the last of them
+    let is_last = |i: usize| i + 1 == curves.channels.len();
+    let channels = curves.channels.iter().enumerate();
+    let mut panels: Vec<Panel> = channels.map(|(i, c)| channel(&curves.metal, c, is_last(i))).collect();
     panels.push(errors(curves));
     Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).draw()
 }
@@ -63,7 +65,7 @@ fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
     // Metals reflect most of the light: show the part of the axis where something happens.
     let lowest = of(|r| r.r_parallel.min(r.r_parallel_approximate)).iter().map(|p| p[1]).fold(1.0, f64::min);
     let title = if c.name.contains("nm") {
-        format!("{metal}, {}: /{{η}} = {}, /{{k}} = {}", c.name, c.eta, c.k)
+        format!("{}, {}: /{{η}} = {}, /{{k}} = {}", capitalized(metal), c.name, c.eta, c.k)
     } else {
         c.name.clone()
     };
