@@ -147,3 +147,23 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
         },
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::claim::Verdict;
+    use super::*;
+    use crate::study::metal;
+
+    #[test]
+    fn the_formulas_agree_and_the_wrong_ones_do_not() {
+        assert!(squared_amplitudes_error() < ROUNDING);
+        let claims = glass_claims(&metal::table(2).unwrap());
+        let verdict = |start: &str| claims.iter().find(|c| c.claim.starts_with(start)).unwrap().verdict();
+        assert_eq!(verdict("Brewster"), Verdict::Holds);
+        assert_eq!(verdict("Transmittance"), Verdict::Holds);
+        assert_eq!(verdict("Schlick's approximation, leaving"), Verdict::DoesNotHold);
+        // Of uniform light inside, cos² of the critical angle arrives beyond it.
+        let beyond = claims.iter().find(|c| c.claim.starts_with("From inside")).unwrap();
+        assert!((beyond.findings[0].value - (1.0 - 1.0 / (ETA * ETA))).abs() < 1e-12);
+    }
+}
