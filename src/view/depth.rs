@@ -15,6 +15,9 @@ pub fn image(image: &Image) -> Drawing {
     Drawing::over(by_conventions(image))
 }
 
+/// Wider differences are averaged over blocks of pixels, for less noise and smaller files.
+const WIDEST: usize = 320;
+
 /// The differences of consecutive depths, each brightened by a power of two, with the path classes that make it.
 pub fn differences(result: &Depths) -> Drawing {
     let shown = |(image, pair): (&Image, &[u32])| {
@@ -24,7 +27,7 @@ pub fn differences(result: &Depths) -> Drawing {
         if factor > 1.0 {
             caption += &format!(" Shown {factor}\u{a0}times brighter.");
         }
-        (caption, by_conventions(&image.map(|p| p * factor)))
+        (caption, by_conventions(&image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * factor)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
     let title = "What each maximum depth /{m} adds. L: light, D: diffuse reflection, S: mirror or glass, E: eye";
