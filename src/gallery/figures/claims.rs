@@ -72,7 +72,7 @@ fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> 
     let depths = depth::series(inputs, studies)?;
     let (scene, _) = inputs.spheres();
     let effort =
-        Effort { to_diffuse: 8, to_specular: 32, from_walls: 2, from_light: inputs.effort.of(1 << 19, 1 << 17) };
+        Effort { to_diffuse: 8, to_specular: 32, from_walls: 2, from_light: inputs.effort.of(1 << 19, 1 << 16) };
     studies.get("claims", || claims::depth_claims(&scene, &depths, effort, inputs.seed))
 }
 

@@ -135,6 +135,9 @@ impl Claim {
 /// A share in percent, for texts.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
+    if percent == 0.0 {
+        return "0 %".into();
+    }
     let decimals = (-percent.max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize + usize::from(percent < 10.0);
     format!("{percent:.decimals$} %")
 }
@@ -151,7 +154,7 @@ mod tests {
         let (yes, no, unclear) = (finding(0.9, 0.1), finding(0.1, 0.1), finding(0.6, 0.1));
         assert_eq!(verdict(&[yes.clone(), yes.clone()]), Verdict::Holds);
         assert_eq!(verdict(&[yes.clone(), no.clone()]), Verdict::HoldsPartly);
-        assert_eq!(verdict(&[no.clone()]), Verdict::DoesNotHold);
+        assert_eq!(verdict(std::slice::from_ref(&no)), Verdict::DoesNotHold);
         assert_eq!(verdict(&[yes, unclear]), Verdict::NotTestable);
         assert_eq!(verdict(&[finding(f64::NAN, 0.0)]), Verdict::NotTestable);
         assert_eq!(verdict(&[]), Verdict::NotTestable);

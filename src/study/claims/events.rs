@@ -244,7 +244,7 @@ impl<'a> World<'a> {
 
     /// The light of a class whose first event is diffuse and whose others are specular, by one path from the light: where it
     /// arrives on the film, from (0, 0) to (1, 1), and its share of the film's mean radiance.
-    pub fn from_light(&self, events: &[Event], stream: &Independent) -> Option<([f64; 2], DVec3)> {
+    pub fn splat(&self, events: &[Event], stream: &Independent) -> Option<([f64; 2], DVec3)> {
         let (&last, chain) = events.split_first()?;
         let (vertex, weight) = self.arrive(chain, stream).filter(|(vertex, _)| vertex.allows(last))?;
         let (film, importance) = self.seen(&vertex)?;

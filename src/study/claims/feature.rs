@@ -168,7 +168,7 @@ impl ClassImage {
         let mut image = Self::empty(world, scene, request, events);
         let (width, height) = (request.width, request.height);
         let splat = |n: u32| -> Option<Splat> {
-            let (film, share) = world.from_light(events, &Independent::new(seed, u64::from(n), 0))?;
+            let (film, share) = world.splat(events, &Independent::new(seed, u64::from(n), 0))?;
             let [x, y] = [(film[0] * width as f64) as usize, (film[1] * height as f64) as usize];
             Some((y.min(height - 1) * width + x.min(width - 1), share * (width * height) as f64))
         };
