@@ -1,6 +1,6 @@
 //! The errors of the two reports: what they print beside the correction.
 
-use super::text::power_of_ten;
+use super::text::{capitalized, power_of_ten};
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
 use crate::study::audit::{Erratum, Nature};
 use etalon_stats::Verdict;
@@ -12,7 +12,7 @@ const LINE: f64 = 16.0;
 const GAP: f64 = 18.0;
 const EDGE: f64 = 12.0;
 /// What stands right of a panel's frame.
-const MARGIN: f64 = 14.0;
+const MARGIN: f64 = 22.0;
 /// The formula as printed, and the corrected one.
 const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, dash: theme::DASHED };
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
@@ -60,7 +60,8 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
     // Scattered are places on a map, whose first row is at the top.
     let y = Axis::linear(curves.y);
     let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { y };
-    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y).title(format!("{letter}  {}", erratum.title));
+    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y)
+        .title(format!("{letter}  {}", capitalized(erratum.title)));
     let panel = if curves.scattered {
         let dots = panel.dots("", CORRECTED.colour, curves.right.clone());
         dots.dots("", PRINTED.colour, curves.printed.clone())

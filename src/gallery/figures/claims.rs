@@ -60,7 +60,7 @@ fn first(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let tested = proposal::tested(inputs, studies)?;
     let map = &inputs.map.map;
     let mut claims = claims::glass_claims(&*metals(studies)?);
-    let renders = series.last().ok_or_else(|| crate::error::Error::parameter("series", "no strategy"))?;
+    let renders = series.last().ok_or_else(|| crate::error::Error::parameter("figure", "no strategy was rendered"))?;
     let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
     claims.extend(claims::map_claims(&of_map)?);
     let mut checks = vec![undecided(&claims, inputs)];
