@@ -22,7 +22,7 @@ pub fn sphere(inputs: &Inputs) -> (Scene, Request) {
     let map = &inputs.map;
     let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
     let (scene, request) = builtin::sphere_env(environment);
-    let side = inputs.effort.of(144, 32);
+    let side = inputs.effort.of(144, 48);
     (scene, Request { width: side, height: side, light_samples: 1, ..request })
 }
 
@@ -38,7 +38,7 @@ fn of_size((scene, request): (Scene, Request), size: [usize; 2]) -> (Scene, Requ
 
 pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
     let (scene, request) = sphere(inputs);
-    let plan = plan(inputs, 32, inputs.effort.of(5, 4));
+    let plan = plan(inputs, 32, 5);
     studies.get("sphere", || measure(&scene, &request, &Strategy::usual(&scene), &plan, None))
 }
 
