@@ -101,7 +101,7 @@ impl<'a> Job<'a> {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// What the scene does not need and the kernel hence does not have.
+    /// The parts that the scene does not need and that are therefore skipped.
     #[must_use]
     pub fn left_out(&self) -> Vec<&'static str> {
         self.scene.needs.left_out(self.scene.scene)
@@ -258,9 +258,9 @@ pub struct Rendered {
     pub request: Request,
     /// Wall-clock time of preparation and rendering, without reading or writing files.
     pub seconds: f64,
-    /// Samples that were not finite or negative.
+    /// Samples dropped because they were negative, infinite or NaN.
     pub dropped: Dropped,
-    /// What the scene did not need and the kernel hence does not have.
+    /// The parts that the scene did not need and that were therefore skipped.
     pub left_out: Vec<&'static str>,
 }
 

@@ -1,6 +1,6 @@
 //! Which lights are sampled at a hit, and how many samples each gets.
 //!
-//! Up to [`MOST_EACH`] lights get samples of their own at every hit. Of more, a light tree chooses one for each sample by the
+//! Up to [`MOST_EACH`] lights at finite distance are each sampled at every hit. Of more, a light tree chooses one for each sample by the
 //! place and the normal of the hit, so that a hit costs no more. Lights at infinity always have samples of their own.
 
 use super::lanes::NOTHING;

@@ -2,8 +2,9 @@
 //!
 //! Light tracing is a third technique beside BSDF sampling (s = 0 vertices on the path that starts at the light, in the
 //! notation of Veach) and light sampling (s = 1): all vertices but the camera's are sampled from the light (t = 1), and the
-//! last is connected to the camera. Its paths start at area lights and the environment towards *targets*, spheres around the objects
-//! that are not diffuse, for which few directions from other surfaces lead to light: they find caustics.
+//! last is connected to the camera. Its paths start at area lights and the environment, in directions towards *targets*:
+//! bounding spheres of the objects that are not diffuse. These paths find caustics, for which a camera path rarely samples the right
+//! direction.
 //!
 //! MIS needs the density of each technique for a path that any of them has found. For a path x₀ … xₖ from the camera to the
 //! light, the density of light tracing over that of BSDF sampling is

@@ -201,7 +201,8 @@ impl SampleLight for SphereLight {
 }
 
 impl Sampled {
-    /// The lights of a scene that are sampled, and `fixed` ones: all, or those that rays cannot find.
+    /// All lights to sample: the emissive objects (only if the strategy samples lights), and the scene's other lights and
+    /// `fixed`, which no ray can hit.
     pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
             let panel = RectangleLight::new(rectangle, radiance, two_sided);

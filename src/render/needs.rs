@@ -1,4 +1,4 @@
-//! The parts of the renderer that a scene needs; the others are neither built nor in the kernel that runs.
+//! The parts of the renderer that a scene needs; the others are neither built nor run.
 
 use super::geometry::Geometry;
 use super::settings::Settings;

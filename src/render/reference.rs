@@ -1,7 +1,7 @@
 //! The reference: a path tracer as the textbook describes it, one path after the other.
 //!
-//! It renders with every BSDF and light of the program, by light sampling, BSDF sampling, or both combined by multiple
-//! importance sampling, with Russian roulette. It draws the random numbers of [`super::kernel`], which is tested against it
+//! It renders with every BSDF and light of the program, by light sampling, BSDF sampling, uniform hemisphere sampling, or light and BSDF
+//! sampling combined by multiple importance sampling, with Russian roulette. It uses the random numbers of [`super::kernel`], which is tested against it
 //! sample by sample.
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.

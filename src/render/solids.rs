@@ -54,9 +54,8 @@ impl Light for Sphere {
     }
 }
 
-/// How far a shadow ray may go that ends on a light, at the distance `limit`, so that rounding does not let the light occlude
-/// itself: to where it is as far away from it as rays that leave it start, `offset`. What starts no farther away is not above
-/// 0.
+/// The length of a shadow ray to a light at the distance `limit`, shortened so that rounding does not let the light occlude
+/// itself: the ray ends `offset` in front of the light's surface. Not above 0 if it starts within `offset` of it.
 #[inline(always)]
 pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
     // What rounding to f32 does to coordinates relative to the ray's origin.

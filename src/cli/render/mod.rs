@@ -40,14 +40,13 @@ pub struct Render {
     /// Light samples at each hit
     #[arg(short, value_name = "N")]
     light_samples: Option<u32>,
-    /// 0: emission only; 1: direct light; n: light over at most n segments
+    /// Maximum number of scatterings of a path; 0: emission only, 1: direct light
     #[arg(short, value_name = "DEPTH")]
     max_depth: Option<u32>,
     /// The same as -o
     #[arg(short, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Which techniques find the light (default: mis+lt, with --kernel reference mis). With mis, diffuse surfaces take no BSDF
-    /// samples of an environment whose light density contains the cosine
+    /// Which techniques find the light (default: mis+lt; mis with --kernel reference)
     #[arg(long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere

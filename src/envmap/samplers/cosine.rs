@@ -1,4 +1,4 @@
-//! Sampling a map in proportion to radiance × cosine: the directions that light a surface of a given normal.
+//! Sampling a map approximately in proportion to radiance × cosine: the directions that light a surface of a given normal.
 //!
 //! The map is cut into blocks of texels, the sphere of normals into cells. For each cell there is a table of all blocks, for
 //! each block a table of its texels by their energies: a sample takes two look-ups, one in each.
