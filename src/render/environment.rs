@@ -41,30 +41,34 @@ impl<'a> EnvironmentSampling<'a> {
     /// A direction towards the light that falls on a surface of this normal, in the world.
     #[inline]
     pub fn sample(&self, u: [f64; 2], normal: Vec3) -> Option<EnvSample> {
-        let sample = self.sampler.sample_for(u, self.environment.to_map(normal.as_dvec3()))?;
-        let (wi, radiance) = (self.environment.to_world * sample.wi, sample.radiance * self.environment.scale);
-        Some(EnvSample { wi, radiance, ..sample })
+        self.sampler.sample_for(u, self.environment.to_map(normal.as_dvec3())).map(|sample| self.in_world(sample))
     }
 
     /// [`EnvironmentSampling::sample`] for the first `count` lanes of random numbers and normals.
     pub fn sample_many(&self, u: &[[f64; LANES]; 2], normals: &Lane3, count: usize, out: &mut LightSampleLanes) {
-        let environment = self.environment;
         for start in (0..count).step_by(BATCH) {
             let n = BATCH.min(count - start);
             let (mut numbers, mut towards, mut samples) = ([[0.0; 2]; BATCH], [DVec3::ZERO; BATCH], [None; BATCH]);
             for i in 0..n {
                 numbers[i] = [u[0][start + i], u[1][start + i]];
-                towards[i] = environment.to_map(at(normals, start + i).as_dvec3());
+                towards[i] = self.environment.to_map(at(normals, start + i).as_dvec3());
             }
             self.sampler.sample_each(&numbers[..n], &towards[..n], &mut samples[..n]);
             for (i, sample) in samples[..n].iter().enumerate() {
-                let (wi, radiance, pdf) = sample.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| {
-                    ((environment.to_world * s.wi).as_vec3(), s.radiance * environment.scale, s.pdf as f32)
-                });
+                let in_world = sample.map(|sample| self.in_world(sample));
+                let (wi, radiance, pdf) =
+                    in_world.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| (s.wi.as_vec3(), s.radiance, s.pdf as f32));
                 let sample = LightSample { wi, distance: f32::INFINITY, weight: radiance / pdf, pdf };
                 out.set(start + i, NOTHING, sample);
             }
         }
+    }
+
+    /// A sample of the map, turned and scaled as the environment is.
+    #[inline]
+    fn in_world(&self, sample: EnvSample) -> EnvSample {
+        let (wi, radiance) = (self.environment.to_world * sample.wi, sample.radiance * self.environment.scale);
+        EnvSample { wi, radiance, ..sample }
     }
 
     /// Pdf of [`EnvironmentSampling::sample`] per solid angle.

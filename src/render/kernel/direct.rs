@@ -84,7 +84,7 @@ pub fn light_general(
                 set(&mut scattered.wi, i, vertex.frame.to_local(at(&samples.wi, i)));
             }
             rough::eval_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
-            if step.needs_reverse_pdf() {
+            if step.needs_reverse_pdf(&shader.bsdf) {
                 rough::reverse_pdf_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
             }
             shadows.count = 0;

@@ -109,7 +109,7 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
     let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, &u, vertices.len(), scattered);
-    if is_sampled && step.needs_reverse_pdf() {
+    if is_sampled && step.needs_reverse_pdf(&shader.bsdf) {
         rough::reverse_pdf_many(scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
     }
     for (i, vertex) in vertices.iter().enumerate() {

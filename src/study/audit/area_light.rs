@@ -89,5 +89,5 @@ pub fn suspect() -> Suspect {
         },
         ..Erratum::default()
     };
-    (erratum, [floor(true).case("audit/light/printed"), floor(false).case("audit/lamp/right")])
+    (erratum, [floor(true).case("audit/light/printed"), floor(false).case("audit/light/right")])
 }
