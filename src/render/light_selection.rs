@@ -3,9 +3,9 @@
 //! Up to [`MOST_EACH`] lights at finite distance are each sampled at every hit. Of more, a light tree chooses one for each sample by the
 //! place and the normal of the hit, so that a hit costs no more. Lights at infinity always have samples of their own.
 
-use super::lanes::NOTHING;
+use super::lanes::{BLOCK, NOTHING};
 use super::light_sample::{LightSample, SampleLight};
-use super::light_tree::{LightTree, LightTreeAt};
+use super::light_tree::{Descent, Found, LightTree, LightTreeAt};
 use super::lights::Sampled;
 use glam::Vec3;
 
@@ -102,6 +102,7 @@ impl Lights {
 }
 
 /// The selection of lights for a place.
+#[derive(Clone, Copy)]
 pub struct Selection<'a> {
     at: LightTreeAt<'a>,
     lights: &'a [u32],
@@ -113,5 +114,32 @@ impl Selection<'_> {
     pub fn sample(&self, u: f32) -> Option<(u32, f32)> {
         let (number, probability) = self.at.sample(u)?;
         Some((self.lights[number], probability))
+    }
+
+    /// [`sample`](Self::sample) for many places, whose random numbers the probabilities replace; [`NOTHING`] where no light can
+    /// arrive. All places go down the tree together.
+    #[inline(always)]
+    pub fn sample_each(places: &[Self; BLOCK], light: &mut [u32], probability: &mut [f32]) {
+        let mut count = light.len().min(probability.len()).min(BLOCK);
+        let (mut descents, mut left) = ([Descent::new(0.0); BLOCK], [0; BLOCK]);
+        for i in 0..count {
+            (descents[i], left[i]) = (Descent::new(probability[i]), i);
+        }
+        while count > 0 {
+            let mut still = 0;
+            for k in 0..count {
+                let i = left[k] % BLOCK;
+                left[still] = i;
+                match places[i].at.descend(descents[i]) {
+                    Found::Light(number, p) => (light[i], probability[i]) = (places[i].lights[number], p),
+                    Found::Nothing => (light[i], probability[i]) = (NOTHING, 1.0),
+                    Found::Node(descent) => {
+                        descents[i] = descent;
+                        still += 1;
+                    }
+                }
+            }
+            count = still;
+        }
     }
 }

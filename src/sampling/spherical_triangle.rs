@@ -18,8 +18,7 @@ use crate::math::map_array;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalTriangle<T> {
     solid_angle: T,
-    /// Which of the caller's corners a, b and c are.
-    labels: [usize; 3],
+    labels: Labels,
     /// The second corner, and its distance.
     b: [T; 3],
     b_length: T,
@@ -32,6 +31,53 @@ pub struct SphericalTriangle<T> {
     triple: T,
     one_plus_cos: T,
     sum_along: T,
+}
+
+/// Which of the caller's corners a, b and c are: a is the second or the third, else the first; the others follow in their
+/// cyclic order, or in the other one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Labels {
+    is_second: bool,
+    is_third: bool,
+    is_swapped: bool,
+}
+
+/// One of two vectors, component by component, which vectorizes.
+#[inline(always)]
+fn select<T: Circular>(condition: bool, a: [T; 3], b: [T; 3]) -> [T; 3] {
+    let one = |i: usize| if condition { a[i] } else { b[i] };
+    [one(0), one(1), one(2)]
+}
+
+impl Labels {
+    /// Turns what belongs to the caller's corners into what belongs to a and the two others in cyclic order.
+    #[inline(always)]
+    fn rotated<T: Circular>(self, [p, q, r]: [T; 3]) -> [T; 3] {
+        select(self.is_third, [r, p, q], select(self.is_second, [q, r, p], [p, q, r]))
+    }
+
+    /// [`rotated`](Self::rotated), then b before c.
+    #[inline(always)]
+    fn ordered<T: Circular>(self, corners: [T; 3]) -> [T; 3] {
+        let [a, b, c] = self.rotated(corners);
+        select(self.is_swapped, [a, c, b], [a, b, c])
+    }
+
+    /// The same for vectors.
+    #[inline(always)]
+    fn ordered_vectors<T: Circular>(self, [p, q, r]: [[T; 3]; 3]) -> [[T; 3]; 3] {
+        let axis = |i: usize| self.ordered([p[i], q[i], r[i]]);
+        let [x, y, z] = [axis(0), axis(1), axis(2)];
+        let corner = |i: usize| [x[i], y[i], z[i]];
+        [corner(0), corner(1), corner(2)]
+    }
+
+    /// The inverse of [`ordered`](Self::ordered).
+    #[inline(always)]
+    fn restored<T: Circular>(self, [a, b, c]: [T; 3]) -> [T; 3] {
+        let [a, b, c] = select(self.is_swapped, [a, c, b], [a, b, c]);
+        select(self.is_third, [b, c, a], select(self.is_second, [c, a, b], [a, b, c]))
+    }
 }
 
 #[inline(always)]
@@ -69,15 +115,19 @@ impl<T: Circular> SphericalTriangle<T> {
         let corners = [a, sum(a, ab), sum(a, ac)];
         // Label the corners such that rounding matters least where the point is near a side or a corner.
         let lengths = map_array(corners, |corner| dot(corner, corner).sqrt());
-        let nearer = usize::from(lengths[1] < lengths[0]);
-        let first = if lengths[2] < lengths[nearer] { 2 } else { nearer };
-        let others = [(first + 1) % 3, (first + 2) % 3];
-        let cosines = map_array(others, |i| dot(corners[first], corners[i]) / lengths[i]);
-        let [second, third] = if cosines[0] < cosines[1] { others } else { [others[1], others[0]] };
-        let unit = one / lengths[first];
-        let [a, b, c] = map_array([first, second, third], |i| scaled(unit, corners[i]));
-        let edges = map_array([second, third], |i| scaled(unit, difference(offsets[i], offsets[first])));
-        let (b_length, c_length) = (unit * lengths[second], unit * lengths[third]);
+        let is_third = (lengths[2] < lengths[0]) & (lengths[2] < lengths[1]);
+        let is_second = !is_third & (lengths[1] < lengths[0]);
+        let labels = Labels { is_second, is_third, is_swapped: false };
+        let [nearest, p, q] = labels.ordered_vectors(corners);
+        let [_, p_length, q_length] = labels.rotated(lengths);
+        let is_swapped = !(dot(nearest, p) / p_length < dot(nearest, q) / q_length);
+        let labels = Labels { is_swapped, ..labels };
+        let [length, b_length, c_length] = labels.ordered(lengths);
+        let unit = one / length;
+        let [a, b, c] = map_array(labels.ordered_vectors(corners), |corner| scaled(unit, corner));
+        let [origin, to_b, to_c] = labels.ordered_vectors(offsets);
+        let edges = map_array([to_b, to_c], |offset| scaled(unit, difference(offset, origin)));
+        let (b_length, c_length) = (unit * b_length, unit * c_length);
         let triple = dot(a, cross(edges[0], edges[1])).abs() / b_length;
         // Twice 1 plus a cosine is the square of the sum of two unit vectors.
         let both = sum(a, scaled(one / b_length, b));
@@ -87,7 +137,7 @@ impl<T: Circular> SphericalTriangle<T> {
         Self {
             // The triple product is not a number if a corner is where the point is.
             solid_angle: if triple > zero { solid_angle } else { zero },
-            labels: [first, second, third],
+            labels,
             b,
             b_length,
             edges,
@@ -129,11 +179,8 @@ impl<T: Circular> SphericalTriangle<T> {
         let (sin, cos) = ((below * (two - below)).max(zero).sqrt(), one - below);
         let s = self.b_length * sin / (across * cos - along * sin);
         let s = s.max(zero).min(one);
-        let mut weights = [zero; 3];
-        weights[self.labels[0]] = s * (one - t);
-        weights[self.labels[1]] = one - s;
-        weights[self.labels[2]] = s * t;
-        [weights[1], weights[2]]
+        let [_, b, c] = self.labels.restored([s * (one - t), one - s, s * t]);
+        [b, c]
     }
 }
 

@@ -1,8 +1,8 @@
 //! The scene's shapes laid out for many rays at once: which one a ray meets first, and whether any is in its way.
 //!
 //! A few rectangles and spheres are tried one after the other, each against all rays in one vectorized loop, which is
-//! faster than any tree. Many of them stand in one bounding volume hierarchy with the triangles of all meshes; it is
-//! built only where something stands in it.
+//! faster than any tree; of many, the large ones are. All others stand in one bounding volume hierarchy with the triangles
+//! of all meshes, which is built only where something stands in it.
 
 mod loops;
 #[cfg(test)]
@@ -95,24 +95,39 @@ struct Tree {
     object: Vec<u32>,
 }
 
-/// Whether a scene's rectangles and spheres are few enough to be tried one by one.
-fn has_few_solids(scene: &Scene) -> bool {
-    let is_solid = |object: &&Object| !matches!(object.shape, Shape::Mesh(_));
-    scene.objects.iter().filter(is_solid).count() <= MOST_SOLIDS
+/// Of more rectangles and spheres those are tried one by one whose box has at least this share of the surface of the box
+/// around the scene. By the surface area heuristic that is the share of rays that would test them in the tree.
+const LARGE: f32 = 1.0 / 16.0;
+
+/// Which objects are tried one by one.
+fn tried_alone(scene: &Scene) -> Vec<bool> {
+    let is_solid = |&i: &usize| !matches!(scene.objects[i].shape, Shape::Mesh(_));
+    let mut solids: Vec<usize> = (0..scene.objects.len()).filter(is_solid).collect();
+    if solids.len() > MOST_SOLIDS {
+        let boxes: Vec<_> = scene.objects.iter().map(|object| bounds(&object.shape).unwrap_or(EMPTY)).collect();
+        let least = LARGE * surface(boxes.iter().copied().fold(EMPTY, union));
+        let area = |&i: &usize| surface(boxes[i]);
+        solids.retain(|i| area(i) >= least);
+        solids.sort_by(|i, j| area(j).total_cmp(&area(i)));
+        solids.truncate(MOST_SOLIDS);
+    }
+    let mut alone = vec![false; scene.objects.len()];
+    solids.into_iter().for_each(|i| alone[i] = true);
+    alone
 }
 
 impl<'a> Geometry<'a> {
     /// Whether a scene has anything that stands in the tree.
     pub fn needs_tree(scene: &Scene) -> bool {
-        !has_few_solids(scene) || scene.objects.iter().any(|object| matches!(object.shape, Shape::Mesh(_)))
+        tried_alone(scene).contains(&false)
     }
 
     /// Prepares the shapes; `with_tree` says whether to build the tree if nothing stands in it.
     pub fn new(scene: &'a Scene, with_tree: bool) -> Self {
-        Self::prepare(scene, with_tree, has_few_solids(scene))
+        Self::prepare(scene, with_tree, &tried_alone(scene))
     }
 
-    fn prepare(scene: &'a Scene, with_tree: bool, few_solids: bool) -> Self {
+    fn prepare(scene: &'a Scene, with_tree: bool, alone: &[bool]) -> Self {
         let objects = &scene.objects;
         let (mut walls, mut spheres) = (Vec::new(), Vec::new());
         let (mut shapes, mut shape_objects) = (Vec::new(), Vec::new());
@@ -123,9 +138,10 @@ impl<'a> Geometry<'a> {
             offsets.push(bounds.map_or(0.0, |b| 16.0 * f32::EPSILON * b[0].abs().max(b[1].abs()).max_element()));
             let bounds = bounds.unwrap_or(EMPTY);
             whole = union(whole, bounds);
+            let is_alone = alone[i as usize];
             match &object.shape {
-                Shape::Rectangle(rectangle) if few_solids => walls.push(Wall::new(rectangle, i)),
-                Shape::Sphere(sphere) if few_solids => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
+                Shape::Rectangle(rectangle) if is_alone => walls.push(Wall::new(rectangle, i)),
+                Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
                 shape => {
                     in_tree = union(in_tree, bounds);
                     shapes.push(shape);
@@ -279,6 +295,12 @@ fn bounds(shape: &Shape) -> Option<[Vec3; 2]> {
 
 fn union([a, b]: [Vec3; 2], [c, d]: [Vec3; 2]) -> [Vec3; 2] {
     [a.min(c), b.max(d)]
+}
+
+/// The surface area of a box; 0 of one around nothing.
+fn surface([low, high]: [Vec3; 2]) -> f32 {
+    let Vec3 { x, y, z } = (high - low).max(Vec3::ZERO);
+    2.0 * (x * y + y * z + z * x)
 }
 
 /// A box grown by more than the rounding of a ray's distances to what is in it.

@@ -54,7 +54,7 @@ fn lights_do_not_occlude_their_own_samples() {
         };
         let scene = scene([shape]);
         let light = Sampled::all(&scene, &Settings::default(), &[])[0];
-        let geometries = [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids));
+        let geometries = [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()]));
         let (mut rays, mut limit) = (Rays::default(), [0.0; LANES]);
         for k in 0..LANES {
             let j = 10 + 10 * k as u64;
@@ -109,7 +109,7 @@ fn mixture() -> Vec<Shape> {
 #[test]
 fn the_tree_finds_what_one_by_one_is_found() {
     let scene = scene(mixture());
-    let [few, many] = [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids));
+    let [few, many] = [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()]));
     assert!(few.walls.len() == 10 && few.spheres.len() == 20 && many.walls.is_empty() && many.spheres.is_empty());
     let (mut found, mut differing) = ([0; 3], 0);
     for batch in 0..40 {

@@ -3,9 +3,9 @@
 use super::step::Step;
 use crate::math::{Frame, Rgb};
 use crate::render::environment::BsdfOnly;
-use crate::render::lanes::{LANES, Lane, Lane3, NOTHING, at};
+use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, NOTHING, at, set};
 use crate::render::light_sample::{LightSample, LightSampleLanes};
-use crate::render::light_selection::{Lights, Round};
+use crate::render::light_selection::{Lights, Round, Selection};
 use crate::render::lights;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::Kind;
@@ -68,7 +68,8 @@ pub fn sample(
                     choose_lights(step, round, places, choices);
                 }
                 let choice = &choices[sub_sample.0 as usize];
-                return wide(scene.arch, SampleChosen { scene, places, choice, u: &u, by_mis, out });
+                lights::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], position, &u, out);
+                return wide(scene.arch, WeighChosen { scene, places, choice, by_mis, out });
             };
             let sampled = &scene.lights.all[light as usize];
             lights::sample_many(scene.arch, sampled, position, count, &u, out);
@@ -126,45 +127,52 @@ struct Choose<'a> {
 impl Wide for Choose<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { lights, places, choices } = self;
-        for i in 0..places.slots.len().min(LANES) {
-            let normal = (places.surface != Kind::Transmitting).then_some(at(places.normal, i));
-            let Some(selection) = lights.selection(at(places.position, i), normal) else { return };
-            for choice in &mut *choices {
-                let chosen = selection.sample(choice.probability[i]);
-                (choice.light[i], choice.probability[i]) = chosen.unwrap_or((NOTHING, 1.0));
+        let count = self.places.slots.len().min(LANES);
+        for start in (0..count).step_by(BLOCK) {
+            let end = count.min(start + BLOCK);
+            let Some(mut selections) = self.at(start).map(|first| [first; BLOCK]) else { return };
+            for i in start + 1..end {
+                if let Some(selection) = self.at(i) {
+                    selections[i - start] = selection;
+                }
+            }
+            for choice in &mut *self.choices {
+                let (light, probability) = (&mut choice.light[start..end], &mut choice.probability[start..end]);
+                Selection::sample_each(&selections, light, probability);
             }
         }
     }
 }
 
-/// The loop that samples the lights that were chosen.
-struct SampleChosen<'a> {
+impl<'a> Choose<'a> {
+    /// The selection for place `i`, if there is a tree.
+    #[inline(always)]
+    fn at(&self, i: usize) -> Option<Selection<'a>> {
+        let normal = if self.places.surface == Kind::Transmitting { None } else { Some(at(self.places.normal, i)) };
+        self.lights.selection(at(self.places.position, i), normal)
+    }
+}
+
+/// The loop that divides the samples of the lights that were chosen by the probability of the choice.
+struct WeighChosen<'a> {
     scene: &'a PreparedScene<'a>,
     places: &'a Places<'a>,
     choice: &'a Choice,
-    u: &'a [Lane; 2],
     by_mis: bool,
     out: &'a mut LightSampleLanes,
 }
 
-impl Wide for SampleChosen<'_> {
+impl Wide for WeighChosen<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { scene, places, choice, u, by_mis, out } = self;
-        let lights = &scene.lights;
+        let Self { scene, places, choice, by_mis, out } = self;
         for i in 0..places.slots.len().min(LANES) {
-            let light = choice.light[i];
-            let sample = if light == NOTHING {
-                LightSample::BLACK
-            } else {
-                lights.sample(light, choice.probability[i], at(places.position, i), [u[0][i], u[1][i]])
-            };
-            out.set(i, light, sample);
-            if !by_mis || !lights.is_found_by_rays(light) {
-                out.pdf[i] = f32::INFINITY;
-            }
-            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), sample.wi], sample.distance);
+            let (light, probability) = (choice.light[i], choice.probability[i]);
+            let weight = at(&out.weight, i) / probability;
+            set(&mut out.weight, i, weight);
+            let is_weighed = by_mis && scene.lights.is_found_by_rays(light);
+            out.pdf[i] = if is_weighed { out.pdf[i] * probability } else { f32::INFINITY };
+            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
         }
     }
 }

@@ -61,8 +61,37 @@ impl LightTree {
     }
 }
 
+/// A sample on its way down the tree.
+#[derive(Debug, Clone, Copy)]
+pub struct Descent {
+    node: u32,
+    probability: f32,
+    /// The random number for the rest of the way.
+    u: f32,
+}
+
+impl Descent {
+    /// At the root.
+    #[inline(always)]
+    pub fn new(u: f32) -> Self {
+        Self { node: 0, probability: 1.0, u }
+    }
+}
+
+/// Where a step down the tree leads.
+#[derive(Debug, Clone, Copy)]
+pub enum Found {
+    /// To a light, with its probability.
+    Light(usize, f32),
+    /// To where no light arrives from.
+    Nothing,
+    /// To a node.
+    Node(Descent),
+}
+
 /// A light tree as seen from a point. It keeps what all lights sampled there have in common: the importances at the
 /// root.
+#[derive(Clone, Copy)]
 pub struct LightTreeAt<'a> {
     tree: &'a LightTree,
     point: Vec3,
@@ -81,16 +110,30 @@ impl LightTreeAt<'_> {
     #[inline(always)]
     #[must_use]
     pub fn sample(&self, u: f32) -> Option<(usize, f32)> {
-        let (mut node, mut importances, mut probability, mut u) = (&self.tree.nodes[0], self.root, 1.0, u);
+        let mut descent = Descent::new(u);
         loop {
-            let (i, share, rest) = importances.sample(u)?;
-            (probability, u) = (probability * share, rest);
-            match node.children[i].index() {
-                // Not 0 by underflow.
-                Ok(light) => return Some((light, probability.max(f32::MIN_POSITIVE))),
-                Err(next) => node = &self.tree.nodes[next],
+            match self.descend(descent) {
+                Found::Light(light, probability) => return Some((light, probability)),
+                Found::Nothing => return None,
+                Found::Node(next) => descent = next,
             }
-            importances = node.importances(self.point, self.normal);
+        }
+    }
+
+    /// Goes from a node of the tree to the one below that is sampled, or to a light.
+    ///
+    /// Descents do not depend on each other: a processor that takes a step of each of many in turn overlaps them, which it
+    /// cannot do with the steps of one.
+    #[inline(always)]
+    pub fn descend(&self, descent: Descent) -> Found {
+        let node = &self.tree.nodes[descent.node as usize];
+        let importances = if descent.node == 0 { self.root } else { node.importances(self.point, self.normal) };
+        let Some((i, share, u)) = importances.sample(descent.u) else { return Found::Nothing };
+        let probability = descent.probability * share;
+        match node.children[i].index() {
+            // Not 0 by underflow.
+            Ok(light) => Found::Light(light, probability.max(f32::MIN_POSITIVE)),
+            Err(next) => Found::Node(Descent { node: next as u32, probability, u }),
         }
     }
 
