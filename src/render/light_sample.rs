@@ -5,7 +5,7 @@ use crate::math::Rgb;
 use glam::Vec3;
 
 /// A direction towards a light.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSample {
     /// Unit direction towards the light.
     pub wi: Vec3,

@@ -1,179 +1,18 @@
 //! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf.
 
-use super::lanes::{BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, ZERO_BLOCK3, at, block, blocks, put, set};
-use super::light_sample::{LightPoint, LightSample, LightSampleLanes, SampleLight};
+use super::lanes::NOTHING;
+use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::Settings;
 use super::solids::{self, Plane};
 use super::triangle_light::TriangleLight;
-use super::wide::{Wide, wide};
 use crate::errata::light::falloff_error;
 use crate::math::circular::Circular;
 use crate::math::{Rgb, map_array, mean_rgb};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
-use pulp::Arch;
-use std::array::from_mut;
 use std::f32::consts::PI;
-use std::marker::PhantomData;
-
-/// A direction towards a light from each of the first `count` positions.
-pub fn sample_many(
-    arch: Arch,
-    light: &Sampled,
-    positions: &Lane3,
-    count: usize,
-    u: &[Lane; 2],
-    out: &mut LightSampleLanes,
-) {
-    match &light.kind {
-        // Loops without a case distinction inside, which vectorize.
-        Kind::Rectangle(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
-        Kind::Sphere(sphere) => wide(arch, SampleMany { light: sphere, positions, count, u, out }),
-        _ => SampleMany { light, positions, count, u, out }.run(),
-    }
-}
-
-struct SampleMany<'a, L> {
-    light: &'a L,
-    positions: &'a Lane3,
-    count: usize,
-    u: &'a [Lane; 2],
-    out: &'a mut LightSampleLanes,
-}
-
-impl<L: SampleLight + Copy> Wide for SampleMany<'_, L> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { light, positions, count, u, out } = self;
-        for number in 0..blocks(count) {
-            let samples = SampleBlock::of(|_| *light, &block(positions, number), &block(u, number));
-            put(&mut out.wi, number, &samples.wi);
-            put(&mut out.weight, number, &samples.weight);
-            put(from_mut(&mut out.distance), number, &[samples.distance]);
-            put(from_mut(&mut out.pdf), number, &[samples.pdf]);
-        }
-    }
-}
-
-/// [`LightSample`]s of a block.
-struct SampleBlock {
-    wi: Block3,
-    weight: Block3,
-    distance: Block,
-    pdf: Block,
-}
-
-impl SampleBlock {
-    #[inline(always)]
-    fn of<L: SampleLight>(light: impl Fn(usize) -> L, positions: &Block3, u: &[Block; 2]) -> Self {
-        let zeros = [0.0; BLOCK];
-        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, pdf: zeros };
-        for k in 0..BLOCK {
-            let sample = light(k).sample(at(positions, k), [u[0][k], u[1][k]]);
-            set(&mut out.wi, k, sample.wi);
-            set(&mut out.weight, k, sample.weight);
-            (out.distance[k], out.pdf[k]) = (sample.distance, sample.pdf);
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn at(&self, k: usize) -> LightSample {
-        let (wi, weight) = (at(&self.wi, k), at(&self.weight, k));
-        LightSample { wi, distance: self.distance[k], weight, pdf: self.pdf[k] }
-    }
-}
-
-/// A direction towards a light of its own, by its number in `all`, from each of some positions; none where the number is
-/// [`NOTHING`].
-pub fn sample_each(
-    arch: Arch,
-    all: &[Sampled],
-    light: &[u32],
-    positions: &Lane3,
-    u: &[Lane; 2],
-    out: &mut LightSampleLanes,
-) {
-    for (i, &number) in light.iter().enumerate().take(LANES) {
-        match all.get(number as usize) {
-            Some(Sampled { kind: Kind::Rectangle(_) | Kind::Triangle(_) | Kind::Sphere(_), .. }) => {}
-            Some(other) => out.set(i, number, other.sample(at(positions, i), [u[0][i], u[1][i]])),
-            None => out.set(i, NOTHING, LightSample::BLACK),
-        }
-    }
-    // Loops over one shape, which vectorize.
-    wide(arch, SampleEach::<RectangleLight> { all, light, positions, u, out, shape: PhantomData });
-    wide(arch, SampleEach::<TriangleLight> { all, light, positions, u, out, shape: PhantomData });
-    wide(arch, SampleEach::<SphereLight> { all, light, positions, u, out, shape: PhantomData });
-}
-
-/// The lights of one shape among those that can be sampled.
-trait OfShape: SampleLight + Copy {
-    /// The light, if it has the shape.
-    fn of(kind: &Kind) -> Option<&Self>;
-}
-
-/// The loop of [`sample_each`] over the lights of one shape. It gathers them a block at a time.
-struct SampleEach<'a, L> {
-    all: &'a [Sampled],
-    light: &'a [u32],
-    positions: &'a Lane3,
-    u: &'a [Lane; 2],
-    out: &'a mut LightSampleLanes,
-    shape: PhantomData<L>,
-}
-
-impl<L: OfShape> Wide for SampleEach<'_, L> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { all, light, positions, u, out, .. } = self;
-        let of_lane = |i: usize| all.get(light[i] as usize).and_then(|light| L::of(&light.kind));
-        let (mut lanes, mut count) = ([0; LANES], 0);
-        for i in 0..light.len().min(LANES) {
-            lanes[count % LANES] = i;
-            count += usize::from(of_lane(i).is_some());
-        }
-        for block in lanes[..count].chunks(BLOCK) {
-            let Some(&first) = of_lane(block[0]) else { return };
-            let mut lights = [first; BLOCK];
-            let (mut points, mut numbers) = (ZERO_BLOCK3, [[0.0; BLOCK]; 2]);
-            for (k, &i) in block.iter().enumerate() {
-                if let Some(&light) = of_lane(i) {
-                    lights[k] = light;
-                }
-                set(&mut points, k, at(positions, i));
-                (numbers[0][k], numbers[1][k]) = (u[0][i], u[1][i]);
-            }
-            let samples = SampleBlock::of(|k| lights[k], &points, &numbers);
-            for (k, &i) in block.iter().enumerate() {
-                out.set(i, light[i], samples.at(k));
-            }
-        }
-    }
-}
-
-impl OfShape for RectangleLight {
-    #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Rectangle(light) = kind { Some(light) } else { None }
-    }
-}
-
-impl OfShape for TriangleLight {
-    #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Triangle(light) = kind { Some(light) } else { None }
-    }
-}
-
-impl OfShape for SphereLight {
-    #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Sphere(light) = kind { Some(light) } else { None }
-    }
-}
 
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]

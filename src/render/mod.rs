@@ -1,7 +1,7 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
 //!
 //! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes, geometry,
-//! sample_lanes, lens, shading_normal, cut_lights, light_tree, light_sample, triangle_light, lights, light_selection, shaders, needs, environment, light_tracing,
+//! sample_lanes, lens, shading_normal, cut_lights, light_tree, light_sample, triangle_light, lights, light_lanes, light_selection, shaders, needs, environment, light_tracing,
 //! prepared, departure, reference, kernel, job.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
@@ -16,6 +16,7 @@ mod job;
 pub(crate) mod kernel;
 pub(crate) mod lanes;
 pub(crate) mod lens;
+pub(crate) mod light_lanes;
 pub(crate) mod light_sample;
 pub(crate) mod light_selection;
 pub(crate) mod light_tracing;

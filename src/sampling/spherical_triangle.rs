@@ -255,8 +255,8 @@ mod tests {
         let corners = [a, sum(a, ab), sum(a, ac)];
         let [wb, wc] = weights.map(Real::to_f64);
         let all = [1.0 - wb - wc, wb, wc];
-        let [a, b, c] = triangle.labels.map(|i| corners[i]);
-        let [_, wb, wc] = triangle.labels.map(|i| all[i]);
+        let [a, b, c] = triangle.labels.ordered_vectors(corners);
+        let [_, wb, wc] = triangle.labels.ordered(all);
         let q = sum(a, scaled(wc / (1.0 - wb), difference(c, a)));
         let p = sum(b, scaled(1.0 - wb, difference(q, b)));
         let one_minus_cos = |x: [f64; 3]| {

@@ -4,9 +4,9 @@ use super::step::Step;
 use crate::math::{Frame, Rgb};
 use crate::render::environment::BsdfOnly;
 use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, NOTHING, at, set};
+use crate::render::light_lanes;
 use crate::render::light_sample::{LightSample, LightSampleLanes};
 use crate::render::light_selection::{Lights, Round, Selection};
-use crate::render::lights;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::Kind;
 use crate::render::wide::{Wide, wide};
@@ -68,11 +68,11 @@ pub fn sample(
                     choose_lights(step, round, places, choices);
                 }
                 let choice = &choices[sub_sample.0 as usize];
-                lights::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], position, &u, out);
+                light_lanes::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], position, &u, out);
                 return wide(scene.arch, WeighChosen { scene, places, choice, by_mis, out });
             };
             let sampled = &scene.lights.all[light as usize];
-            lights::sample_many(scene.arch, sampled, position, count, &u, out);
+            light_lanes::sample_many(scene.arch, sampled, position, count, &u, out);
             out.light[..count].fill(light);
             if !by_mis || !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);

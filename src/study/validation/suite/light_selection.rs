@@ -1,17 +1,18 @@
 //! Test cases: which of many lights is chosen, by the light tree as the kernel asks it.
 
 use super::super::case::Case;
-use super::inputs::short;
+use super::in_lanes::in_lanes;
 use crate::math::Rgb;
 use crate::render::Settings;
-use crate::render::light_selection::Lights;
+use crate::render::lanes::{BLOCK, LANES, Lane, NOTHING};
+use crate::render::light_selection::{Lights, Selection};
 use crate::render::light_tree::LightTree;
 use crate::render::lights::Sampled;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
     Emission, EmitterVisibility, Falloff, Light, Material, Mesh, Object, Rectangle, Scene, Shape, Sphere, builtin,
 };
-use etalon_stats::{Discrete, Mass, Sample, density, sampler};
+use etalon_stats::{Discrete, Mass, Sample, density};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -44,12 +45,24 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
     Case::of(name, Discrete { outcomes: count }, move || {
         let lights = Lights::new(lights(count), 1);
         let tree = LightTree::new(&lights.all.iter().filter_map(Sampled::bounds).collect::<Vec<_>>());
-        let choose = move |u: &[f64]| {
-            let (light, probability) = lights.selection(point, normal)?.sample(short(u[0]))?;
-            Some(Sample::with_pdf(light as usize, f64::from(probability)))
+        let choose = move |[u]: &[[Lane; 2]; 1], count: usize| {
+            let mut chosen = [NOTHING; LANES];
+            let mut probability = u[0];
+            if let Some(selection) = lights.selection(point, normal) {
+                for start in (0..count).step_by(BLOCK) {
+                    let block = start..count.min(start + BLOCK);
+                    let (light, p) = (&mut chosen[block.clone()], &mut probability[block]);
+                    Selection::sample_each(&[selection; BLOCK], light, p);
+                }
+            }
+            let of_lane = |i: usize| {
+                let sample = Sample::with_pdf(chosen[i] as usize, f64::from(probability[i]));
+                (chosen[i] != NOTHING).then_some(sample)
+            };
+            (0..count).map(of_lane).collect()
         };
         let pmf = move |light| f64::from(pmf(&tree, point, normal, light));
-        (sampler(1, choose), density(pmf).with_mass(Mass::AtMostOne))
+        (in_lanes(choose), density(pmf).with_mass(Mass::AtMostOne))
     })
 }
 

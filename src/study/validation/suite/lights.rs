@@ -8,8 +8,9 @@ use crate::math::circular::Circular;
 use crate::math::{Real, Rgb};
 use crate::render::Settings;
 use crate::render::lanes::{LANES, at};
+use crate::render::light_lanes::{sample_each, sample_many};
 use crate::render::light_sample::{LightSample, LightSampleLanes, SampleLight};
-use crate::render::lights::{Sampled, sample_many};
+use crate::render::lights::Sampled;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{
     Emission, EmitterVisibility, Light, Material, Mesh, Object, Rectangle, Scene, Shape, Sphere, builtin,
@@ -114,19 +115,25 @@ fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
     light_of(Some(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }), None)
 }
 
-/// Samples towards a light, as the kernel takes them, mapped to points of a domain by `place`. A sample with another
-/// weight than radiance 1 over the pdf is missing.
+/// Samples towards a light, as the kernel takes them of one light and of lights chosen for each hit, mapped to points of a
+/// domain by `place`. A sample that the two loops do not agree on, or with another weight than radiance 1 over the pdf, is
+/// missing.
 fn samples_towards<P>(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample<P> + Sync) -> impl Sampler<P> {
     let positions = POINT.to_array().map(|x| [x; LANES]);
     in_lanes(move |[u], count| {
-        let mut out = LightSampleLanes::default();
+        let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
         if let Some(light) = &light {
             sample_many(Arch::new(), light, &positions, count, u, &mut out);
+            sample_each(Arch::new(), &[*light], &[0; LANES][..count], &positions, u, &mut each);
         }
         let of_lane = |i| {
-            let (wi, weight) = (at(&out.wi, i), at(&out.weight, i));
-            let sample = LightSample { wi, distance: out.distance[i], weight, pdf: out.pdf[i] };
-            ((sample.pdf * weight - Rgb::ONE).abs().max_element() < 1e-6).then(|| place(sample))
+            let of = |lanes: &LightSampleLanes| {
+                let (wi, weight) = (at(&lanes.wi, i), at(&lanes.weight, i));
+                LightSample { wi, distance: lanes.distance[i], weight, pdf: lanes.pdf[i] }
+            };
+            let sample = of(&out);
+            let is_radiance_one = (sample.pdf * sample.weight - Rgb::ONE).abs().max_element() < 1e-6;
+            (is_radiance_one && sample == of(&each)).then(|| place(sample))
         };
         (0..count).map(of_lane).collect()
     })
