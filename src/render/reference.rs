@@ -187,7 +187,8 @@ impl<'a> Reference<'a> {
         }
         let shader = &self.scene.shaders[self.hits.object[0] as usize];
         let surface = shader.facing(self.scene.geometry.surface(&self.rays, &self.hits, 0), -ray[1]);
-        let frame = surface.frame(-ray[1]);
+        let tangent = || self.scene.geometry.tangent(&self.hits, 0, surface.normal);
+        let frame = shader.frame(&surface, -ray[1], tangent);
         Some(Vertex { surface, shader, frame, wo: frame.to_local(-ray[1]) })
     }
 

@@ -37,6 +37,14 @@ pub enum Material {
     Conductor(Conductor),
 }
 
+impl Material {
+    /// Whether the surface scatters light differently along its tangent and across it.
+    #[must_use]
+    pub fn is_anisotropic(&self) -> bool {
+        false
+    }
+}
+
 /// A metal surface of microfacets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductor {

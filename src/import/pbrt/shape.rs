@@ -7,7 +7,7 @@ use crate::import::mesh;
 use crate::import::place::At;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{corner_uv, simplest, sphere};
-use crate::import::transform::in_range;
+use crate::import::transform::{axis, in_range};
 use crate::scene::{Material, Mesh, Object, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -27,7 +27,7 @@ impl Reader<'_> {
             _ => return Err(p.unsupported_kind("sphere, trianglemesh, plymesh")),
         };
         p.finish(if p.kind == "trianglemesh" { &["st", "S", "faceIndices"] } else { &[] }, &mut self.warnings)?;
-        self.objects.push(Object { shape, material, emission });
+        self.objects.push(Object { emission, axis: axis(&to_world), ..Object::new(shape, material) });
         Ok(())
     }
 

@@ -9,18 +9,21 @@ use crate::render::departure::{Departure, LightSamples};
 use crate::render::geometry::Surface;
 use crate::render::lanes::{Hits, LANES, ZERO3, at, set};
 use crate::render::light_tracing::{delta_ratio, projected};
+use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::render::shading_normal;
 use glam::Vec3;
 
 /// A hit on a surface that is not diffuse, if it scatters light on this side.
-pub fn collect(shader: &SurfaceShader, surface: Surface, paths: &Paths, i: usize, object: u32) -> Option<Vertex> {
+pub fn collect(scene: &PreparedScene, paths: &Paths, hits: &Hits, i: usize) -> Option<Vertex> {
+    let object = hits.object[i];
+    let shader = &scene.shaders[object as usize];
     let wo = -at(&paths.rays.direction, i);
-    let surface = shader.facing(surface, wo);
+    let surface = shader.facing(scene.geometry.surface(&paths.rays, hits, i), wo);
     if surface.normal.dot(wo) < 0.0 && shader.kind != Kind::Transmitting {
         return None;
     }
-    let frame = surface.frame(wo);
+    let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
     // Light paths do not scatter at surfaces that are not reciprocal.
     let light_tracing = if shader.bsdf.is_reciprocal() { paths.departure[i].light_tracing } else { 0.0 };
     Some(Vertex {

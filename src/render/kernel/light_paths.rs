@@ -161,7 +161,7 @@ impl Vertex {
         let wo = -at(&rays.direction, i);
         let surface = scene.geometry.surface(rays, hits, i);
         let surface = shader.facing(surface, wo);
-        let frame = surface.frame(wo);
+        let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
         is_sound([surface.normal, surface.shading], wo).then_some(Self { path, object, surface, frame, wo })
     }
 

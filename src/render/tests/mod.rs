@@ -115,7 +115,7 @@ fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
 fn emitter(shape: Shape) -> Object {
     let emission =
         Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, visibility: EmitterVisibility::Sampled });
-    Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
+    Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }
 }
 
 /// More lights than are sampled one by one, of every shape: spheres, triangles and points in a light tree, a rectangle and a
@@ -236,7 +236,7 @@ fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
     let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     for albedo in [0.5f32, 0.9] {
         let shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
-        let object = Object { shape, material: Material::Diffuse { albedo: Rgb::splat(albedo) }, emission };
+        let object = Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::splat(albedo) }) };
         let mut scene = floor(Vec::new(), Vec::new());
         scene.objects = vec![object];
         let series = |scatterings: i32| (1.0 - f64::from(albedo).powi(scatterings + 1)) / (1.0 - f64::from(albedo));

@@ -61,7 +61,7 @@ fn closed_box() -> Result<Scene> {
         let shape =
             Shape::Rectangle(rectangle.ok_or_else(|| Error::parameter("wall", "its sides are not perpendicular"))?);
         let emission = Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled };
-        Ok(Object { shape, material: Material::Diffuse { albedo: Rgb::ONE }, emission: Some(emission) })
+        Ok(Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ONE }) })
     };
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let walls = (0..6).map(|i| {

@@ -49,7 +49,7 @@ fn scene(shape: Option<(Shape, bool)>, targets: [(Vec3, f32); 2], environment: O
     let emitter = |shape, two_sided, radiance| {
         let visibility = EmitterVisibility::Sampled;
         let emission = Some(Emission { radiance: Rgb::splat(radiance), two_sided, visibility });
-        Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
+        Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }
     };
     let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
     let floor = Rectangle::new(-4.0 * Vec3::Y, 9.0 * Vec3::Z, 9.0 * Vec3::X).expect("the sides are perpendicular");
