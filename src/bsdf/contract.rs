@@ -85,7 +85,7 @@ impl BsdfSample {
 /// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
-    fn lobes(&self) -> &'static [Lobe];
+    fn lobes(&self) -> &[Lobe];
 
     /// Whether all lobes are delta distributions, so that light sampling contributes nothing.
     fn is_delta(&self) -> bool {

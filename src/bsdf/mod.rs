@@ -31,7 +31,7 @@ use glam::Vec3;
 macro_rules! bsdfs {
     ($($(#[doc = $doc:literal])+ $variant:ident($bsdf:ty) = $name:literal,)*) => {
         /// Any BSDF, its constants computed once.
-        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[derive(Debug, Clone, PartialEq)]
         pub enum Bsdf {
             $($(#[doc = $doc])+ $variant($bsdf),)*
         }
@@ -50,7 +50,7 @@ macro_rules! bsdfs {
         }
 
         impl Scatter for Bsdf {
-            fn lobes(&self) -> &'static [Lobe] {
+            fn lobes(&self) -> &[Lobe] {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.lobes(),)*
                 }

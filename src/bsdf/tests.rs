@@ -4,7 +4,7 @@ use super::*;
 use crate::errata::Conventions;
 use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
-use crate::scene::{Conductor as ConductorMaterial, Material, ScatterModel};
+use crate::scene::{Conductor as ConductorMaterial, Dielectric as DielectricMaterial, Material, ScatterModel};
 
 const ALPHAS: [f32; 7] = [1e-4, 1e-3, 0.005, 0.05, 0.25, 0.5, 1.0];
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
@@ -12,19 +12,13 @@ const NORMALS: [NormalSampling; 3] = [NormalSampling::Vndf, NormalSampling::Ndf,
 const DISTRIBUTIONS: [Distribution; 2] = [Distribution::Beckmann, Distribution::Ggx];
 
 fn gold(alpha: f32, distribution: Distribution) -> Material {
-    Material::Conductor(ConductorMaterial {
-        eta: GOLD.eta_rgb(),
-        k: GOLD.k_rgb(),
-        alpha,
-        distribution,
-        two_sided: false,
-    })
+    Material::Conductor(ConductorMaterial::new(GOLD.eta_rgb(), GOLD.k_rgb(), alpha, distribution))
 }
 
 /// A metal that reflects all light but 10⁻⁸.
 fn white(alpha: f32, distribution: Distribution) -> Material {
     let (eta, k) = (Rgb::splat(1.0), Rgb::splat(2e4));
-    Material::Conductor(ConductorMaterial { eta, k, alpha, distribution, two_sided: false })
+    Material::Conductor(ConductorMaterial::new(eta, k, alpha, distribution))
 }
 
 fn towards(degrees: f64, phi: f64) -> Vec3 {
@@ -51,8 +45,8 @@ fn all_materials() -> Vec<(String, Bsdf)> {
         Material::Diffuse { albedo: Rgb::new(0.2, 0.5, 1.0) },
         Material::Mirror { reflectance },
         Material::Refraction { transmittance, eta: 1.45 },
-        Material::Glass { reflectance, transmittance, eta: 1.45 },
-        Material::Glass { reflectance, transmittance, eta: 1.0 },
+        Material::Dielectric(DielectricMaterial { reflectance, transmittance, ..DielectricMaterial::clear(1.45) }),
+        Material::Dielectric(DielectricMaterial { reflectance, transmittance, ..DielectricMaterial::clear(1.0) }),
         gold(0.0, Distribution::Beckmann),
     ];
     let schlick = ScatterModel {
@@ -217,7 +211,7 @@ fn no_material_reflects_more_than_it_receives() {
 #[test]
 fn smooth_materials_lose_nothing() {
     let one = Rgb::ONE;
-    let glass = Material::Glass { reflectance: one, transmittance: one, eta: 1.45 };
+    let glass = Material::Dielectric(DielectricMaterial::clear(1.45));
     let model = ScatterModel::default();
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
     let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
@@ -256,14 +250,14 @@ fn a_slab_changes_neither_radiance_nor_direction() {
     // Beyond the critical angle, 43.6 degrees from inside, no light passes; glass reflects it.
     let wo = -towards(44.0, 0.3);
     assert_eq!(bsdf.sample(wo, 0.99, [0.5; 2]), None);
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let glass = Material::Dielectric(DielectricMaterial::clear(1.45));
     let s = glass.bsdf(ScatterModel::default()).sample(wo, 0.99, [0.5; 2]).unwrap();
     assert!(s.wi.z < 0.0 && s.weight == Rgb::ONE);
 }
 
 #[test]
 fn exact_glass_reflects_as_often_as_fresnel_says() {
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let glass = Material::Dielectric(DielectricMaterial::clear(1.5));
     let bsdf = glass.bsdf(ScatterModel::default());
     for (wo, eta) in [(towards(40.0, 0.0), 1.5f32), (-towards(40.0, 0.0), 1.0 / 1.5)] {
         let f = crate::optics::dielectric::fresnel(wo.z.abs(), eta).unpolarized();

@@ -1,9 +1,9 @@
 //! A material's scattering functions, its constants computed once.
 
-use super::material::{Conductor, Material};
+use super::material::{Conductor, Dielectric, Material, SMOOTH_ALPHA};
 use crate::bsdf::{
-    self, Bsdf, ConductorFresnel, Dielectric, DielectricFresnel, Diffuse, ErrataConductor, Mirror, NormalSampling,
-    Refraction, SmoothConductor,
+    self, Bsdf, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, Mirror, NormalSampling, Refraction,
+    SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -23,20 +23,28 @@ impl Material {
     /// The scattering functions of the material.
     #[must_use]
     pub fn bsdf(&self, model: ScatterModel) -> Bsdf {
-        match *self {
-            Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
-            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
-            Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
-            Self::Glass { reflectance, transmittance, eta } => {
-                let fresnel = if model.conventions.single_cosine_schlick {
-                    DielectricFresnel::SingleCosineSchlick
-                } else {
-                    model.dielectric
-                };
-                Bsdf::Dielectric(Dielectric { reflectance, transmittance, eta, fresnel })
-            }
+        match self {
+            &Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
+            &Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
+            &Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
+            Self::Dielectric(dielectric) => dielectric.bsdf(model),
             Self::Conductor(conductor) => conductor.bsdf(model),
+            &Self::CoatedDiffuse { albedo, .. } => Bsdf::Diffuse(Diffuse::new(albedo)),
+            Self::Mixture(parts) => parts[0].1.bsdf(model),
         }
+    }
+}
+
+impl Dielectric {
+    /// Other conventions are of smooth boundaries only.
+    fn bsdf(&self, model: ScatterModel) -> Bsdf {
+        let &Self { reflectance, transmittance, eta, .. } = self;
+        let fresnel = if model.conventions.single_cosine_schlick {
+            DielectricFresnel::SingleCosineSchlick
+        } else {
+            model.dielectric
+        };
+        Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel })
     }
 }
 
@@ -45,12 +53,12 @@ impl Conductor {
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
         let fresnel = ConductorFresnel::new(self.eta, self.k);
         let normals = model.normals;
-        if self.alpha < Self::SMOOTH_ALPHA {
+        if self.alpha[0].min(self.alpha[1]) < SMOOTH_ALPHA {
             return Bsdf::SmoothConductor(SmoothConductor { fresnel });
         }
         match self.distribution {
             Distribution::Beckmann => {
-                let distribution = Beckmann::new(self.alpha);
+                let distribution = Beckmann::new(self.alpha[0]);
                 if model.conventions.change_metal() {
                     return Bsdf::ErrataConductor(ErrataConductor {
                         distribution,
@@ -61,7 +69,7 @@ impl Conductor {
                 Bsdf::Beckmann(bsdf::RoughConductor { distribution, fresnel, normals })
             }
             Distribution::Ggx => {
-                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::new(self.alpha), fresnel, normals })
+                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::new(self.alpha[0]), fresnel, normals })
             }
         }
     }
