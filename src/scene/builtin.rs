@@ -10,7 +10,8 @@ use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::optics::metals::{self, Metal};
 use crate::raster::Image;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use std::f32::consts::TAU;
 use std::sync::Arc;
 
 /// A camera that looks along −z, +y upwards.
@@ -136,6 +137,56 @@ pub fn furnace() -> (Scene, Request) {
     (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })
 }
 
+/// Brushed copper under a map and two small area lights: a disc with circular grooves, like the bottom of a pan, and a sphere
+/// whose grooves run around its vertical axis. Along the grooves the microfacets' normals vary less than across.
+#[must_use]
+pub fn brushed_metal(environment: Environment) -> (Scene, Request) {
+    let copper = Conductor::new(metals::COPPER.eta_rgb(), metals::COPPER.k_rgb(), 0.0, Distribution::Ggx);
+    let metal = Material::Conductor(Conductor { alpha: [0.05, 0.4], ..copper });
+    let rectangle = |centre: Vec3, x: Vec3, y: Vec3| {
+        Shape::Rectangle(Rectangle::new(centre, x, y).expect("the sides are perpendicular"))
+    };
+    let light = |x: f32| Object {
+        emission: Some(Emission {
+            radiance: Rgb::splat(60.0),
+            two_sided: false,
+            visibility: EmitterVisibility::Sampled,
+        }),
+        ..Object::new(
+            rectangle(Vec3::new(x, 3.0, 3.0), 0.15 * Vec3::X, 0.15 * Vec3::Z),
+            Material::Diffuse { albedo: Rgb::ZERO },
+        )
+    };
+    let sphere = Shape::Sphere(Sphere { centre: Vec3::new(1.1, 1.0, 0.0), radius: 1.0 });
+    let floor = rectangle(Vec3::ZERO, 4.0 * Vec3::Z, 4.0 * Vec3::X);
+    let objects = vec![
+        Object::new(floor, Material::Diffuse { albedo: Rgb::splat(0.3) }),
+        Object::new(disc(Vec3::new(-1.1, 1.0, 0.0), Vec3::new(0.0, 0.28, 0.96)).into(), metal.clone()),
+        Object { axis: Vec3::Y, ..Object::new(sphere, metal) },
+        light(-1.5),
+        light(1.5),
+    ];
+    let projection = Projection::Perspective { tan_half_width: 0.4, tan_half_height: 0.2 };
+    let camera = along_minus_z(DVec3::new(0.0, 1.1, 6.0), projection);
+    let (name, lights) = ("brushed-metal".into(), Vec::new());
+    let scene = Scene { name, camera, objects, lights, environment: Some(environment) };
+    (scene, Request { width: 480, height: 240, spp: 64, light_samples: 1, max_depth: 5 })
+}
+
+/// A disc of radius 1 about a unit normal, whose texture coordinate u is the angle around the centre.
+fn disc(centre: Vec3, normal: Vec3) -> Mesh {
+    const SIDES: u32 = 720;
+    let (x, y) = normal.any_orthonormal_pair();
+    let on_rim = |i: u32| {
+        let (sin, cos) = (i as f32 / SIDES as f32 * TAU).sin_cos();
+        centre + x * cos + y * sin
+    };
+    let positions = std::iter::once(centre).chain((0..SIDES).map(on_rim)).collect();
+    let triangles = (0..SIDES).map(|i| [0, 1 + i, 1 + (i + 1) % SIDES]).collect();
+    let uv = vec![[Vec2::new(0.5, 0.0), Vec2::new(0.0, 1.0), Vec2::ONE]; SIDES as usize];
+    Mesh { positions, normals: Vec::new(), triangles, uv }
+}
+
 /// What makes a built-in scene.
 #[derive(Debug, Clone, Copy)]
 enum Maker {
@@ -183,6 +234,12 @@ pub fn scenes() -> Vec<BuiltIn> {
         "diffuse, mirror, glass and metal spheres in light of radiance 1 from everywhere: diffuse and glass must vanish \
          (1); metal is darker (0.891), as single scattering loses energy; the mirror shows the metal (0.996)",
         Maker::Complete(furnace),
+    ));
+    scenes.push(scene(
+        "brushed-metal",
+        "disc and sphere of brushed copper (alpha 0.05 along the grooves, 0.4 across) under an environment map and two area \
+         lights",
+        Maker::UnderMap(brushed_metal, 1.0),
     ));
     scenes
 }

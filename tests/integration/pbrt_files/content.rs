@@ -200,3 +200,67 @@ fn materials_in_the_spelling_of_every_version() {
     assert!(warnings[1].contains("k is copper's"), "{warnings:?}");
     assert_eq!(conductor("\"conductor\" \"spectrum k\" \"metal-Ag-k\"").k, Rgb::new(4.1283, 3.5892, 2.8132));
 }
+
+#[test]
+fn rough_surfaces_may_be_anisotropic() {
+    let material = |text: &str| objects(&format!("Material {text} Shape \"sphere\""))[0].material.clone();
+    let glass = |alpha| Material::Dielectric(Dielectric { alpha, ..Dielectric::clear(1.5) });
+    for (text, expected) in [
+        ("\"dielectric\" \"float roughness\" .25", glass([0.5; 2])),
+        ("\"dielectric\" \"float uroughness\" .25 \"float roughness\" .01", glass([0.5, 0.1])),
+        ("\"dielectric\" \"float vroughness\" .3 \"bool remaproughness\" false", glass([1e-4, 0.3])),
+        ("\"glass\" \"float uroughness\" 1 \"float vroughness\" 1", glass([1.62142; 2])),
+        ("\"glass\" \"float roughness\" 0 \"bool remaproughness\" true", glass([0.0; 2])),
+    ] {
+        assert_eq!(material(text), expected, "{text}");
+    }
+    let metal = "\"conductor\" \"float uroughness\" .25 \"float vroughness\" .04";
+    let Material::Conductor(conductor) = material(metal) else { panic!("{metal}") };
+    assert_eq!(conductor.alpha, [0.5, 0.2]);
+    assert!(material(metal).is_anisotropic() && !material("\"conductor\"").is_anisotropic());
+    // Tangents: a sphere's axis, texture coordinates, and pbrt's where there are none, also for the triangle of a mirror image.
+    let axis = |turn: &str| objects(&format!("{turn} Material {metal} Shape \"sphere\""))[0].axis;
+    assert_eq!((axis(""), axis("Rotate -90 1 0 0")), (Vec3::Z, Vec3::Y));
+    let square = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0]";
+    let diagonal = Vec3::new(1.0, 1.0, 0.0).normalize();
+    for (before, uv, tangents) in [
+        ("", "", [Vec3::X, diagonal]),
+        ("Scale 1 1 -1", "", [Vec3::X, diagonal]),
+        ("", "\"point2 uv\" [0 0 0 1 1 1 1 0]", [Vec3::Y; 2]),
+    ] {
+        let made = objects(&format!("{before} Material {metal} {square} {uv}"));
+        let Shape::Mesh(mesh) = &made[0].shape else { panic!("{made:?}") };
+        for (triangle, expected) in tangents.into_iter().enumerate() {
+            let tangent = mesh.tangent(triangle as u32).unwrap();
+            assert!(tangent.distance(expected) < 1e-6, "{before} {uv}: {tangent}");
+        }
+    }
+    assert!(matches!(objects(&format!("Material \"conductor\" {square}"))[0].shape, Shape::Rectangle(_)));
+}
+
+#[test]
+fn coats_and_mixtures() {
+    let coat = |text: &str| {
+        let imported = read(&in_world(&format!("Material \"coateddiffuse\" {text} Shape \"sphere\""))).unwrap();
+        (imported.scene.objects[0].material.clone(), imported.warnings)
+    };
+    let (material, warnings) = coat("\"rgb reflectance\" [.25 .5 1] \"float eta\" 1.4 \"float thickness\" 0");
+    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::new(0.25, 0.5, 1.0), eta: 1.4 });
+    assert!(!warnings.iter().any(|warning| warning.contains("coat")), "{warnings:?}");
+    let (material, warnings) = coat("\"float roughness\" .1");
+    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 });
+    let about = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
+    assert_eq!([about("taken as smooth"), about("1.98 %")], [1, 1], "{warnings:?}");
+
+    let named =
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"mirror\"";
+    let mixture = |amount: &str| {
+        objects(&format!("{named} Material \"mix\" \"string materials\" [\"a\" \"b\"] {amount} Shape \"sphere\""))[0]
+            .material
+            .clone()
+    };
+    let (a, b) = (Material::Diffuse { albedo: Rgb::splat(0.5) }, Material::Mirror { reflectance: Rgb::splat(0.9) });
+    for (amount, weight) in [("", 0.5), ("\"float amount\" .25", 0.25)] {
+        assert_eq!(mixture(amount), Material::Mixture([(1.0 - weight, a.clone()), (weight, b.clone())].into()));
+    }
+}
