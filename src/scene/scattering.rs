@@ -1,9 +1,10 @@
 //! A material's scattering functions, its constants computed once.
 
-use super::material::{Conductor, Dielectric, Material, SMOOTH_ALPHA};
+use super::material::SMOOTH_ALPHA;
+use super::material::{Conductor, Dielectric, Material};
 use crate::bsdf::{
-    self, Bsdf, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, Mirror, NormalSampling, Refraction,
-    SmoothConductor,
+    self, Bsdf, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, LEAST_DEVIATION, Mirror, NormalSampling,
+    Refraction, RoughDielectric, SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -36,15 +37,34 @@ impl Material {
 }
 
 impl Dielectric {
-    /// Other conventions are of smooth boundaries only.
+    /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`LEAST_DEVIATION`].
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        let alpha = self.alpha[0].min(self.alpha[1]);
+        alpha < SMOOTH_ALPHA || alpha * (self.eta - 1.0).abs() < LEAST_DEVIATION * self.eta.max(1.0)
+    }
+
+    /// Other formulas of Fresnel's reflectance are of smooth boundaries only.
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
-        let &Self { reflectance, transmittance, eta, .. } = self;
-        let fresnel = if model.conventions.single_cosine_schlick {
-            DielectricFresnel::SingleCosineSchlick
-        } else {
-            model.dielectric
-        };
-        Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel })
+        let &Self { reflectance, transmittance, eta, alpha, distribution } = self;
+        if self.is_smooth() {
+            let fresnel = if model.conventions.single_cosine_schlick {
+                DielectricFresnel::SingleCosineSchlick
+            } else {
+                model.dielectric
+            };
+            return Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel });
+        }
+        match distribution {
+            Distribution::Beckmann => {
+                let facets = Beckmann::anisotropic(alpha);
+                Bsdf::BeckmannDielectric(RoughDielectric::new(facets, reflectance, transmittance, eta))
+            }
+            Distribution::Ggx => {
+                let facets = Ggx::anisotropic(alpha);
+                Bsdf::GgxDielectric(RoughDielectric::new(facets, reflectance, transmittance, eta))
+            }
+        }
     }
 }
 
@@ -58,7 +78,7 @@ impl Conductor {
         }
         match self.distribution {
             Distribution::Beckmann => {
-                let distribution = Beckmann::new(self.alpha[0]);
+                let distribution = Beckmann::anisotropic(self.alpha);
                 if model.conventions.change_metal() {
                     return Bsdf::ErrataConductor(ErrataConductor {
                         distribution,
@@ -66,10 +86,12 @@ impl Conductor {
                         conventions: model.conventions,
                     });
                 }
+                // Its visible normals are sampled as a whole.
+                let normals = if normals == NormalSampling::Bounded { NormalSampling::Vndf } else { normals };
                 Bsdf::Beckmann(bsdf::RoughConductor { distribution, fresnel, normals })
             }
             Distribution::Ggx => {
-                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::new(self.alpha[0]), fresnel, normals })
+                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::anisotropic(self.alpha), fresnel, normals })
             }
         }
     }

@@ -80,11 +80,11 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
     let case = Case::of(name, domain, move || {
         let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
         let views = wo.to_array().map(|x| [x; LANES]);
-        let draw = move |[u]: &[[Lane; 2]; 1], count| {
+        let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
-            let vectorized = sample_many(Arch::new(), &bsdf, &views, u, count, &mut out);
+            let vectorized = sample_many(Arch::new(), &bsdf, &views, (&choice[0], u), count, &mut out);
             let of_lane = |i| {
-                let scalar = bsdf.sample(wo, 0.0, [u[0][i], u[1][i]]);
+                let scalar = bsdf.sample(wo, choice[0][i], [u[0][i], u[1][i]]);
                 let sample = if vectorized { out.sample(i) } else { scalar }?;
                 // Black samples are left out of the lanes, but not of the scalar samples.
                 let agrees = scalar == Some(sample) || scalar.is_some_and(|s| s.weight == Rgb::ZERO);
