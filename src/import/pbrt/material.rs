@@ -106,10 +106,10 @@ fn roughness(p: &Params, missing: f64, remapped: fn(f64) -> f64) -> Result<[f32;
     let both = p.float("roughness", &FRACTION)?.unwrap_or(missing);
     let u = p.float("uroughness", &FRACTION)?.unwrap_or(both);
     let v = p.float("vroughness", &FRACTION)?.unwrap_or(both);
+    let is_remapped = p.flag("remaproughness")?.unwrap_or(true);
     if [u, v] == [0.0; 2] && p.kind != "metal" {
         return Ok([0.0; 2]);
     }
-    let is_remapped = p.flag("remaproughness")?.unwrap_or(true);
     let alpha = [u, v].map(|roughness| if is_remapped { remapped(roughness) } else { roughness } as f32);
     let is_rough = alpha[0].max(alpha[1]) >= SMOOTH_ALPHA;
     Ok(if is_rough { alpha.map(|alpha| alpha.max(SMOOTH_ALPHA)) } else { alpha })
