@@ -43,7 +43,7 @@ def transform(name, x):
 
 
 class HeightCorrelated(mi.BSDF):
-    """Mitsuba's rough conductor or dielectric with pbrt's G(wo, wi) = 1 / (1 + Λ(wo) + Λ(wi)) for G₁(wo) G₁(wi)."""
+    """Mitsuba's rough conductor or dielectric, with 1 / (1 + Λ(wo) + Λ(wi)) in place of G₁(wo) G₁(wi) for reflection."""
 
     def __init__(self, props):
         super().__init__(props)
@@ -52,22 +52,17 @@ class HeightCorrelated(mi.BSDF):
         plugin = {"alpha_u": self.alpha[0], "alpha_v": self.alpha[1], "distribution": props["distribution"]}
         if props.has_property("k"):
             plugin |= {"type": "roughconductor", "eta": rgb(props["eta"]), "k": rgb(props["k"])}
-            self.eta = 1.0
         else:
-            self.eta = props["eta"]
-            plugin |= {"type": "roughdielectric", "int_ior": self.eta, "ext_ior": 1.0}
+            plugin |= {"type": "roughdielectric", "int_ior": props["eta"], "ext_ior": 1.0}
         self.separable = mi.load_dict(plugin)
         self.m_components = [self.separable.flags(i) for i in range(self.separable.component_count())]
         self.m_flags = self.separable.flags()
 
     def correction(self, si, wo):
-        distribution = mi.MicrofacetDistribution(self.kind, *self.alpha)
-        # The half vector: wo counts by the index on its side over that on the side of wi.
-        refracted = dr.select(si.wi.z > 0, self.eta, 1 / self.eta)
-        wm = dr.normalize(si.wi + wo * dr.select(si.wi.z * wo.z > 0, 1, refracted))
+        distribution, wm = mi.MicrofacetDistribution(self.kind, *self.alpha), dr.normalize(si.wi + wo)
         wm = dr.mulsign(wm, wm.z)
         a, b = distribution.smith_g1(si.wi, wm), distribution.smith_g1(wo, wm)
-        return dr.select(a + b > 0, dr.rcp(a + b - a * b), 0)
+        return dr.select(si.wi.z * wo.z < 0, 1, dr.select(a + b > 0, dr.rcp(a + b - a * b), 0))
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         sample, weight = self.separable.sample(ctx, si, sample1, sample2, active)

@@ -173,6 +173,9 @@ pub fn brushed_metal(environment: Environment) -> (Scene, Request) {
     (scene, Request { width: 480, height: 240, spp: 64, light_samples: 1, max_depth: 5 })
 }
 
+/// How much that scene brightens its map.
+pub const BRUSHED_METAL_SCALE: f32 = 4.0;
+
 /// A disc of radius 1 about a unit normal, whose texture coordinate u is the angle around the centre.
 fn disc(centre: Vec3, normal: Vec3) -> Mesh {
     const SIDES: u32 = 720;
@@ -239,7 +242,7 @@ pub fn scenes() -> Vec<BuiltIn> {
         "brushed-metal",
         "disc and sphere of brushed copper (alpha 0.05 along the grooves, 0.4 across) under an environment map and two area \
          lights",
-        Maker::UnderMap(brushed_metal, 1.0),
+        Maker::UnderMap(brushed_metal, BRUSHED_METAL_SCALE),
     ));
     scenes
 }

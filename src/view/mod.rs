@@ -13,6 +13,7 @@ pub mod map;
 pub mod metals;
 pub mod planted;
 pub mod proposal;
+pub mod renders;
 pub mod scaling;
 pub mod sphere;
 pub mod stability;

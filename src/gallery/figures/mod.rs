@@ -2,6 +2,7 @@
 //!
 //! A new figure is a file with a function `figures`, and its two lines here.
 
+mod anisotropy;
 mod audit;
 mod claims;
 mod depth;
@@ -14,6 +15,7 @@ mod median_cut;
 mod median_cut_error;
 mod metals_table;
 mod proposal;
+mod rough_glass;
 mod roughness;
 mod sampling;
 mod scaling;
@@ -36,6 +38,8 @@ pub fn registry() -> Vec<Figure> {
         sampling::figures(),
         roughness::iron(),
         metals_table::figures(),
+        rough_glass::figures(),
+        anisotropy::figures(),
         validation::figures(),
         audit::figures(),
         claims::figures(),
