@@ -64,7 +64,7 @@ pub fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha:
         spp: request.spp,
         disc: mean.mean_rgb(),
         z_reference: z(&scene, &by_reference)?,
-        z_turned: z(&turned(&scene, alpha), &other)?,
+        z_turned: z(&turned(&scene, [alpha[1], alpha[0]]), &other)?,
         elongation: elongation(&scene, request, settings)?,
         dropped: rendered.dropped.total(),
     };
@@ -77,14 +77,14 @@ fn set(object: &mut Object, alpha: [f32; 2]) {
     }
 }
 
-/// The scene with the disc's widths exchanged, and u and v of its texture coordinates: the same surface.
-fn turned(scene: &Scene, [x, y]: [f32; 2]) -> Scene {
+/// The scene with these widths of the disc, and with u and v of its texture coordinates exchanged.
+fn turned(scene: &Scene, alpha: [f32; 2]) -> Scene {
     let mut scene = scene.clone();
     for object in &mut scene.objects {
         if let Shape::Mesh(mesh) = &object.shape {
             let uv = mesh.uv.iter().map(|corners| corners.map(|uv| uv.yx())).collect();
             object.shape = Shape::Mesh(Arc::new(Mesh { uv, ..Mesh::clone(mesh) }));
-            set(object, [y, x]);
+            set(object, alpha);
         }
     }
     scene
@@ -116,4 +116,25 @@ fn elongation(scene: &Scene, request: &Request, settings: &Settings) -> Result<f
     }
     let variance = second / sum - (first / sum) * (first / sum);
     Ok((variance.x / variance.y).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envmap::EnvMap;
+    use crate::scene::{Environment, builtin};
+
+    #[test]
+    fn turned_tangents_need_other_widths() {
+        let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |x, _| crate::math::Rgb::splat(x as f32))));
+        let (scene, request) = builtin::brushed_metal(Environment::upright(map, "test", 1.0));
+        let (scene, request) = scene.resized(Request { spp: 32, ..request }, [80, 40]);
+        let alpha = [0.05, 0.4];
+        let right = render_pair(&scene, &request, &Settings::default(), alpha).unwrap().row;
+        assert!(right.z_turned.abs() < 4.0 && right.z_reference.abs() < 4.0, "{right:?}");
+        assert!(right.elongation < 1.0 && right.dropped == 0, "{right:?}");
+        // The same widths with other tangents are another surface.
+        let other = render_pair(&turned(&scene, alpha), &request, &Settings::default(), alpha).unwrap().row;
+        assert!((other.disc / right.disc - 1.0).abs() > 0.1, "{} {}", other.disc, right.disc);
+    }
 }

@@ -11,6 +11,7 @@ pub mod furnace;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;
+pub mod multiple_scattering;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;

@@ -11,6 +11,7 @@ pub mod fresnel;
 pub mod junit;
 pub mod map;
 pub mod metals;
+pub mod multiple_scattering;
 pub mod planted;
 pub mod proposal;
 pub mod renders;

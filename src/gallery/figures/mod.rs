@@ -14,6 +14,7 @@ mod fresnel;
 mod median_cut;
 mod median_cut_error;
 mod metals_table;
+mod multiple_scattering;
 mod proposal;
 mod rough_glass;
 mod roughness;
@@ -40,6 +41,7 @@ pub fn registry() -> Vec<Figure> {
         metals_table::figures(),
         rough_glass::figures(),
         anisotropy::figures(),
+        multiple_scattering::figures(),
         validation::figures(),
         audit::figures(),
         claims::figures(),

@@ -36,6 +36,11 @@ fn metal(alpha: f32) -> Material {
     Material::Conductor(Conductor::new(eta, k, alpha, Distribution::Beckmann))
 }
 
+fn brushed() -> Material {
+    let metal = Conductor::new(Rgb::splat(0.2), Rgb::splat(3.0), 0.0, Distribution::Ggx);
+    Material::Conductor(Conductor { alpha: [0.1, 0.5], ..metal })
+}
+
 fn two_sided(alpha: f32) -> Material {
     match metal(alpha) {
         Material::Conductor(conductor) => Material::Conductor(Conductor { two_sided: true, ..conductor }),
@@ -89,6 +94,7 @@ fn bias(scene: &Scene, spp: u32, max_depth: u32) -> f64 {
 fn mis_has_the_same_mean_without_light_tracing() {
     let parallel = Projection::Orthographic { half_width: 1.5, half_height: 1.5 };
     let glass = Material::Dielectric(Dielectric::clear(1.5));
+    let rough_glass = Material::Dielectric(Dielectric::rough(1.5, 0.3, Distribution::Ggx));
     let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
     let upright = Rectangle::new(Vec3::new(1.0, 0.5, 0.0), 0.5 * Vec3::Y, 0.5 * Vec3::Z).unwrap();
     let white = Material::Diffuse { albedo: Rgb::splat(0.8) };
@@ -103,6 +109,8 @@ fn mis_has_the_same_mean_without_light_tracing() {
         ("two-sided polished metal", vec![Object::new(Shape::Rectangle(upright), two_sided(0.0))], WIDE, 1 << 12),
         ("two-sided metal inside out", vec![Object::new(inside_out(0.2), two_sided(0.4))], WIDE, 1 << 14),
         ("metal with normals of its own", vec![Object::new(rounded(0.2), metal(0.4))], WIDE, 1 << 14),
+        ("brushed metal", vec![Object { axis: Vec3::new(0.6, 0.0, 0.8), ..sphere(brushed()) }], WIDE, 1 << 13),
+        ("rough glass", vec![sphere(rough_glass)], WIDE, 1 << 14),
         ("plaster with normals of its own", vec![Object::new(rounded(-0.8), white), sphere(metal(0.4))], WIDE, 1 << 14),
     ] {
         let z = bias(&box_with(objects, projection), spp, 4);

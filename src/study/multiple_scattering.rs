@@ -1,0 +1,119 @@
+//! The energy of rough metals with single scattering alone and with multiple scattering: directional albedos of a metal that
+//! reflects everything, and spheres in light of radiance 1 from everywhere.
+
+use super::object_ids::ObjectIdBuffer;
+use super::pixel_mean::Mean;
+use crate::bsdf::Scatter;
+use crate::error::Result;
+use crate::math::Rgb;
+use crate::optics::metals::{self, Metal};
+use crate::raster::Image;
+use crate::render::{Settings, Silent, render};
+use crate::scene::{Conductor, Distribution, Material, Request, ScatterModel, Scene, builtin};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The directional albedo of a metal that reflects everything, for one direction.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct AlbedoRow {
+    /// Distribution of the microfacets' normals.
+    pub distribution: &'static str,
+    /// Angle to the normal in degrees.
+    pub theta_deg: f64,
+    /// Width of the distribution.
+    pub alpha: f32,
+    /// With single scattering alone.
+    pub single: f64,
+    /// With multiple scattering.
+    pub multiple: f64,
+}
+
+/// The distributions by name.
+pub const DISTRIBUTIONS: [(&str, Distribution); 2] = [("GGX", Distribution::Ggx), ("Beckmann", Distribution::Beckmann)];
+
+/// Directions of the albedos, in degrees from the normal.
+pub const THETAS_DEG: [f64; 3] = [0.0, 60.0, 85.0];
+
+/// A metal that reflects everything.
+fn perfect(alpha: f32, distribution: Distribution) -> Conductor {
+    Conductor::new(Rgb::ZERO, Rgb::ONE, alpha, distribution)
+}
+
+/// The albedos for all distributions and directions over `alphas`, each by a lattice of `side`² samples.
+pub fn albedos(alphas: &[f32], side: u32) -> Vec<AlbedoRow> {
+    let mut rows = Vec::new();
+    for (distribution, kind) in DISTRIBUTIONS {
+        for theta_deg in THETAS_DEG {
+            rows.extend(alphas.iter().map(|&alpha| (distribution, kind, theta_deg, alpha)));
+        }
+    }
+    let row = |(distribution, kind, theta_deg, alpha): (_, _, f64, _)| {
+        let of = |multiple_scattering| {
+            albedo(Conductor { multiple_scattering, ..perfect(alpha, kind) }, theta_deg.to_radians(), side)
+        };
+        AlbedoRow { distribution, theta_deg, alpha, single: of(false), multiple: of(true) }
+    };
+    rows.into_par_iter().map(row).collect()
+}
+
+/// ∫ f cos θᵢ dωᵢ: the mean weight of samples by a rank-1 lattice, whose third number is the golden ratio's.
+fn albedo(conductor: Conductor, theta: f64, side: u32) -> f64 {
+    let bsdf = Material::Conductor(conductor).bsdf(ScatterModel::default());
+    let wo = Vec3::new(theta.sin() as f32, 0.0, theta.cos() as f32);
+    let place = |i: u32| ((f64::from(i) + 0.5) / f64::from(side)) as f32;
+    let weights = (0..side * side).map(|i| {
+        let uc = (0.618_033_988_749_895 * f64::from(i)).fract() as f32;
+        let sample = bsdf.sample(wo, uc, [place(i % side), place(i / side)]);
+        sample.map_or(0.0, |sample| f64::from(sample.weight.x))
+    });
+    weights.sum::<f64>() / f64::from(side * side)
+}
+
+/// The widths of the rendered spheres, from left to right.
+pub const ALPHAS: [f32; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// Spheres of one metal in light of radiance 1 from everywhere.
+pub struct Spheres {
+    /// Name of the metal.
+    pub metal: &'static str,
+    /// Whether they have multiple scattering.
+    pub multiple: bool,
+    /// The mean radiance of each.
+    pub radiance: [Mean; 4],
+    /// Samples that were not finite or negative.
+    pub dropped: u64,
+    /// The render.
+    pub image: Image,
+}
+
+/// Renders spheres of GGX, of a metal that reflects everything and of gold, each with single and with multiple scattering.
+///
+/// # Errors
+/// Those of the renders.
+pub fn spheres(spp: u32, size: [usize; 2], settings: &Settings) -> Result<Vec<Spheres>> {
+    let gold: &Metal = metals::GOLD;
+    let indices = [("reflects everything", Rgb::ZERO, Rgb::ONE), ("gold", gold.eta_rgb(), gold.k_rgb())];
+    let mut results = Vec::new();
+    for (metal, eta, k) in indices {
+        for multiple_scattering in [false, true] {
+            let (mut scene, request) = builtin::furnace();
+            for (object, alpha) in scene.objects.iter_mut().zip(ALPHAS) {
+                let conductor = Conductor::new(eta, k, alpha, Distribution::Ggx);
+                object.material = Material::Conductor(Conductor { multiple_scattering, ..conductor });
+            }
+            let (scene, request) = scene.resized(Request { spp, ..request }, size);
+            let rendered = render(&scene, &request, settings, &Silent)?;
+            let radiance = std::array::from_fn(|i| Mean::of(&rendered.part.film, &shows(&scene, &request, i)));
+            let dropped = rendered.dropped.total();
+            results.push(Spheres { metal, multiple: multiple_scattering, radiance, dropped, image: rendered.image });
+        }
+    }
+    Ok(results)
+}
+
+/// Which pixels show the sphere of this number.
+fn shows(scene: &Scene, request: &Request, number: usize) -> Vec<bool> {
+    let alone = Scene { objects: vec![scene.objects[number].clone()], ..scene.clone() };
+    ObjectIdBuffer::new(&alone, request).pixels.iter().map(Option::is_some).collect()
+}
