@@ -146,7 +146,7 @@ impl<'a> Reference<'a> {
             // Sample directions without regard to light.
             if let Some(strategy) = BsdfOnly::of(scene.sampling, vertex.shader.kind.is_diffuse()) {
                 let local = strategy.sample(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
-                let wi = vertex.frame.to_world(local.as_vec3());
+                let wi = Frame::from_normal(vertex.frame.z).to_world(local.as_vec3());
                 let weight = 1.0 / (strategy.pdf(local.z) as f32 * count as f32);
                 let departure = Departure { light_samples: LightSamples::NotTaken, ..Departure::CAMERA };
                 sum += vertex.eval(wi).0 * self.emission([vertex.surface.ray_origin(wi), wi], &departure) * weight;
