@@ -3,7 +3,7 @@
 
 use super::object_ids::ObjectIdBuffer;
 use super::pixel_mean::Mean;
-use crate::bsdf::Scatter;
+use crate::bsdf::{Bsdf, Scatter};
 use crate::error::Result;
 use crate::math::Rgb;
 use crate::optics::metals::{self, Metal};
@@ -35,31 +35,29 @@ pub const DISTRIBUTIONS: [(&str, Distribution); 2] = [("GGX", Distribution::Ggx)
 /// Directions of the albedos, in degrees from the normal.
 pub const THETAS_DEG: [f64; 3] = [0.0, 60.0, 85.0];
 
-/// A metal that reflects everything.
-fn perfect(alpha: f32, distribution: Distribution) -> Conductor {
-    Conductor::new(Rgb::ZERO, Rgb::ONE, alpha, distribution)
-}
-
-/// The albedos for all distributions and directions over `alphas`, each by a lattice of `side`² samples.
+/// The albedos for all distributions and directions over `alphas`, each by `side`² samples.
 pub fn albedos(alphas: &[f32], side: u32) -> Vec<AlbedoRow> {
     let mut rows = Vec::new();
     for (distribution, kind) in DISTRIBUTIONS {
-        for theta_deg in THETAS_DEG {
-            rows.extend(alphas.iter().map(|&alpha| (distribution, kind, theta_deg, alpha)));
-        }
-    }
-    let row = |(distribution, kind, theta_deg, alpha): (_, _, f64, _)| {
-        let of = |multiple_scattering| {
-            albedo(Conductor { multiple_scattering, ..perfect(alpha, kind) }, theta_deg.to_radians(), side)
+        let of_alpha = |&alpha: &f32| {
+            // Preparing multiple scattering takes longer than sampling it.
+            let bsdfs = [false, true].map(|multiple_scattering| {
+                let metal = Conductor::new(Rgb::ZERO, Rgb::ONE, alpha, kind);
+                Material::Conductor(Conductor { multiple_scattering, ..metal }).bsdf(ScatterModel::default())
+            });
+            THETAS_DEG.map(|theta_deg: f64| {
+                let [single, multiple] = bsdfs.each_ref().map(|bsdf| albedo(bsdf, theta_deg.to_radians(), side));
+                AlbedoRow { distribution, theta_deg, alpha, single, multiple }
+            })
         };
-        AlbedoRow { distribution, theta_deg, alpha, single: of(false), multiple: of(true) }
-    };
-    rows.into_par_iter().map(row).collect()
+        let by_alpha: Vec<_> = alphas.par_iter().map(of_alpha).collect();
+        rows.extend((0..THETAS_DEG.len()).flat_map(|i| by_alpha.iter().map(move |rows| rows[i])));
+    }
+    rows
 }
 
-/// ∫ f cos θᵢ dωᵢ: the mean weight of samples by a rank-1 lattice, whose third number is the golden ratio's.
-fn albedo(conductor: Conductor, theta: f64, side: u32) -> f64 {
-    let bsdf = Material::Conductor(conductor).bsdf(ScatterModel::default());
+/// ∫ f cos θᵢ dωᵢ: the mean weight of samples on a grid, with multiples of the golden ratio to choose lobes.
+fn albedo(bsdf: &Bsdf, theta: f64, side: u32) -> f64 {
     let wo = Vec3::new(theta.sin() as f32, 0.0, theta.cos() as f32);
     let place = |i: u32| ((f64::from(i) + 0.5) / f64::from(side)) as f32;
     let weights = (0..side * side).map(|i| {

@@ -6,7 +6,7 @@ use crate::view::multiple_scattering as view;
 
 /// Steps of α.
 const STEPS: u16 = 20;
-/// The error of the albedos: of the model's table, 10⁻³, and half of that for the lattice.
+/// The error of the albedos: of the model's table, 10⁻³, and half of that for the sum.
 const ERROR: f64 = 1.5e-3;
 
 /// One figure with curves and spheres.
