@@ -65,7 +65,7 @@ pub fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha:
         disc: mean.mean_rgb(),
         z_reference: z(&scene, &by_reference)?,
         z_turned: z(&turned(&scene, [alpha[1], alpha[0]]), &other)?,
-        elongation: elongation(&scene, request, settings)?,
+        elongation: elongation(&scene, &fewer, &other)?,
         dropped: rendered.dropped.total(),
     };
     Ok(PairRender { row, image: rendered.image })

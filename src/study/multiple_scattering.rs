@@ -35,8 +35,8 @@ pub const DISTRIBUTIONS: [(&str, Distribution); 2] = [("GGX", Distribution::Ggx)
 /// Directions of the albedos, in degrees from the normal.
 pub const THETAS_DEG: [f64; 3] = [0.0, 60.0, 85.0];
 
-/// The albedos for all distributions and directions over `alphas`, each by `side`² samples.
-pub fn albedos(alphas: &[f32], side: u32) -> Vec<AlbedoRow> {
+/// The albedos for all distributions and directions over `alphas`, each by so many samples.
+pub fn albedos(alphas: &[f32], samples: u32) -> Vec<AlbedoRow> {
     let mut rows = Vec::new();
     for (distribution, kind) in DISTRIBUTIONS {
         let of_alpha = |&alpha: &f32| {
@@ -46,7 +46,7 @@ pub fn albedos(alphas: &[f32], side: u32) -> Vec<AlbedoRow> {
                 Material::Conductor(Conductor { multiple_scattering, ..metal }).bsdf(ScatterModel::default())
             });
             THETAS_DEG.map(|theta_deg: f64| {
-                let [single, multiple] = bsdfs.each_ref().map(|bsdf| albedo(bsdf, theta_deg.to_radians(), side));
+                let [single, multiple] = bsdfs.each_ref().map(|bsdf| albedo(bsdf, theta_deg.to_radians(), samples));
                 AlbedoRow { distribution, theta_deg, alpha, single, multiple }
             })
         };
@@ -56,16 +56,19 @@ pub fn albedos(alphas: &[f32], side: u32) -> Vec<AlbedoRow> {
     rows
 }
 
-/// ∫ f cos θᵢ dωᵢ: the mean weight of samples on a grid, with multiples of the golden ratio to choose lobes.
-fn albedo(bsdf: &Bsdf, theta: f64, side: u32) -> f64 {
+/// ∫ f cos θᵢ dωᵢ: the mean weight of samples by additive recurrence with the powers of 1/g, g⁴ = g + 1.
+///
+/// Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
+fn albedo(bsdf: &Bsdf, theta: f64, samples: u32) -> f64 {
+    const G: f64 = 1.220_744_084_605_759_5;
     let wo = Vec3::new(theta.sin() as f32, 0.0, theta.cos() as f32);
-    let place = |i: u32| ((f64::from(i) + 0.5) / f64::from(side)) as f32;
-    let weights = (0..side * side).map(|i| {
-        let uc = (0.618_033_988_749_895 * f64::from(i)).fract() as f32;
-        let sample = bsdf.sample(wo, uc, [place(i % side), place(i / side)]);
-        sample.map_or(0.0, |sample| f64::from(sample.weight.x))
+    let weights = (0..samples).map(|i| {
+        let number = |power: i32| (0.5 + f64::from(i) * G.powi(-power)).fract() as f32;
+        // A number that rounds to 1 is the next to it.
+        let [x, y, uc] = [1, 2, 3].map(|power| number(power).min(1.0f32.next_down()));
+        bsdf.sample(wo, uc, [x, y]).map_or(0.0, |sample| f64::from(sample.weight.x))
     });
-    weights.sum::<f64>() / f64::from(side * side)
+    weights.sum::<f64>() / f64::from(samples)
 }
 
 /// The widths of the rendered spheres, from left to right.

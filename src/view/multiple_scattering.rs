@@ -13,7 +13,8 @@ pub fn energy(rows: &[AlbedoRow], spheres: &[Spheres]) -> Drawing {
     let cells: Vec<_> = spheres.iter().map(|spheres| (title(spheres), &spheres.image)).collect();
     let alphas = ALPHAS.map(|alpha| alpha.to_string()).join(", ");
     let title = format!("Spheres in light of radiance 1 from everywhere, /{{α}} = {alphas}");
-    Drawing::stacked(vec![curves(rows), grid(&title, 2, 0.0, &cells)], 0.5, 2.0)
+    // Darker, so that radiance above 1 shows, too.
+    Drawing::stacked(vec![curves(rows), grid(&title, 2, -0.5, &cells)], 0.5, 2.0)
 }
 
 fn curves(rows: &[AlbedoRow]) -> Drawing {

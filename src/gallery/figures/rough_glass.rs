@@ -45,13 +45,13 @@ fn content(inputs: &Inputs) -> Result<Content> {
     }
     let caption = |row: &GlassRow| if row.alpha == 0.0 { "smooth".to_owned() } else { format!("α = {}", row.alpha) };
     let cells: Vec<_> = renders.iter().map(|render| (caption(&render.row), &render.image)).collect();
-    Content::new(view::grid("Glass of increasing roughness", 3, 0.5, &cells), &rows, checks)
+    Content::new(view::grid("Glass of increasing roughness", 3, 0.0, &cells), &rows, checks)
 }
 
 /// The camera turned towards the glass sphere and its caustic, with a field of view that they fill.
 fn close_up(camera: &Camera) -> Result<Camera> {
     let projection = Projection::Perspective { tan_half_width: 0.1, tan_half_height: 0.1 };
-    Camera::look_at(camera.position, DVec3::new(0.4, 0.25, 0.3), DVec3::Y, projection)
+    Camera::look_at(camera.position, DVec3::new(0.4, 0.31, 0.3), DVec3::Y, projection)
         .ok_or_else(|| Error::parameter("camera", "it is in the glass sphere"))
 }
 
