@@ -13,6 +13,7 @@ use crate::scene::{Conductor, Distribution, Material, Request, ScatterModel, Sce
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// The directional albedo of a metal that reflects everything, for one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -46,7 +47,9 @@ pub fn albedos(alphas: &[f32], samples: u32) -> Vec<AlbedoRow> {
                 Material::Conductor(Conductor { multiple_scattering, ..metal }).bsdf(ScatterModel::default())
             });
             THETAS_DEG.map(|theta_deg: f64| {
-                let [single, multiple] = bsdfs.each_ref().map(|bsdf| albedo(bsdf, theta_deg.to_radians(), samples));
+                let wo = Vec3::new(theta_deg.to_radians().sin() as f32, 0.0, theta_deg.to_radians().cos() as f32);
+                let single = albedo(&bsdfs[0], wo, samples);
+                let multiple = single + added(&bsdfs, wo, samples / 16);
                 AlbedoRow { distribution, theta_deg, alpha, single, multiple }
             })
         };
@@ -56,19 +59,31 @@ pub fn albedos(alphas: &[f32], samples: u32) -> Vec<AlbedoRow> {
     rows
 }
 
-/// ∫ f cos θᵢ dωᵢ: the mean weight of samples by additive recurrence with the powers of 1/g, g⁴ = g + 1.
+/// ∫ f cos θᵢ dωᵢ: the mean weight of samples.
+fn albedo(bsdf: &Bsdf, wo: Vec3, samples: u32) -> f64 {
+    let weight = |u| bsdf.sample(wo, 0.0, u).map_or(0.0, |sample| f64::from(sample.weight.x));
+    points(samples).map(weight).sum::<f64>() / f64::from(samples)
+}
+
+/// The same of the second BSDF minus the first, whose difference is smooth, by directions of pdf cos θᵢ/π.
+fn added(bsdfs: &[Bsdf; 2], wo: Vec3, samples: u32) -> f64 {
+    let difference = |[u, v]: [f32; 2]| {
+        let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
+        let wi = Vec3::new(u.sqrt() * cos, u.sqrt() * sin, (1.0 - u).sqrt());
+        let [first, second] = bsdfs.each_ref().map(|bsdf| f64::from(bsdf.eval(wo, wi).x));
+        second - first
+    };
+    PI * points(samples).map(difference).sum::<f64>() / f64::from(samples)
+}
+
+/// Points of the unit square by additive recurrence with 1/g and 1/g², g³ = g + 1.
 ///
 /// Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
-fn albedo(bsdf: &Bsdf, theta: f64, samples: u32) -> f64 {
-    const G: f64 = 1.220_744_084_605_759_5;
-    let wo = Vec3::new(theta.sin() as f32, 0.0, theta.cos() as f32);
-    let weights = (0..samples).map(|i| {
-        let number = |power: i32| (0.5 + f64::from(i) * G.powi(-power)).fract() as f32;
-        // A number that rounds to 1 is the next to it.
-        let [x, y, uc] = [1, 2, 3].map(|power| number(power).min(1.0f32.next_down()));
-        bsdf.sample(wo, uc, [x, y]).map_or(0.0, |sample| f64::from(sample.weight.x))
-    });
-    weights.sum::<f64>() / f64::from(samples)
+fn points(count: u32) -> impl Iterator<Item = [f32; 2]> {
+    const G: f64 = 1.324_717_957_244_746;
+    // A number that rounds to 1 is the one before.
+    let number = |i: u32, step: f64| ((0.5 + f64::from(i) * step).fract() as f32).min(1.0f32.next_down());
+    (0..count).map(move |i| [number(i, 1.0 / G), number(i, 1.0 / (G * G))])
 }
 
 /// The widths of the rendered spheres, from left to right.
