@@ -83,6 +83,11 @@ impl SceneArgs {
         path.extension().is_some_and(known).then_some(path)
     }
 
+    /// Whether rough metal has multiple scattering.
+    pub fn has_multiple_scattering(&self) -> bool {
+        self.multiple_scattering
+    }
+
     pub fn has_size(&self) -> bool {
         self.resolution.is_some()
     }

@@ -109,6 +109,7 @@ fn numbers_out_of_range() {
         ("render furnace --alpha NaN", &["--alpha: NaN "]),
         ("render cornell-lambert --alpha 0.5", &["--alpha: ", "no metal or glass", "hint: "]),
         ("render furnace --alpha 0.1,0.2,0.3", &["--alpha: 3 widths"]),
+        ("render furnace --multiple-scattering --model report", &["--multiple-scattering: ", "single scattering"]),
         ("render cornell-spheres --multiple-scattering", &["--multiple-scattering: ", "no metal"]),
         ("render furnace --paths 7", &["--paths", "7"]),
         ("render furnace --shard 0/2", &["--shard", "0/2"]),
