@@ -17,7 +17,10 @@ etalon's CPU time x MSE over Mitsuba's, below 1 where etalon reaches the same er
 Welch's t-test compares the two programs' means of the image and of 8 x 6 tiles: of the references, and of etalon's
 measured images with Mitsuba's reference. p is the smallest, times their number (Bonferroni). Below 0.01 a program is
 biased, or reads the scene differently, or has outliers that few seeds miss. Mitsuba's multijitter sampler is itself
-biased at 16 samples per pixel, by 1 % in the scene `furnace-knot`, and not measurably at 64.
+biased at 16 samples per pixel, by 1 % in the scene `furnace-knot`, and not measurably at 64. `--agreement` makes this
+test alone, with `--seeds` renders of each program:
+
+    venv/bin/python benches/against_mitsuba.py target/release/etalon --agreement --scenes rough-glass-mesh --seeds 32
 """
 import argparse, csv, math, os, resource, shlex, shutil, subprocess, tempfile, time
 import drjit as dr, mitsuba as mi, numpy as np
@@ -87,12 +90,17 @@ def two_sided_p(t, freedom):
     return pdf[angle >= math.atan(abs(t) / math.sqrt(freedom))].sum() / pdf.sum()
 
 
-def welch(a, b):
-    """Of Welch's t-tests of the columns of a and b: Bonferroni's p-value, its column, the relative difference there."""
+def student(a, b):
+    """Welch's t and its degrees of freedom for the columns of a and b, and their relative differences."""
     va, vb = (np.maximum(x.var(0, ddof=1) / len(x), 1e-30) for x in (a, b))
     t = (a.mean(0) - b.mean(0)) / np.sqrt(va + vb)
     freedom = (va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
-    difference = a.mean(0) / np.maximum(b.mean(0), 1e-30) - 1
+    return t, freedom, a.mean(0) / np.maximum(b.mean(0), 1e-30) - 1
+
+
+def welch(a, b):
+    """Of Welch's t-tests of the columns of a and b: Bonferroni's p-value, its column, the relative difference there."""
+    t, freedom, difference = student(a, b)
     # The programs interpolate environment maps differently, which shows where there is little noise.
     p = [two_sided_p(*x) if abs(d) > 1e-3 else 1.0 for *x, d in zip(t, freedom, difference)]
     worst = int(np.argmin(p))
@@ -138,6 +146,19 @@ def measure(label, options):
     return row
 
 
+def agreement(label, options):
+    """Prints whether the means of both programs agree, by renders with seeds of their own, without timing."""
+    path = os.path.join(options.work, f"{label}.pbrt")
+    renderers = [mitsuba(path, options), etalon(path, options, options.etalon_args)]
+    theirs, ours = (np.array([means(render(options.spp, 10_000 * side + seed)[0]) for seed in range(1, options.seeds + 1)])
+                    for side, render in enumerate(renderers))
+    t, freedom, difference = student(ours, theirs)
+    tile = 1 + int(np.argmax(abs(t[1:])))
+    least = min(1.0, min(two_sided_p(*x) for x in zip(t, freedom)) * len(t))
+    print(f"| {label} | {t[0]:+.2f} ({difference[0]:+.2%}) | {t[tile]:+.2f} ({difference[tile]:+.2%}, tile {tile}) "
+          f"| {least:.2g} |", flush=True)
+
+
 def show(row):
     """Prints the row in Markdown."""
     cells = [f"{row[f'{name}_cpu_seconds']:.2f} | {row[f'{name}_mse']:.2e}" for name in ("mitsuba", "etalon")]
@@ -162,6 +183,7 @@ def arguments():
     option("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: 160 120)")
     option("--threads", type=int, default=1, help="threads of each program (default: 1)")
     option("--etalon-args", default="", help='more arguments of the measured renders, like "--sampling light"')
+    option("--agreement", action="store_true", help="only compare the means of both programs")
     option("--references", metavar="FOLDER", help="keeps the references between runs")
     option("--csv", metavar="FILE", help="also write the results as CSV")
     options = parser.parse_args()
@@ -181,6 +203,12 @@ def run(options):
     scene_assets.write_assets(os.path.join(options.work, "assets"))
     os.makedirs(options.references or options.work, exist_ok=True)
     dr.set_thread_count(options.threads)
+    if options.agreement:
+        print(f"{options.resolution} pixels, {options.spp} spp, {options.seeds} seeds of each program\n\n"
+              "| scene | t of the image | largest t of 48 tiles | smallest p (Bonferroni) |\n|---|---|---|---|")
+        for label in options.scenes:
+            agreement(label, options)
+        return
     print("Quick look, not for publication: " * options.quick + f"{options.resolution} pixels, {options.spp} spp, "
           f"{options.seeds} seeds, threads: {options.threads}, etalon arguments: {options.etalon_args or 'none'}\n")
     print("| scene | set | Mitsuba, CPU s | MSE | etalon, CPU s | MSE | ratio (90 %) | without the worst 0.1 % "

@@ -3,21 +3,24 @@ import os
 import mitsuba as mi, numpy as np
 
 
-def write_ply(path, points, faces, normals=None):
-    """A binary PLY file of triangles, with the normals of its vertices or without."""
-    names = "x y z nx ny nz".split()[:3 if normals is None else 6]
+def write_ply(path, points, faces, normals=None, uv=None):
+    """A binary PLY file of triangles, with normals and texture coordinates of its vertices or without."""
+    columns = [(points, "x y z"), (normals, "nx ny nz"), (uv, "u v")]
+    columns = [(values, names) for values, names in columns if values is not None]
+    names = " ".join(names for _, names in columns).split()
     records = np.zeros(len(faces), dtype=[("n", "u1"), ("i", "<i4", (3,))])
     records["n"], records["i"] = 3, faces
     properties = "".join(f"property float {name}\n" for name in names)
     with open(path, "wb") as f:
         f.write((f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{properties}"
                  f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n").encode())
-        f.write((points if normals is None else np.hstack([points, normals])).astype("<f4").tobytes())
+        f.write(np.hstack([values for values, _ in columns]).astype("<f4").tobytes())
         f.write(records.tobytes())
 
 
 def knot(around, across):
-    """A torus knot of 2 * around * across triangles, with normals, in a box of about 1.5 x 0.7 x 1.5."""
+    """A torus knot of 2 * around * across triangles in a box of about 1.5 x 0.7 x 1.5: points, triangles, normals, and
+    texture coordinates, u along the knot and v across, whose last column of triangles goes back to 0."""
     radius = lambda t: 1 + np.cos(3 * t) / 2
     line = lambda t: np.hstack([radius(t) * np.cos(2 * t), np.sin(3 * t) / 2, radius(t) * np.sin(2 * t)])
     unit = lambda v: v / np.linalg.norm(v, axis=1, keepdims=True)
@@ -30,7 +33,9 @@ def knot(around, across):
     i, j = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
     at = lambda di, dj: ((i + di) % around * across + (j + dj) % across).ravel()
     a, b, c, d = at(0, 0), at(1, 0), at(1, 1), at(0, 1)
-    return points.reshape(-1, 3), np.vstack([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]), normals.reshape(-1, 3)
+    faces = np.vstack([np.stack([a, c, b], 1), np.stack([a, d, c], 1)])
+    uv = np.stack([i / around, j / across], -1).reshape(-1, 2)
+    return points.reshape(-1, 3), faces, normals.reshape(-1, 3), uv
 
 
 def ceiling_lights(across, along):
@@ -63,8 +68,8 @@ def sky(sun):
 def write_assets(folder):
     """Writes all meshes and maps into `folder`."""
     os.makedirs(folder, exist_ok=True)
-    points, faces, normals = knot(1000, 50)
-    write_ply(os.path.join(folder, "knot.ply"), points, faces, normals)
+    write_ply(os.path.join(folder, "knot.ply"), *knot(1000, 50)[:3])
+    write_ply(os.path.join(folder, "knot-uv.ply"), *knot(240, 20))
     write_ply(os.path.join(folder, "knot-facets.ply"), *knot(240, 20)[:2])
     write_ply(os.path.join(folder, "ceiling-lights.ply"), *ceiling_lights(40, 25))
     for name, image in [("windows", windows()), ("sky", sky(0)), ("sky-sun", sky(20000))]:

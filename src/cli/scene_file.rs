@@ -9,6 +9,7 @@ use crate::scene::{Environment, Material, Request, Scene, builtin};
 use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The scene and its changes.
 #[derive(Args)]
@@ -32,9 +33,13 @@ pub struct SceneArgs {
     /// A .ply or .obj mesh in place of the statue of a cornell-statue scene, fitted to its place
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Width of the microfacet distribution of every metal, 0 to 10; below 0.0001 it is a perfect mirror
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
-    alpha: Option<f32>,
+    /// Width of the microfacet distribution of every metal and of all glass, 0 to 10; below 0.0001 the surface is smooth.
+    /// Two widths, with a comma between them: along the surface's tangent and across it
+    #[arg(long, value_name = "A[,B]", value_delimiter = ',', action = ArgAction::Set, allow_negative_numbers = true)]
+    alpha: Option<Vec<f32>>,
+    /// Rough metal also reflects the light that meets several of its facets
+    #[arg(long)]
+    multiple_scattering: bool,
 }
 
 /// A scene, ready to render.
@@ -50,15 +55,23 @@ pub struct Loaded {
 impl SceneArgs {
     /// Loads the scene; its camera fits the request's size.
     pub fn load(&self, console: &Console) -> Result<Loaded> {
-        if let Some(alpha) = self.alpha.filter(|alpha| !(0.0..=10.0).contains(alpha)) {
-            return Err(Error::parameter("alpha", format!("{alpha} is not from 0 to 10")));
-        }
+        let alpha = self.alpha.as_deref().map(widths).transpose()?;
         let mut loaded = match self.file() {
             Some(path) => self.imported(path, console)?,
             None => self.builtin(console)?,
         };
-        if let Some(alpha) = self.alpha {
-            set_alpha(&mut loaded.scene, alpha)?;
+        if let Some(alpha) = alpha {
+            change(&mut loaded.scene, "alpha", "metal or glass", |material| match material {
+                Material::Conductor(metal) => Some(metal.alpha = alpha),
+                Material::Dielectric(glass) => Some(glass.alpha = alpha),
+                _ => None,
+            })?;
+        }
+        if self.multiple_scattering {
+            change(&mut loaded.scene, "multiple_scattering", "metal", |material| match material {
+                Material::Conductor(metal) => Some(metal.multiple_scattering = true),
+                _ => None,
+            })?;
         }
         Ok(loaded)
     }
@@ -68,6 +81,11 @@ impl SceneArgs {
         let path = Path::new(&self.scene);
         let known = |e: &std::ffi::OsStr| SCENE_EXTENSIONS.iter().any(|known| e.eq_ignore_ascii_case(known));
         path.extension().is_some_and(known).then_some(path)
+    }
+
+    /// Whether rough metal has multiple scattering.
+    pub fn has_multiple_scattering(&self) -> bool {
+        self.multiple_scattering
     }
 
     pub fn has_size(&self) -> bool {
@@ -146,18 +164,36 @@ impl SceneArgs {
     }
 }
 
-/// Gives all metals of a scene the same roughness.
-fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
-    let mut found = false;
-    for object in &mut scene.objects {
-        if let Material::Conductor(metal) = &mut object.material {
-            metal.alpha = alpha;
-            found = true;
+/// The widths of a distribution of normals along x and y.
+fn widths(values: &[f32]) -> Result<[f32; 2]> {
+    if let Some(bad) = values.iter().find(|alpha| !(0.0..=10.0).contains(*alpha)) {
+        return Err(Error::parameter("alpha", format!("{bad} is not from 0 to 10")));
+    }
+    match *values {
+        [both] => Ok([both; 2]),
+        [x, y] => Ok([x, y]),
+        _ => Err(Error::parameter("alpha", format!("{} widths: at most two are needed", values.len()))),
+    }
+}
+
+/// Changes the materials of a scene, those inside mixtures, too. `set` returns `None` for those that it leaves alone; an
+/// error if these are all.
+fn change(
+    scene: &mut Scene,
+    parameter: &str,
+    what: &str,
+    set: impl Fn(&mut Material) -> Option<()> + Copy,
+) -> Result<()> {
+    fn count(material: &mut Material, set: impl Fn(&mut Material) -> Option<()> + Copy) -> usize {
+        match material {
+            Material::Mixture(parts) => Arc::make_mut(parts).iter_mut().map(|(_, part)| count(part, set)).sum(),
+            plain => usize::from(set(plain).is_some()),
         }
     }
-    if found {
+    let changed: usize = scene.objects.iter_mut().map(|object| count(&mut object.material, set)).sum();
+    if changed > 0 {
         return Ok(());
     }
-    Err(Error::parameter("alpha", format!("the scene {} has no rough metal", scene.name))
-        .with_hint("the cornell-statue scenes and furnace have one"))
+    Err(Error::parameter(parameter, format!("the scene {} has no {what}", scene.name))
+        .with_hint("furnace has both, the cornell-statue scenes and brushed-metal have metal"))
 }

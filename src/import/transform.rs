@@ -2,7 +2,7 @@
 
 use super::place::At;
 use crate::error::Result;
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat3, DMat4, DVec3, Vec3};
 
 /// Tolerance of cosines between columns, and of relative differences of scales: files have about six digits.
 const TOLERANCE: f64 = 1e-4;
@@ -81,6 +81,11 @@ pub fn axes(matrix: &DMat4) -> Option<(DMat3, DVec3)> {
 pub fn similarity(matrix: &DMat4) -> Option<(DMat3, f64)> {
     let (rotation, scales) = axes(matrix)?;
     (scales.max_element() - scales.min_element() < TOLERANCE * scales.max_element()).then_some((rotation, scales.x))
+}
+
+/// The unit direction of the object's z axis in the world; +z where a transform leaves none of it.
+pub fn axis(to_world: &DMat4) -> Vec3 {
+    to_world.z_axis.truncate().try_normalize().map_or(Vec3::Z, DVec3::as_vec3)
 }
 
 /// Coordinates must stay where their squares fit single precision.

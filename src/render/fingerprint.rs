@@ -15,11 +15,12 @@ pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
     let request = Request { spp: 0, ..*request };
     hash.text(&format!("{settings:?} {request:?} {:?} {:?}", scene.camera, scene.lights));
     for object in &scene.objects {
-        hash.text(&format!("{:?} {:?}", object.material, object.emission));
+        hash.text(&format!("{:?} {:?} {:?}", object.material, object.emission, object.axis));
         match &object.shape {
             Shape::Mesh(mesh) => {
                 hash.words(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array().map(f32::to_bits)));
                 hash.words(mesh.triangles.iter().flatten().copied());
+                hash.words(mesh.uv.iter().flatten().flat_map(|uv| uv.to_array().map(f32::to_bits)));
             }
             other => hash.text(&format!("{other:?}")),
         }

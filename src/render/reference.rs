@@ -146,7 +146,7 @@ impl<'a> Reference<'a> {
             // Sample directions without regard to light.
             if let Some(strategy) = BsdfOnly::of(scene.sampling, vertex.shader.kind.is_diffuse()) {
                 let local = strategy.sample(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
-                let wi = vertex.frame.to_world(local.as_vec3());
+                let wi = Frame::from_normal(vertex.frame.z).to_world(local.as_vec3());
                 let weight = 1.0 / (strategy.pdf(local.z) as f32 * count as f32);
                 let departure = Departure { light_samples: LightSamples::NotTaken, ..Departure::CAMERA };
                 sum += vertex.eval(wi).0 * self.emission([vertex.surface.ray_origin(wi), wi], &departure) * weight;
@@ -187,7 +187,8 @@ impl<'a> Reference<'a> {
         }
         let shader = &self.scene.shaders[self.hits.object[0] as usize];
         let surface = shader.facing(self.scene.geometry.surface(&self.rays, &self.hits, 0), -ray[1]);
-        let frame = surface.frame(-ray[1]);
+        let tangent = || self.scene.geometry.tangent(&self.hits, 0, surface.normal);
+        let frame = shader.frame(&surface, -ray[1], tangent);
         Some(Vertex { surface, shader, frame, wo: frame.to_local(-ray[1]) })
     }
 

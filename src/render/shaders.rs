@@ -5,7 +5,7 @@ use super::lanes::NOTHING;
 use super::lights::Sampled;
 use super::settings::Settings;
 use crate::bsdf::{Bsdf, Scatter};
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::scene::{Emission, Material, Object, Scene};
 use glam::Vec3;
 
@@ -17,6 +17,8 @@ pub struct SurfaceShader {
     pub kind: Kind,
     /// Whether the material is the same on both sides: its normal is then turned towards the viewer.
     pub two_sided: bool,
+    /// Whether the BSDF depends on the surface's tangent.
+    pub is_anisotropic: bool,
     /// Emitted radiance.
     pub emission: Option<Emission>,
     /// The number of the first light that samples this object: the only one, or that of the first triangle.
@@ -67,11 +69,8 @@ impl SurfaceShader {
             Self {
                 kind: kind(&object.material, &bsdf),
                 bsdf,
-                two_sided: match object.material {
-                    Material::Diffuse { .. } => true,
-                    Material::Conductor(conductor) => conductor.two_sided,
-                    _ => false,
-                },
+                two_sided: object.material.is_two_sided(),
+                is_anisotropic: object.material.is_anisotropic(),
                 emission: object.emission,
                 light: first[i],
             }
@@ -83,6 +82,16 @@ impl SurfaceShader {
     #[inline]
     pub fn facing(&self, surface: Surface, wo: Vec3) -> Surface {
         if self.two_sided { surface.facing(wo) } else { surface }
+    }
+
+    /// [`Surface::frame`]; its x axis is the tangent if the BSDF is anisotropic.
+    #[inline]
+    pub fn frame(&self, surface: &Surface, wo: Vec3, tangent: impl FnOnce() -> Vec3) -> Frame {
+        if self.is_anisotropic {
+            Frame::from_normal_and_tangent(surface.shading_for(wo), tangent())
+        } else {
+            surface.frame(wo)
+        }
     }
 
     /// The radiance that the surface emits against a ray's direction.

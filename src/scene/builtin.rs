@@ -2,15 +2,16 @@
 
 use super::statue::statue;
 use super::{
-    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Projection,
-    Rectangle, Request, Scene, Shape, Sphere,
+    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object,
+    Projection, Rectangle, Request, Scene, Shape, Sphere,
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::optics::metals::{self, Metal};
 use crate::raster::Image;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use std::f32::consts::TAU;
 use std::sync::Arc;
 
 /// A camera that looks along −z, +y upwards.
@@ -80,7 +81,7 @@ fn spheres(left: Material, right: Material) -> Vec<Object> {
 #[must_use]
 pub fn cornell_spheres() -> (Scene, Request) {
     let mirror = Material::Mirror { reflectance: Rgb::ONE };
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let glass = Material::Dielectric(Dielectric::clear(1.45));
     cornell("cornell-spheres", spheres(mirror, glass))
 }
 
@@ -88,7 +89,7 @@ pub fn cornell_spheres() -> (Scene, Request) {
 #[must_use]
 pub fn cornell_lambert() -> (Scene, Request) {
     let white = Material::Diffuse { albedo: Rgb::splat(0.6) };
-    cornell("cornell-lambert", spheres(white, white))
+    cornell("cornell-lambert", spheres(white.clone(), white))
 }
 
 /// A statue of metal in the same box: the built-in one, or another mesh in its place.
@@ -102,13 +103,8 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
         Some(mesh) => mesh.fitted(Vec3::ZERO, STATUE_BOX)?,
         None => statue(),
     };
-    let material = Material::Conductor(Conductor {
-        eta: metal.eta_rgb(),
-        k: metal.k_rgb(),
-        alpha,
-        distribution: Distribution::Beckmann,
-        two_sided,
-    });
+    let conductor = Conductor::new(metal.eta_rgb(), metal.k_rgb(), alpha, Distribution::Beckmann);
+    let material = Material::Conductor(Conductor { two_sided, ..conductor });
     Ok(cornell(&statue_name(metal), vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
 }
 
@@ -123,12 +119,11 @@ const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
 pub fn furnace() -> (Scene, Request) {
     let map = EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE));
     let environment = Environment::upright(Arc::new(map), "constant", 1.0);
-    let perfect =
-        Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: 0.5, distribution: Distribution::Beckmann, two_sided: false };
+    let perfect = Conductor::new(Rgb::ZERO, Rgb::ONE, 0.5, Distribution::Beckmann);
     let materials = [
         Material::Diffuse { albedo: Rgb::ONE },
         Material::Mirror { reflectance: Rgb::ONE },
-        Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 },
+        Material::Dielectric(Dielectric::clear(1.45)),
         Material::Conductor(perfect),
     ];
     let sphere = |(i, material): (usize, Material)| {
@@ -140,6 +135,59 @@ pub fn furnace() -> (Scene, Request) {
     let objects = materials.into_iter().enumerate().map(sphere).collect();
     let scene = Scene { name: "furnace".into(), camera, objects, lights: Vec::new(), environment: Some(environment) };
     (scene, Request { width: 480, height: 120, spp: 64, light_samples: 1, max_depth: 100 })
+}
+
+/// Brushed copper under a map and two small area lights: a disc with circular grooves, like the bottom of a pan, and a sphere
+/// whose grooves run around its vertical axis. Along the grooves the microfacets' normals vary less than across.
+#[must_use]
+pub fn brushed_metal(environment: Environment) -> (Scene, Request) {
+    let copper = Conductor::new(metals::COPPER.eta_rgb(), metals::COPPER.k_rgb(), 0.0, Distribution::Ggx);
+    let metal = Material::Conductor(Conductor { alpha: [0.05, 0.4], ..copper });
+    let rectangle = |centre: Vec3, x: Vec3, y: Vec3| {
+        Shape::Rectangle(Rectangle::new(centre, x, y).expect("the sides are perpendicular"))
+    };
+    let light = |x: f32| Object {
+        emission: Some(Emission {
+            radiance: Rgb::splat(60.0),
+            two_sided: false,
+            visibility: EmitterVisibility::Sampled,
+        }),
+        ..Object::new(
+            rectangle(Vec3::new(x, 3.0, 3.0), 0.15 * Vec3::X, 0.15 * Vec3::Z),
+            Material::Diffuse { albedo: Rgb::ZERO },
+        )
+    };
+    let sphere = Shape::Sphere(Sphere { centre: Vec3::new(1.1, 1.0, 0.0), radius: 1.0 });
+    let floor = rectangle(Vec3::ZERO, 4.0 * Vec3::Z, 4.0 * Vec3::X);
+    let objects = vec![
+        Object::new(floor, Material::Diffuse { albedo: Rgb::splat(0.3) }),
+        Object::new(disc(Vec3::new(-1.1, 1.0, 0.0), Vec3::new(0.0, 0.28, 0.96)).into(), metal.clone()),
+        Object { axis: Vec3::Y, ..Object::new(sphere, metal) },
+        light(-1.5),
+        light(1.5),
+    ];
+    let projection = Projection::Perspective { tan_half_width: 0.4, tan_half_height: 0.2 };
+    let camera = along_minus_z(DVec3::new(0.0, 1.1, 6.0), projection);
+    let (name, lights) = ("brushed-metal".into(), Vec::new());
+    let scene = Scene { name, camera, objects, lights, environment: Some(environment) };
+    (scene, Request { width: 480, height: 240, spp: 64, light_samples: 1, max_depth: 5 })
+}
+
+/// How much that scene brightens its map.
+pub const BRUSHED_METAL_SCALE: f32 = 4.0;
+
+/// A disc of radius 1 about a unit normal, whose texture coordinate u is the angle around the centre.
+fn disc(centre: Vec3, normal: Vec3) -> Mesh {
+    const SIDES: u32 = 720;
+    let (x, y) = normal.any_orthonormal_pair();
+    let on_rim = |i: u32| {
+        let (sin, cos) = (i as f32 / SIDES as f32 * TAU).sin_cos();
+        centre + x * cos + y * sin
+    };
+    let positions = std::iter::once(centre).chain((0..SIDES).map(on_rim)).collect();
+    let triangles = (0..SIDES).map(|i| [0, 1 + i, 1 + (i + 1) % SIDES]).collect();
+    let uv = vec![[Vec2::new(0.5, 0.0), Vec2::new(0.0, 1.0), Vec2::ONE]; SIDES as usize];
+    Mesh { positions, normals: Vec::new(), triangles, uv }
 }
 
 /// What makes a built-in scene.
@@ -189,6 +237,12 @@ pub fn scenes() -> Vec<BuiltIn> {
         "diffuse, mirror, glass and metal spheres in light of radiance 1 from everywhere: diffuse and glass must vanish \
          (1); metal is darker (0.891), as single scattering loses energy; the mirror shows the metal (0.996)",
         Maker::Complete(furnace),
+    ));
+    scenes.push(scene(
+        "brushed-metal",
+        "disc and sphere of brushed copper (alpha 0.05 along the grooves, 0.4 across) under an environment map and two area \
+         lights",
+        Maker::UnderMap(brushed_metal, BRUSHED_METAL_SCALE),
     ));
     scenes
 }

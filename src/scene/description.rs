@@ -1,6 +1,7 @@
 //! The scene as a whole: camera, objects, lights, environment, and what it asks of a render; flags override that.
 
 use super::{Camera, Emission, EmitterVisibility, Environment, Light, Material, Mesh, Rectangle, Sphere};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
@@ -44,13 +45,17 @@ pub struct Object {
     pub material: Material,
     /// The light that the surface gives off; `None` for most.
     pub emission: Option<Emission>,
+    /// The unit axis, in the world, around which the tangents of a sphere run: +z of its object space, as in pbrt. The
+    /// tangents of a rectangle run along its first edge, those of a mesh are [`Mesh::tangent`]. Only anisotropic
+    /// materials depend on tangents.
+    pub axis: Vec3,
 }
 
 impl Object {
-    /// An object that emits no light.
+    /// An object that emits no light, its axis along +z.
     #[must_use]
     pub fn new(shape: Shape, material: Material) -> Self {
-        Self { shape, material, emission: None }
+        Self { shape, material, emission: None, axis: Vec3::Z }
     }
 }
 

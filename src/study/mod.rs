@@ -1,5 +1,6 @@
 //! One file per experiment: each computes a plain result and neither plots nor prints.
 
+pub mod anisotropy;
 pub mod audit;
 pub mod claims;
 pub mod converge;
@@ -10,9 +11,11 @@ pub mod furnace;
 pub mod map_samples;
 pub mod median_cut;
 pub mod metal;
+pub mod multiple_scattering;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;
+pub mod rough_glass;
 pub mod roughness;
 pub mod sampling_strategies;
 pub mod scaling;

@@ -143,6 +143,9 @@ impl FromStr for Shard {
 impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let settings = self.settings(global.seed)?;
+        if self.scene.has_multiple_scattering() && settings.model.conventions.change_metal() {
+            return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));
+        }
         let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
         let images = images.protecting(map);

@@ -16,8 +16,8 @@ pub struct ModelArgs {
         ("schlick", "", DielectricFresnel::Schlick),
     ]))]
     fresnel: Option<DielectricFresnel>,
-    /// How rough metal samples directions: by the visible normals (VNDF), by all normals (NDF), or uniformly over the
-    /// hemisphere
+    /// How rough metal samples directions: by the visible normals (VNDF), by those of GGX that do not reflect below the
+    /// surface (bounded VNDF), by all normals (NDF), or uniformly over the hemisphere
     #[arg(long, value_parser = choice(NormalSampling::ALL.map(|normals| (normals.name(), "", normals))))]
     normals: Option<NormalSampling>,
     /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of

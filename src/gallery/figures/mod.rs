@@ -2,6 +2,7 @@
 //!
 //! A new figure is a file with a function `figures`, and its two lines here.
 
+mod anisotropy;
 mod audit;
 mod claims;
 mod depth;
@@ -13,7 +14,9 @@ mod fresnel;
 mod median_cut;
 mod median_cut_error;
 mod metals_table;
+mod multiple_scattering;
 mod proposal;
+mod rough_glass;
 mod roughness;
 mod sampling;
 mod scaling;
@@ -36,6 +39,9 @@ pub fn registry() -> Vec<Figure> {
         sampling::figures(),
         roughness::iron(),
         metals_table::figures(),
+        rough_glass::figures(),
+        anisotropy::figures(),
+        multiple_scattering::figures(),
         validation::figures(),
         audit::figures(),
         claims::figures(),

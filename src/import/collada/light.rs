@@ -72,7 +72,7 @@ pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Li
         }
         let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });
         let material = Material::Diffuse { albedo: Rgb::ZERO };
-        objects.push(Object { shape: Shape::Rectangle(rectangle), material, emission });
+        objects.push(Object { emission, ..Object::new(Shape::Rectangle(rectangle), material) });
         false
     };
     lights.into_iter().filter(hidden).collect()

@@ -1,13 +1,14 @@
-//! Materials: diffuse surfaces, mirrors, smooth glass and metals.
+//! Materials: diffuse surfaces, plain or coated, mirrors, glass, metals and mixtures.
 
 use super::params::Params;
 use super::reader::{GREY, Reader};
 use crate::error::{Error, Result};
 use crate::import::place::quote;
-use crate::import::rule::{DIELECTRIC_INDEX, FRACTION, Rule};
+use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::math::Rgb;
 use crate::optics::metals;
-use crate::scene::{Conductor, Distribution, Material};
+use crate::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA};
+use std::sync::Arc;
 
 impl Reader<'_> {
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
@@ -18,17 +19,14 @@ impl Reader<'_> {
                 Material::Diffuse { albedo: reflectance("Kd", GREY)? }
             }
             "diffuse" => Material::Diffuse { albedo: reflectance("reflectance", GREY)? },
+            "coateddiffuse" => coated_diffuse(p, &mut self.warnings)?,
             "mirror" => Material::Mirror { reflectance: reflectance("Kr", Rgb::splat(0.9))? },
             "glass" => {
                 let (reflectance, transmittance) = (reflectance("Kr", Rgb::ONE)?, reflectance("Kt", Rgb::ONE)?);
                 let index = p.float("index", &DIELECTRIC_INDEX)?;
-                let eta = glass_index(p)?.or(index).unwrap_or(1.5) as f32;
-                Material::Glass { reflectance, transmittance, eta }
+                Material::Dielectric(Dielectric { reflectance, transmittance, ..dielectric(p, index, remapped_v3)? })
             }
-            "dielectric" => {
-                let eta = glass_index(p)?.unwrap_or(1.5) as f32;
-                Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta }
-            }
+            "dielectric" => Material::Dielectric(dielectric(p, None, f64::sqrt)?),
             "metal" if self.setup.v2 => {
                 return Err(p
                     .at
@@ -36,49 +34,106 @@ impl Reader<'_> {
                     .with_hint("write Integrator in place of SurfaceIntegrator to have it read as pbrt-v3's"));
             }
             "metal" | "conductor" => Material::Conductor(conductor(p, &mut self.warnings)?),
-            _ => return Err(p.unsupported_kind("matte, diffuse, mirror, glass, dielectric, metal, conductor")),
+            "mix" => self.mixture(p)?,
+            _ => {
+                let kinds = "matte, diffuse, coateddiffuse, mirror, glass, dielectric, metal, conductor, mix";
+                return Err(p.unsupported_kind(kinds));
+            }
         };
-        // Where nothing is rough, there is nothing to remap.
-        p.finish(&["remaproughness"], &mut self.warnings)?;
+        p.finish(&[], &mut self.warnings)?;
         Ok(material)
     }
-}
 
-/// The index of refraction of a dielectric, whose surface must be smooth.
-fn glass_index(p: &Params) -> Result<Option<f64>> {
-    for name in ["roughness", "uroughness", "vroughness"] {
-        p.only_float(name, |x| x == 0.0, "0 (smooth)")?;
+    /// pbrt-v4's `mix` of two named materials: `amount` is the share of the second.
+    fn mixture(&self, p: &Params) -> Result<Material> {
+        let at = p.place("materials");
+        let names = p.texts("materials")?.unwrap_or_default();
+        let [first, second] = names else {
+            return Err(at.input(format!("{} needs \"string materials\" of two names", p.owner)));
+        };
+        let amount = p.float("amount", &FRACTION)?.unwrap_or(0.5) as f32;
+        let part = |name: &String, weight: f32| {
+            let known = self.materials.get(name).cloned();
+            let material = known.ok_or_else(|| at.input(format!("no material named {}", quote(name))))?;
+            Ok::<_, Error>((weight, material))
+        };
+        Ok(Material::Mixture(Arc::new([part(first, 1.0 - amount)?, part(second, amount)?])))
     }
-    p.float("eta", &DIELECTRIC_INDEX)
 }
 
-/// pbrt-v3's `metal` and pbrt-v4's `conductor`. Their microfacets are GGX's (Trowbridge and Reitz); `"string
-/// distribution" "beckmann"` is this program's own addition.
+/// A Lambertian surface under a smooth coat, whose light between coat and base is summed exactly. pbrt follows it at random,
+/// through a coat that may be rough and that absorbs.
+fn coated_diffuse(p: &Params, warnings: &mut Vec<String>) -> Result<Material> {
+    let albedo = p.rgb("reflectance", &FRACTION)?.unwrap_or(GREY);
+    let eta = p.float("eta", &DIELECTRIC_INDEX)?.unwrap_or(1.5) as f32;
+    if p.rgb("albedo", &FRACTION)?.is_some_and(|albedo| albedo != Rgb::ZERO) {
+        let message = format!("{}: a coat that scatters light is not supported", p.owner);
+        return Err(p.place("albedo").unsupported(message));
+    }
+    if roughness(p, 0.0, f64::sqrt)? != [0.0; 2] {
+        let place = ["uroughness", "vroughness", "roughness"].into_iter().find(|&name| p.has_type(name, "float"));
+        let message = format!("{}: the coat is taken as smooth", p.owner);
+        warnings.push(p.place(place.unwrap_or_default()).warning(&message));
+    }
+    // pbrt's medium has an extinction coefficient of 1.
+    let thickness = p.float("thickness", &LENGTH)?.unwrap_or(0.01);
+    if thickness > 0.0 {
+        let share = 100.0 * (1.0 - (-2.0 * thickness).exp());
+        let message =
+            format!("{}: the coat's absorption is left out: {share:.2} % straight through it and back", p.owner);
+        warnings.push(p.place("thickness").warning(&message));
+    }
+    // Settings of pbrt's random walk, without effect on its mean but for the longest paths.
+    p.float("g", &ANY)?;
+    p.integer("maxdepth", 0..=u32::MAX)?;
+    p.integer("nsamples", 0..=u32::MAX)?;
+    Ok(Material::CoatedDiffuse { albedo, eta })
+}
+
+/// A length that may be 0.
+const LENGTH: Rule = Rule(|x| x >= 0.0, "not negative");
+
+/// pbrt's `dielectric` and pbrt-v3's `glass`, whose index may have another name.
+fn dielectric(p: &Params, index: Option<f64>, remapped: fn(f64) -> f64) -> Result<Dielectric> {
+    let eta = p.float("eta", &DIELECTRIC_INDEX)?.or(index).unwrap_or(1.5) as f32;
+    let (alpha, distribution) = (roughness(p, 0.0, remapped)?, distribution(p)?);
+    Ok(Dielectric { alpha, distribution, ..Dielectric::clear(eta) })
+}
+
+/// α along u and v. Two roughnesses of 0 are a smooth surface, but for pbrt-v3's metal. Where only one α is below
+/// [`SMOOTH_ALPHA`], it is raised to that, as in pbrt.
+fn roughness(p: &Params, missing: f64, remapped: fn(f64) -> f64) -> Result<[f32; 2]> {
+    let both = p.float("roughness", &FRACTION)?.unwrap_or(missing);
+    let u = p.float("uroughness", &FRACTION)?.unwrap_or(both);
+    let v = p.float("vroughness", &FRACTION)?.unwrap_or(both);
+    let is_remapped = p.flag("remaproughness")?.unwrap_or(true);
+    if [u, v] == [0.0; 2] && p.kind != "metal" {
+        return Ok([0.0; 2]);
+    }
+    let alpha = [u, v].map(|roughness| if is_remapped { remapped(roughness) } else { roughness } as f32);
+    let is_rough = alpha[0].max(alpha[1]) >= SMOOTH_ALPHA;
+    Ok(if is_rough { alpha.map(|alpha| alpha.max(SMOOTH_ALPHA)) } else { alpha })
+}
+
+/// The microfacets are GGX's (Trowbridge and Reitz), as in pbrt; `"string distribution" "beckmann"` is this program's own
+/// addition.
+fn distribution(p: &Params) -> Result<Distribution> {
+    match p.text("distribution")? {
+        None | Some("ggx") => Ok(Distribution::Ggx),
+        Some("beckmann") => Ok(Distribution::Beckmann),
+        Some(other) => {
+            let message = format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other));
+            Err(p.place("distribution").unsupported(message))
+        }
+    }
+}
+
+/// pbrt-v3's `metal` and pbrt-v4's `conductor`.
 fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
     let eta = index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?;
     let k = index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?;
-    let v3 = p.kind == "metal";
-    let both = p.float("roughness", &FRACTION)?.unwrap_or(if v3 { 0.01 } else { 0.0 });
-    let u = p.float("uroughness", &FRACTION)?.unwrap_or(both);
-    let v = p.float("vroughness", &FRACTION)?.unwrap_or(both);
-    if u != v {
-        let message = format!("{}: roughnesses that differ are not supported: {u} and {v}", p.owner);
-        return Err(p.place("vroughness").unsupported(message));
-    }
-    let alpha = match p.flag("remaproughness")? {
-        Some(false) => u,
-        _ if v3 => remapped_v3(u),
-        _ => u.sqrt(),
-    };
-    let distribution = match p.text("distribution")? {
-        None | Some("ggx") => Distribution::Ggx,
-        Some("beckmann") => Distribution::Beckmann,
-        Some(other) => {
-            let message = format!("the distribution {} is not \"beckmann\" or \"ggx\"", quote(other));
-            return Err(p.place("distribution").unsupported(message));
-        }
-    };
-    Ok(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: true })
+    let alpha = if p.kind == "metal" { roughness(p, 0.01, remapped_v3)? } else { roughness(p, 0.0, f64::sqrt)? };
+    Ok(Conductor { alpha, two_sided: true, ..Conductor::new(eta, k, 0.0, distribution(p)?) })
 }
 
 /// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.

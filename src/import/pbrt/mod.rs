@@ -12,7 +12,7 @@
 //! | `PixelFilter` | `box` of one pixel |
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath` |
-//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric` if smooth; `metal` (not pbrt-v2's), `conductor` with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets, on both sides |
+//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor` on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
 //! | `Shape` | `sphere`, whole and round |
 //! | `LightSource` | one `infinite`, constant or with a lat-long map |
 //!

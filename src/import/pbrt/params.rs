@@ -133,6 +133,11 @@ impl Params {
         }
     }
 
+    /// A list of strings.
+    pub fn texts(&self, name: &'static str) -> Result<Option<&[String]>> {
+        Ok(self.find(name, &["string"])?.map(|param| param.texts.as_slice()))
+    }
+
     /// The name of a spectrum, if the parameter is given as one.
     pub fn spectrum(&self, name: &'static str) -> Result<Option<&str>> {
         if !self.has_type(name, "spectrum") {

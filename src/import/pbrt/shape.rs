@@ -7,27 +7,43 @@ use crate::import::mesh;
 use crate::import::place::At;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{corner_uv, simplest, sphere};
-use crate::import::transform::in_range;
+use crate::import::transform::{axis, in_range};
 use crate::scene::{Material, Mesh, Object, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
-/// Object to world, and whether the orientation is reversed with an effect on the image.
-type Setting<'a> = (&'a DMat4, bool);
+/// How a shape is placed.
+#[derive(Clone, Copy)]
+struct Setting<'a> {
+    to_world: &'a DMat4,
+    /// Whether the orientation is reversed with an effect on the image.
+    reversed: bool,
+    /// Whether triangles need texture coordinates.
+    anisotropic: bool,
+}
+
+/// pbrt's texture coordinates of a triangle without any.
+const DEFAULT_UV: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::ONE];
 
 impl Reader<'_> {
     pub(super) fn shape(&mut self, p: &Params) -> Result<()> {
-        let (material, emission, to_world) = (self.state.material, self.state.emission, self.state.transform);
+        let (material, emission, to_world) = (self.state.material.clone(), self.state.emission, self.state.transform);
         // Only emission and glass depend on the orientation.
-        let depends = emission.is_some() || matches!(material, Material::Glass { .. });
-        let setting = (&to_world, self.state.reversed && depends);
+        let depends = emission.is_some() || has_inside(&material);
+        let anisotropic = material.is_anisotropic();
+        let setting = Setting { to_world: &to_world, reversed: self.state.reversed && depends, anisotropic };
         let shape = match p.kind.as_str() {
             "sphere" => Shape::Sphere(whole_sphere(p, setting)?),
-            "trianglemesh" => simplest(triangle_mesh(p, setting, &mut self.warnings)?),
-            "plymesh" => simplest(self.ply_mesh(p, setting)?),
+            "trianglemesh" => triangles(triangle_mesh(p, setting, &mut self.warnings)?, setting),
+            "plymesh" => triangles(self.ply_mesh(p, setting)?, setting),
             _ => return Err(p.unsupported_kind("sphere, trianglemesh, plymesh")),
         };
+        if anisotropic && p.groups::<3>("S", &["vector", "vector3"])?.is_some() {
+            return Err(p
+                .place("S")
+                .unsupported(format!("{}: tangents are those of the texture coordinates", p.owner)));
+        }
         p.finish(if p.kind == "trianglemesh" { &["st", "S", "faceIndices"] } else { &[] }, &mut self.warnings)?;
-        self.objects.push(Object { shape, material, emission });
+        self.objects.push(Object { emission, axis: axis(&to_world), ..Object::new(shape, material) });
         Ok(())
     }
 
@@ -46,17 +62,32 @@ impl Reader<'_> {
     }
 }
 
+/// Whether the two sides of a surface differ.
+fn has_inside(material: &Material) -> bool {
+    match material {
+        Material::Dielectric(_) => true,
+        Material::Mixture(parts) => parts.iter().any(|(_, part)| has_inside(part)),
+        _ => false,
+    }
+}
+
+/// The simplest shape of the triangles. Those of an anisotropic surface stay a mesh, whose texture coordinates have its
+/// tangents.
+fn triangles(mesh: Mesh, setting: Setting) -> Shape {
+    if setting.anisotropic { mesh.into() } else { simplest(mesh) }
+}
+
 /// A whole sphere. A mirror image changes nothing.
-fn whole_sphere(p: &Params, (to_world, reversed): Setting) -> Result<Sphere> {
+fn whole_sphere(p: &Params, setting: Setting) -> Result<Sphere> {
     let radius = p.float("radius", &POSITIVE)?.unwrap_or(1.0);
     p.only_float("zmin", |z| z <= -radius, "a whole sphere")?;
     p.only_float("zmax", |z| z >= radius, "a whole sphere")?;
     p.only_float("phimax", |phi| phi >= 360.0, "a whole sphere")?;
-    if reversed {
+    if setting.reversed {
         let message = "ReverseOrientation of a sphere that emits light or is of glass is not supported";
         return Err(p.at.unsupported(message));
     }
-    sphere(radius, to_world, &p.at)
+    sphere(radius, setting.to_world, &p.at)
 }
 
 /// A mesh in the scene file itself.
@@ -97,9 +128,12 @@ fn place(
     normals: &[[f64; 3]],
     mut triangles: Vec<[u32; 3]>,
     mut uv: Vec<[Vec2; 3]>,
-    (to_world, reversed): Setting,
+    Setting { to_world, reversed, anisotropic }: Setting,
     at: &At,
 ) -> Result<Mesh> {
+    if anisotropic && uv.is_empty() {
+        uv = vec![DEFAULT_UV; triangles.len()];
+    }
     let point = |&p: &[f64; 3]| {
         let p = to_world.transform_point3(DVec3::from_array(p));
         in_range(p).then(|| p.as_vec3()).ok_or_else(|| at.input(format!("a vertex at {p} is out of range")))

@@ -265,6 +265,19 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// The tangent ∂p/∂u, of any length, where ray `i` has hit a surface with this normal; 0 where a mesh has none. Only
+    /// anisotropic materials ask for it. A sphere is parametrized by the angle around [`Object::axis`], a rectangle along
+    /// its first edge.
+    #[inline]
+    pub fn tangent(&self, hits: &Hits, i: usize, normal: Vec3) -> Vec3 {
+        let object = &self.objects[hits.object[i] as usize];
+        match &object.shape {
+            Shape::Sphere(_) => object.axis.cross(normal),
+            Shape::Rectangle(rectangle) => rectangle.half_sides()[0],
+            Shape::Mesh(mesh) => mesh.tangent(self.triangle(hits, i)).unwrap_or(Vec3::ZERO),
+        }
+    }
+
     /// The number, in its mesh, of the triangle that ray `i` has hit; 0 on other shapes.
     #[inline]
     pub fn triangle(&self, hits: &Hits, i: usize) -> u32 {

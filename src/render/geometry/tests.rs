@@ -154,3 +154,47 @@ fn the_tree_finds_what_one_by_one_is_found() {
     }
     assert!(differing < 5 && found.iter().all(|&count| count > 100), "{differing} {found:?}");
 }
+
+/// Rays from above at a sphere whose axis is tilted, a rectangle, a triangle with texture coordinates and one without.
+#[test]
+fn tangents_follow_the_parametrization_of_the_shape() {
+    let centre = |i: usize| Vec3::new(3.0 * i as f32, 0.0, 0.0);
+    let corners = |i: usize| vec![centre(i) - Vec3::X + Vec3::Z, centre(i) + Vec3::X + Vec3::Z, centre(i) - Vec3::Z];
+    let plain = |i: usize| Mesh::new(corners(i), Vec::new(), vec![[0, 1, 2]]).unwrap();
+    // u grows towards −z.
+    let uv = vec![[glam::Vec2::ZERO, glam::Vec2::Y, glam::Vec2::new(1.0, 0.5)]];
+    let side = Vec3::new(0.6, 0.0, 0.8);
+    let mut scene = scene([
+        Shape::Sphere(Sphere { centre: centre(0), radius: 1.0 }),
+        Shape::Rectangle(Rectangle::new(centre(1), 0.5 * side, Vec3::Y.cross(side)).unwrap()),
+        Mesh { uv, ..plain(2) }.into(),
+        plain(3).into(),
+    ]);
+    scene.objects[0].axis = Vec3::new(0.0, 0.6, 0.8);
+    for geometry in [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids)) {
+        let (mut rays, mut hits) = (Rays::default(), Hits::default());
+        let aside = Vec3::new(0.3, 0.0, 0.2);
+        for i in 0..4 {
+            set(&mut rays.origin, i, centre(i) + aside + 2.0 * Vec3::Y);
+            set(&mut rays.direction, i, Vec3::NEG_Y);
+        }
+        geometry.nearest(&rays, 4, &mut hits);
+        let tangent = |i: usize| {
+            let normal = geometry.surface(&rays, &hits, i).normal;
+            let tangent = geometry.tangent(&hits, i, normal);
+            assert!(tangent.dot(normal).abs() < 1e-6, "{i}: {tangent}");
+            tangent.normalize_or_zero()
+        };
+        // On the sphere, a turn by a small angle around its axis moves the point along the tangent.
+        let at = geometry.surface(&rays, &hits, 0).position;
+        let turned = glam::Quat::from_axis_angle(scene.objects[0].axis, 1e-2) * at;
+        assert!((turned - at).normalize().distance(tangent(0)) < 1e-2);
+        assert!(
+            tangent(1).distance(side) < 1e-6 && tangent(2).distance(Vec3::NEG_Z) < 1e-6,
+            "{} {}",
+            tangent(1),
+            tangent(2)
+        );
+        assert_eq!(tangent(3), Vec3::ZERO);
+    }
+}

@@ -9,18 +9,21 @@ use crate::render::departure::{Departure, LightSamples};
 use crate::render::geometry::Surface;
 use crate::render::lanes::{Hits, LANES, ZERO3, at, set};
 use crate::render::light_tracing::{delta_ratio, projected};
+use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::render::shading_normal;
 use glam::Vec3;
 
 /// A hit on a surface that is not diffuse, if it scatters light on this side.
-pub fn collect(shader: &SurfaceShader, surface: Surface, paths: &Paths, i: usize, object: u32) -> Option<Vertex> {
+pub fn collect(scene: &PreparedScene, paths: &Paths, hits: &Hits, i: usize) -> Option<Vertex> {
+    let object = hits.object[i];
+    let shader = &scene.shaders[object as usize];
     let wo = -at(&paths.rays.direction, i);
-    let surface = shader.facing(surface, wo);
+    let surface = shader.facing(scene.geometry.surface(&paths.rays, hits, i), wo);
     if surface.normal.dot(wo) < 0.0 && shader.kind != Kind::Transmitting {
         return None;
     }
-    let frame = surface.frame(wo);
+    let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
     // Light paths do not scatter at surfaces that are not reciprocal.
     let light_tracing = if shader.bsdf.is_reciprocal() { paths.departure[i].light_tracing } else { 0.0 };
     Some(Vertex {
@@ -108,7 +111,13 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         slots[i] = vertex.slot;
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, &u, vertices.len(), scattered);
+    // A BSDF of one lobe has nothing to choose.
+    let mut choice = [[0.0; LANES]; 2];
+    if shader.bsdf.lobes().len() > 1 {
+        numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
+    }
+    let random = (&choice[0], &u);
+    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, random, vertices.len(), scattered);
     if is_sampled && step.needs_reverse_pdf(&shader.bsdf) {
         rough::reverse_pdf_many(scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
     }
@@ -116,8 +125,7 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         let sample = if is_sampled {
             scattered.sample(i)
         } else {
-            let [uc, _] = numbers.short_pair(vertex.slot, dimensions.choice(), (0, 1));
-            shader.bsdf.sample(vertex.wo, uc, [u[0][i], u[1][i]])
+            shader.bsdf.sample(vertex.wo, choice[0][i], [u[0][i], u[1][i]])
         };
         let Some(sample) = sample else { continue };
         let wi = vertex.frame.to_world(sample.wi);

@@ -180,8 +180,7 @@ fn sort(scene: &PreparedScene, is_first: bool, paths: &Paths, hits: &Hits, sorte
             }
             Kind::Delta => delta.push(i as u32),
             Kind::Reflecting | Kind::Transmitting => {
-                let surface = scene.geometry.surface(&paths.rays, hits, i);
-                general.extend(general::collect(shader, surface, paths, i, object));
+                general.extend(general::collect(scene, paths, hits, i));
             }
         }
     }

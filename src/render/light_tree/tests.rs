@@ -185,7 +185,7 @@ fn bounds_of_area_lights_hold_what_they_emit() {
     let sphere = Shape::Sphere(Sphere { centre: -Vec3::ONE, radius: 0.5 });
     let objects = [Shape::Rectangle(rectangle), sphere].map(|shape| {
         let emission = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
-        Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }
+        Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }
     });
     let scene = Scene { objects: objects.into(), lights: Vec::new(), environment: None, ..scene };
     let lights = Sampled::all(&scene, &Settings::default(), &[]);

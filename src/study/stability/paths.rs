@@ -7,7 +7,8 @@ use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
-    Camera, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape,
+    Camera, Dielectric, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel,
+    Scene, Shape,
 };
 use glam::{DVec3, Vec3};
 
@@ -61,7 +62,7 @@ fn closed_box() -> Result<Scene> {
         let shape =
             Shape::Rectangle(rectangle.ok_or_else(|| Error::parameter("wall", "its sides are not perpendicular"))?);
         let emission = Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled };
-        Ok(Object { shape, material: Material::Diffuse { albedo: Rgb::ONE }, emission: Some(emission) })
+        Ok(Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ONE }) })
     };
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let walls = (0..6).map(|i| {
@@ -93,7 +94,7 @@ fn walks(workload: &Workload, seed: u64) -> ErrorRow {
     let materials = [
         Material::Diffuse { albedo: white },
         Material::Mirror { reflectance: white },
-        Material::Glass { reflectance: white, transmittance: white, eta: ETA },
+        Material::Dielectric(Dielectric::clear(ETA)),
     ]
     .map(|material| material.bsdf(ScatterModel::default()));
     let mut row = ErrorRow::new("walks", STABLE, Precision::Single);

@@ -162,9 +162,9 @@ fn lights_without_a_surface() {
 
 #[test]
 fn materials_in_the_spelling_of_every_version() {
-    let material = |text: &str| objects(&format!("Material {text} Shape \"sphere\""))[0].material;
+    let material = |text: &str| objects(&format!("Material {text} Shape \"sphere\""))[0].material.clone();
     assert_eq!(material("\"mirror\" \"rgb Kr\" [1 .5 0]"), Material::Mirror { reflectance: Rgb::new(1.0, 0.5, 0.0) });
-    let glass = |eta| Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta };
+    let glass = |eta| Material::Dielectric(Dielectric::clear(eta));
     for (text, eta) in [
         ("\"glass\"", 1.5),
         ("\"glass\" \"float index\" 1.25", 1.25),
@@ -176,7 +176,7 @@ fn materials_in_the_spelling_of_every_version() {
     }
     let (reflectance, transmittance) = (Rgb::splat(0.5), Rgb::new(1.0, 0.0, 0.0));
     let tinted = material("\"glass\" \"rgb Kr\" [.5 .5 .5] \"rgb Kt\" [1 0 0]");
-    assert_eq!(tinted, Material::Glass { reflectance, transmittance, eta: 1.5 });
+    assert_eq!(tinted, Material::Dielectric(Dielectric { reflectance, transmittance, ..Dielectric::clear(1.5) }));
     let conductor = |text: &str| match material(text) {
         Material::Conductor(conductor) => conductor,
         other => panic!("{other:?}"),
@@ -186,17 +186,81 @@ fn materials_in_the_spelling_of_every_version() {
          \"string distribution\" \"beckmann\"",
     );
     let (eta, k) = (Rgb::new(0.2, 0.4, 1.3), Rgb::new(3.0, 2.0, 1.0));
-    assert_eq!(gold, Conductor { eta, k, alpha: 0.25, distribution: Distribution::Beckmann, two_sided: true });
+    assert_eq!(gold, Conductor { two_sided: true, ..Conductor::new(eta, k, 0.25, Distribution::Beckmann) });
     let v4 = conductor("\"conductor\" \"float uroughness\" .25 \"float vroughness\" .25");
-    assert_eq!((v4.alpha, v4.distribution), (0.5, Distribution::Ggx), "the square root");
-    assert_eq!(conductor("\"conductor\"").alpha, 0.0);
+    assert_eq!((v4.alpha, v4.distribution), ([0.5; 2], Distribution::Ggx), "the square root");
+    assert_eq!(conductor("\"conductor\"").alpha, [0.0; 2]);
     let v3 = conductor("\"metal\" \"float roughness\" 1");
-    assert_eq!((v3.alpha, v3.distribution), (1.62142, Distribution::Ggx), "the polynomial");
-    assert!((conductor("\"metal\"").alpha - 0.138_924).abs() < 1e-6, "0.01");
+    assert_eq!((v3.alpha, v3.distribution), ([1.62142; 2], Distribution::Ggx), "the polynomial");
+    assert!((conductor("\"metal\"").alpha[0] - 0.138_924).abs() < 1e-6, "0.01");
     // Copper where nothing is said, and metals by name; both are noted.
     let named = in_world("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\"");
     let warnings = read(&named).unwrap().warnings;
     assert!(warnings[0].contains("eta is gold's at 614, 549 and 466 nm"), "{warnings:?}");
     assert!(warnings[1].contains("k is copper's"), "{warnings:?}");
     assert_eq!(conductor("\"conductor\" \"spectrum k\" \"metal-Ag-k\"").k, Rgb::new(4.1283, 3.5892, 2.8132));
+}
+
+#[test]
+fn rough_surfaces_may_be_anisotropic() {
+    let material = |text: &str| objects(&format!("Material {text} Shape \"sphere\""))[0].material.clone();
+    let glass = |alpha| Material::Dielectric(Dielectric { alpha, ..Dielectric::clear(1.5) });
+    for (text, expected) in [
+        ("\"dielectric\" \"float roughness\" .25", glass([0.5; 2])),
+        ("\"dielectric\" \"float uroughness\" .25 \"float roughness\" .01", glass([0.5, 0.1])),
+        ("\"dielectric\" \"float vroughness\" .3 \"bool remaproughness\" false", glass([1e-4, 0.3])),
+        ("\"glass\" \"float uroughness\" 1 \"float vroughness\" 1", glass([1.62142; 2])),
+        ("\"glass\" \"float roughness\" 0 \"bool remaproughness\" true", glass([0.0; 2])),
+    ] {
+        assert_eq!(material(text), expected, "{text}");
+    }
+    let metal = "\"conductor\" \"float uroughness\" .25 \"float vroughness\" .04";
+    let Material::Conductor(conductor) = material(metal) else { panic!("{metal}") };
+    assert_eq!(conductor.alpha, [0.5, 0.2]);
+    assert!(material(metal).is_anisotropic() && !material("\"conductor\"").is_anisotropic());
+    // Tangents: a sphere's axis, texture coordinates, and pbrt's where there are none, also for the triangle of a mirror image.
+    let axis = |turn: &str| objects(&format!("{turn} Material {metal} Shape \"sphere\""))[0].axis;
+    assert_eq!((axis(""), axis("Rotate -90 1 0 0")), (Vec3::Z, Vec3::Y));
+    let square = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0]";
+    let diagonal = Vec3::new(1.0, 1.0, 0.0).normalize();
+    for (before, uv, tangents) in [
+        ("", "", [Vec3::X, diagonal]),
+        ("Scale 1 1 -1", "", [Vec3::X, diagonal]),
+        ("", "\"point2 uv\" [0 0 0 1 1 1 1 0]", [Vec3::Y; 2]),
+    ] {
+        let made = objects(&format!("{before} Material {metal} {square} {uv}"));
+        let Shape::Mesh(mesh) = &made[0].shape else { panic!("{made:?}") };
+        for (triangle, expected) in tangents.into_iter().enumerate() {
+            let tangent = mesh.tangent(triangle as u32).unwrap();
+            assert!(tangent.distance(expected) < 1e-6, "{before} {uv}: {tangent}");
+        }
+    }
+    assert!(matches!(objects(&format!("Material \"conductor\" {square}"))[0].shape, Shape::Rectangle(_)));
+}
+
+#[test]
+fn coats_and_mixtures() {
+    let coat = |text: &str| {
+        let imported = read(&in_world(&format!("Material \"coateddiffuse\" {text} Shape \"sphere\""))).unwrap();
+        (imported.scene.objects[0].material.clone(), imported.warnings)
+    };
+    let (material, warnings) = coat("\"rgb reflectance\" [.25 .5 1] \"float eta\" 1.4 \"float thickness\" 0");
+    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::new(0.25, 0.5, 1.0), eta: 1.4 });
+    assert!(!warnings.iter().any(|warning| warning.contains("coat")), "{warnings:?}");
+    let (material, warnings) = coat("\"float roughness\" .1");
+    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 });
+    let about = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
+    assert_eq!([about("taken as smooth"), about("1.98 %")], [1, 1], "{warnings:?}");
+
+    let named =
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"mirror\"";
+    let mixture = |amount: &str| {
+        objects(&format!("{named} Material \"mix\" \"string materials\" [\"a\" \"b\"] {amount} Shape \"sphere\""))[0]
+            .material
+            .clone()
+    };
+    let (a, b) = (Material::Diffuse { albedo: Rgb::splat(0.5) }, Material::Mirror { reflectance: Rgb::splat(0.9) });
+    for (amount, weight) in [("", 0.5), ("\"float amount\" .25", 0.25)] {
+        assert_eq!(mixture(amount), Material::Mixture([(1.0 - weight, a.clone()), (weight, b.clone())].into()));
+    }
 }

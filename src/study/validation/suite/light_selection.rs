@@ -90,7 +90,7 @@ fn lights(count: usize) -> Vec<Sampled> {
         let falloff = Falloff::InverseSquare;
         match shape {
             Some(shape) => {
-                scene.objects.push(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission });
+                scene.objects.push(Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) });
             }
             None => scene.lights.push(Light::Point { position: centre, intensity: radiance * size * size, falloff }),
         }

@@ -112,7 +112,10 @@ fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
 
 fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
     let emission = Emission { radiance: Rgb::ONE, two_sided, visibility: EmitterVisibility::Sampled };
-    light_of(Some(Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission: Some(emission) }), None)
+    light_of(
+        Some(Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }),
+        None,
+    )
 }
 
 /// Samples towards a light, as the kernel takes them of one light and of lights chosen for each hit, mapped to points of a

@@ -1,0 +1,81 @@
+//! Glass of increasing roughness: what is seen through it, and its caustic.
+
+use super::object_ids::{Kind, ObjectIdBuffer};
+use super::pixel_mean::{Mean, inside};
+use super::roughness::brightest_percent;
+use crate::error::Result;
+use crate::raster::Image;
+use crate::render::{Kernel, Sampling, Settings, Silent, render};
+use crate::scene::{Material, Request, Scene};
+use serde::Serialize;
+
+/// Results of one roughness: a row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct GlassRow {
+    /// Width of the distribution of normals.
+    pub alpha: f32,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Pixels that show glass.
+    pub glass_pixels: usize,
+    /// Their mean radiance, of all channels.
+    pub glass: f64,
+    /// The same by the reference path tracer, with fewer samples.
+    pub glass_by_reference: f64,
+    /// The difference in standard errors, of the channel where it is largest.
+    pub z: f64,
+    /// Share of the light on the walls that comes from the brightest hundredth of their pixels, where the caustic is.
+    pub brightest_percent: f64,
+    /// Samples that were not finite or negative.
+    pub dropped: u64,
+}
+
+/// An image with its statistics.
+pub struct GlassRender {
+    /// Its row of the table.
+    pub row: GlassRow,
+    /// The glass's mean radiance.
+    pub glass: Mean,
+    /// The render.
+    pub image: Image,
+}
+
+/// A scene whose glass has the roughness `alpha`.
+pub fn with_alpha(scene: &Scene, alpha: f32) -> Scene {
+    let mut scene = scene.clone();
+    for object in &mut scene.objects {
+        if let Material::Dielectric(glass) = &mut object.material {
+            glass.alpha = [alpha; 2];
+        }
+    }
+    scene
+}
+
+/// Renders the scene with glass of roughness `alpha`, and with an eighth of the samples by the reference path tracer.
+///
+/// # Errors
+/// Those of the renders.
+pub fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha: f32) -> Result<GlassRender> {
+    let scene = with_alpha(scene, alpha);
+    let rendered = render(&scene, request, settings, &Silent)?;
+    let objects = ObjectIdBuffer::new(&scene, request);
+    let mask = objects.mask(Kind::Glass);
+    let glass = Mean::of(&rendered.part.film, &mask);
+    let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
+    let seed = settings.seed.wrapping_add(1);
+    let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
+    let reference = Mean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
+    let walls = objects.mask(Kind::Diffuse);
+    let light = inside(rendered.image.pixels(), &walls).map(|p| f64::from(p.element_sum())).collect();
+    let row = GlassRow {
+        alpha,
+        spp: request.spp,
+        glass_pixels: glass.pixels,
+        glass: glass.mean_rgb(),
+        glass_by_reference: reference.mean_rgb(),
+        z: glass.z(&reference),
+        brightest_percent: brightest_percent(light),
+        dropped: rendered.dropped.total(),
+    };
+    Ok(GlassRender { row, glass, image: rendered.image })
+}
