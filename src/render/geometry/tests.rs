@@ -171,7 +171,7 @@ fn tangents_follow_the_parametrization_of_the_shape() {
         plain(3).into(),
     ]);
     scene.objects[0].axis = Vec3::new(0.0, 0.6, 0.8);
-    for geometry in [true, false].map(|few_solids| Geometry::prepare(&scene, true, few_solids)) {
+    for geometry in [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()])) {
         let (mut rays, mut hits) = (Rays::default(), Hits::default());
         let aside = Vec3::new(0.3, 0.0, 0.2);
         for i in 0..4 {
