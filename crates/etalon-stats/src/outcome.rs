@@ -3,7 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
-use crate::text::count;
+use crate::text::{count, p_value};
 use std::fmt;
 
 /// The decision on a test.
@@ -78,6 +78,8 @@ pub struct Outcome {
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
     pub inconclusive_reason: Option<String>,
+    /// Where observed and expected differ most, in words; of a test whose p-value is small.
+    pub diagnosis: Option<String>,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
     /// The counts behind it.
@@ -117,6 +119,12 @@ impl Outcome {
         self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
     }
 
+    /// The diagnosis, if the verdict is [`Verdict::Reject`].
+    #[must_use]
+    pub fn told(&self) -> Option<&str> {
+        self.diagnosis.as_deref().filter(|_| self.verdict == Verdict::Reject)
+    }
+
     /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
     fn combine(&mut self, second: &Self) {
         if let Some(second) = second.p {
@@ -135,13 +143,13 @@ impl fmt::Display for Outcome {
         write!(f, "{}", self.verdict)?;
         if let Some(p) = self.p {
             let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
-            write!(f, ": chi² = {:.1}, {freedom}, p = {p:.3e}", self.statistic)?;
+            write!(f, ": chi² = {:.1}, {freedom}, {}", self.statistic, p_value(p))?;
         }
         write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
             write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
         }
-        self.remark().map_or(Ok(()), |remark| write!(f, ": {remark}"))
+        [self.remark(), self.told()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
     }
 }
 

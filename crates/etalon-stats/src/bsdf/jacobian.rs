@@ -1,0 +1,80 @@
+//! The Jacobian by finite differences: what a lobe's map does to the area of the unit square, times its pdf, is 1.
+
+use super::contract::{BsdfSample, Direction, PdfKind};
+use super::subject::{Comparison, Subject};
+use super::vector::{cross, length};
+use crate::outcome::Outcome;
+use rand::RngExt;
+
+/// Points at which the derivative is taken.
+const POINTS: usize = 64;
+/// The largest and the smallest step, as powers of ½.
+const STEPS: std::ops::Range<i32> = 3..14;
+/// Random numbers are multiples of this, so that steps from them are exact in single precision.
+const RASTER: f64 = (1u64 << 16) as f64;
+/// Rounding of a sampled direction, in units of the last place of 1.
+const ROUNDING: f64 = 4.0;
+/// A derivative with a larger error than this says nothing.
+const COARSEST: f64 = 0.1;
+/// Fewer points than this say nothing.
+const FEWEST: u64 = 8;
+
+/// Compares pdf · |∂wi/∂u₁ × ∂wi/∂u₂| with the probability of choosing the lobe by other random numbers.
+///
+/// Each derivative comes from central differences at several steps, extrapolated to step 0 (Richardson); of these the one with
+/// the smallest error counts, where the error is the change by extrapolation plus rounding over the step.
+pub fn check(subject: &Subject) -> Option<Outcome> {
+    let Subject { bsdf, properties, wo, .. } = subject;
+    let axes = properties.map.filter(|_| properties.pdf == PdfKind::Exact)?;
+    let (mut found, mut used, mut applies) = (Comparison::default(), 0, false);
+    let mut rng = subject.random(2, 0);
+    for _ in 0..POINTS {
+        let mut u: Vec<f64> = (0..properties.dimension).map(|_| rng.random::<f64>()).collect();
+        axes.iter().for_each(|&axis| u[axis] = (u[axis] * RASTER).floor() / RASTER);
+        let Some(sample) = bsdf.sample(*wo, &u).filter(|sample| !sample.is_delta()) else { continue };
+        let Some(pdf) = bsdf.lobe_pdf(*wo, sample.wi, sample.lobe) else { continue };
+        applies = true;
+        let [first, second] = axes.map(|axis| derivative(subject, &sample, &u, axis));
+        let (Some((a, da)), Some((b, db))) = (first, second) else { continue };
+        let area = length(cross(a, b));
+        let error = (da * length(b) + db * length(a)) / area;
+        if error.is_nan() || error > COARSEST {
+            continue;
+        }
+        used += 1;
+        let product = pdf * area / sample.lobe_probability;
+        let rounding = || {
+            let of = |o: Direction, i: Direction| bsdf.lobe_pdf(o, i, sample.lobe).unwrap_or(f64::NAN);
+            error + subject.rounding(pdf, [*wo, sample.wi], of) / pdf
+        };
+        let message = || format!("{}, u = {u:?}, lobe {}", subject.at(sample.wi), sample.lobe);
+        found.equal([product, 1.0], error, rounding, message);
+    }
+    let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| used >= FEWEST);
+    let reason = "the map is too steep for finite differences in its precision".to_owned();
+    let undecided = || Outcome { inconclusive_reason: Some(reason), ..Outcome::open(used) };
+    applies.then(|| outcome.unwrap_or_else(undecided))
+}
+
+/// The derivative of the sampled direction by one random number, and the bound of its error; `None` at the edge of the lobe.
+fn derivative(subject: &Subject, sample: &BsdfSample, u: &[f64], axis: usize) -> Option<(Direction, f64)> {
+    let at = |step: f64| {
+        let mut u = u.to_vec();
+        u[axis] += step;
+        let inside = (0.0..1.0).contains(&u[axis]);
+        let moved = subject.bsdf.sample(subject.wo, &u).filter(|_| inside)?;
+        (moved.lobe == sample.lobe && !moved.is_delta()).then_some(moved.wi)
+    };
+    let central = |step: f64| {
+        let (before, after) = (at(-step)?, at(step)?);
+        Some([0, 1, 2].map(|i| (after[i] - before[i]) / (2.0 * step)))
+    };
+    let of_step = |power: i32| {
+        let step = 0.5f64.powi(power);
+        let (coarse, fine) = (central(step)?, central(0.5 * step)?);
+        let value = [0, 1, 2].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
+        let truncation = length([0, 1, 2].map(|i| value[i] - fine[i]));
+        Some((value, truncation + ROUNDING * subject.properties.precision / step))
+    };
+    STEPS.filter_map(of_step).min_by(|a, b| a.1.total_cmp(&b.1))
+}
