@@ -81,7 +81,7 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
     if let Some(remark) = outcome.remark() {
         let _ = writeln!(text, "reason: {remark}");
     }
-    if let Some(diagnosis) = outcome.told() {
+    if let Some(diagnosis) = &outcome.diagnosis {
         let _ = writeln!(text, "{diagnosis}");
     }
     if let Some(counts) = outcome.counts.as_ref().filter(|_| !outcome.is_accepted()) {

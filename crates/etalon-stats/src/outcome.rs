@@ -78,7 +78,7 @@ pub struct Outcome {
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
     pub inconclusive_reason: Option<String>,
-    /// Where observed and expected differ most, in words; of a test whose p-value is small.
+    /// Where observed and expected differ most, in words, if the test rejects; until [`decide`] has been called, if it may.
     pub diagnosis: Option<String>,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
@@ -119,12 +119,6 @@ impl Outcome {
         self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
     }
 
-    /// The diagnosis, if the verdict is [`Verdict::Reject`].
-    #[must_use]
-    pub fn told(&self) -> Option<&str> {
-        self.diagnosis.as_deref().filter(|_| self.verdict == Verdict::Reject)
-    }
-
     /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
     fn combine(&mut self, second: &Self) {
         if let Some(second) = second.p {
@@ -149,7 +143,7 @@ impl fmt::Display for Outcome {
         if let Some(w) = self.detectable {
             write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
         }
-        [self.remark(), self.told()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
+        [self.remark(), self.diagnosis.as_deref()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
     }
 }
 
@@ -185,6 +179,7 @@ pub fn decide<E>(
         } else {
             Verdict::Accept
         };
+        outcome.diagnosis.take_if(|_| outcome.verdict != Verdict::Reject);
     }
     Ok(())
 }

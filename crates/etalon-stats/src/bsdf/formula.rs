@@ -25,8 +25,8 @@ pub fn check(subject: &Subject) -> Option<Outcome> {
                     continue;
                 }
                 let f = subject.eval(wi);
-                for channel in 0..properties.channels {
-                    let sides = [sample.weight[channel] * pdf, f[channel] * wi[2].abs()];
+                for (channel, f) in f.into_iter().enumerate().take(properties.channels) {
+                    let sides = [sample.weight[channel] * pdf, f * wi[2].abs()];
                     // The weight may be computed without f: its rounding is that of f/pdf at directions a last place away.
                     let rounding = || {
                         subject.rounding(sides[1], [*wo, wi], |o, i| bsdf.eval(o, i, &[])[channel] * i[2].abs())
