@@ -7,6 +7,7 @@ mod run;
 mod select;
 mod shared;
 pub mod suite;
+mod whole;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::{Case, DirectionSampler, direction_sampler};
