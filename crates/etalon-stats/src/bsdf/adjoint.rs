@@ -17,7 +17,11 @@ pub fn check(subject: &Subject) -> Option<Outcome> {
             let back = bsdf.eval(wi, *wo, &[]);
             for channel in 0..properties.channels {
                 let sides = [adjoint[channel], back[channel]];
-                let rounding = || subject.rounding(back[channel], [wi, *wo], |a, b| bsdf.eval(a, b, &[])[channel]);
+                let adjoint_at = |a, b| bsdf.eval_adjoint(a, b).map_or(f64::NAN, |f| f[channel]);
+                let rounding = || {
+                    subject.rounding(back[channel], [wi, *wo], |a, b| bsdf.eval(a, b, &[])[channel])
+                        + subject.rounding(adjoint[channel], [*wo, wi], adjoint_at)
+                };
                 let message = || format!("{} (value for importance, f(wi, wo))", subject.at(wi));
                 found.equal(sides, subject.last_places(sides[1]), rounding, message);
             }

@@ -102,7 +102,7 @@ pub fn faults() -> Vec<PlantedFault> {
         fault(
             "bsdf-conductor/negative-fresnel",
             ValueAndWeight(|m, o, i| {
-                m.pair(o, i).map_or(0.0, |p| m.value(o, i, &p, m.g2(o, i), 0.02 - (0.5 * p.cos_o).powi(6)))
+                m.pair(o, i).map_or(0.0, |p| m.value(o, i, &p, m.g2(o, i), 0.5 - p.cos_o.powi(6)))
             }),
             "a polynomial fit of F that is negative near normal incidence",
         ),

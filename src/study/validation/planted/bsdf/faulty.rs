@@ -4,6 +4,7 @@ use super::super::fault::PlantedFault;
 use crate::study::validation::case::Case;
 use crate::study::validation::whole;
 use etalon_stats::bsdf::{Bsdf, BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
+use etalon_stats::{Protocol, SampleCount};
 
 /// A value for two directions, in place of the right one.
 pub type Value<M> = fn(&M, Direction, Direction) -> f64;
@@ -171,7 +172,12 @@ pub fn planted<M: Bsdf + Copy + 'static>(
     let case = move |kind: &str, change: Option<Change<M>>| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             let wos: Vec<Direction> = degrees.iter().map(|&degrees| towards(degrees)).collect();
-            whole::examine(&Faulty { right: right(), change }, &wos, protocol, round)
+            // The mistakes are larger than what the tests of samplers look for.
+            let samples = match protocol.samples {
+                SampleCount::Detect(error) => SampleCount::Detect((2.0 * error).min(1.0)),
+                fixed @ SampleCount::Fixed(_) => fixed,
+            };
+            whole::examine(&Faulty { right: right(), change }, &wos, &Protocol { samples, ..*protocol }, round)
         })
     };
     PlantedFault { name, mistake, faulty: case("planted", Some(change)), sound: case("sound", None) }

@@ -33,7 +33,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "bsdf-limit/index-of-one",
             |faulty, protocol| {
                 let index = if faulty { 1.0 + 0.1 } else { 1.0 + 1e-6 };
-                let rough = Rough { alpha: [0.3; 2], facets: Facets::Dielectric(index) };
+                let rough = Rough { alpha: [0.01; 2], facets: Facets::Dielectric(index) };
                 same_light(&rough, &Glass { index: 1.0 + 1e-9 }, towards(50.0), 2e-3, protocol)
             },
             "η clamped to 1.1, where η → 1 should become no boundary",

@@ -27,14 +27,14 @@ impl Bsdf for Lambertian {
         [if wo[2] > 0.0 && wi[2] > 0.0 { self.albedo * FRAC_1_PI } else { 0.0 }; 3]
     }
 
-    fn pdf(&self, _: Direction, wi: Direction) -> f64 {
-        wi[2].max(0.0) * FRAC_1_PI
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        if wo[2] > 0.0 { wi[2].max(0.0) * FRAC_1_PI } else { 0.0 }
     }
 
     fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
         let wi = cosine([u[1], u[2]]);
         let pdf = self.pdf(wo, wi);
-        (pdf > 0.0 && wo[2] > 0.0).then(|| BsdfSample::new(wi, [self.albedo; 3], Density::Pdf(pdf)))
+        (pdf > 0.0).then(|| BsdfSample::new(wi, [self.albedo; 3], Density::Pdf(pdf)))
     }
 
     fn albedo(&self, wo: Direction) -> Option<Spectrum> {
