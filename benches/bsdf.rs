@@ -10,7 +10,7 @@ use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
 use etalon::sampling::normals::SampleNormals;
 use etalon::sampling::stream::{Independent, Stream};
 use etalon::sampling::warp::cosine_hemisphere;
-use etalon::scene::{Conductor, Material, ScatterModel};
+use etalon::scene::{Conductor, Dielectric, Material, ScatterModel};
 use glam::Vec3;
 use std::hint::black_box;
 use std::time::Duration;
@@ -76,23 +76,23 @@ fn materials(c: &mut Criterion) {
     let exact = ScatterModel::default();
     let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..exact };
     let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, 1.45);
-    let glass = Material::Glass { reflectance, transmittance, eta };
+    let glass = Material::Dielectric(Dielectric::clear(eta));
     let mut measured = vec![
         material(&mut group, "diffuse", Material::Diffuse { albedo: Rgb::ONE }, exact),
         material(&mut group, "mirror", Material::Mirror { reflectance }, exact),
         material(&mut group, "refraction", Material::Refraction { transmittance, eta }, exact),
-        material(&mut group, "glass", glass, exact),
+        material(&mut group, "glass", glass.clone(), exact),
         material(&mut group, "report glass", glass, report),
     ];
     for distribution in [Distribution::Beckmann, Distribution::Ggx] {
         let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
-        let metal = Material::Conductor(Conductor { eta, k, alpha: 0.25, distribution, two_sided: false });
+        let metal = Material::Conductor(Conductor::new(eta, k, 0.25, distribution));
         for normals in [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere] {
             let model = ScatterModel { normals, ..exact };
-            measured.push(material(&mut group, &format!("{distribution:?} {normals:?}"), metal, model));
+            measured.push(material(&mut group, &format!("{distribution:?} {normals:?}"), metal.clone(), model));
         }
         if distribution == Distribution::Beckmann {
-            measured.push(material(&mut group, "report metal", metal, report));
+            measured.push(material(&mut group, "report metal", metal.clone(), report));
         }
     }
     for (name, _) in bsdf::ALL {

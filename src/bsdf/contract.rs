@@ -47,8 +47,8 @@ pub struct BsdfSample {
     pub pdf: f32,
     /// The lobe that it comes from.
     pub lobe: Lobe,
-    /// The probability with which the lobe was chosen, [`Scatter::lobe_probability`]. `weight` is divided by it, and for
-    /// other than delta lobes `pdf` has it as a factor.
+    /// The probability with which the lobe was chosen: of delta lobes [`Scatter::lobe_probability`]. `weight` is divided by it,
+    /// and the pdf within the lobe has it as a factor in `pdf`.
     pub probability: f32,
     /// The index of refraction on the side of `wi` over that on the side of `wo`: 1 unless transmitted. Radiance changes by
     /// 1/η² across the interface.
@@ -80,12 +80,35 @@ impl BsdfSample {
     pub fn is_delta(&self) -> bool {
         self.lobe.is_delta()
     }
+
+    /// The sample of the adjoint: see [`Scatter::sample_adjoint`].
+    #[inline]
+    #[must_use]
+    pub(crate) fn adjoint(self) -> Self {
+        Self { weight: self.weight * (self.eta * self.eta), ..self }
+    }
+
+    /// The sample of a BSDF without delta lobes, `None` where its pdf is 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn if_possible(self) -> Option<Self> {
+        (self.pdf > 0.0).then_some(self)
+    }
+}
+
+/// A BSDF without delta lobes as straight-line arithmetic, so that a loop over it vectorizes.
+pub trait Vectorizable {
+    /// [`Scatter::sample`]; where there is no sample the weight and the pdf are 0.
+    fn sample_lane(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> BsdfSample;
+
+    /// [`Scatter::eval_pdf`].
+    fn eval_pdf_lane(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
 }
 
 /// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
-    fn lobes(&self) -> &'static [Lobe];
+    fn lobes(&self) -> &[Lobe];
 
     /// Whether all lobes are delta distributions, so that light sampling contributes nothing.
     fn is_delta(&self) -> bool {
@@ -121,9 +144,9 @@ pub trait Scatter {
     /// that carries no light.
     fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample>;
 
-    /// The probability with which [`sample`](Self::sample) chooses a lobe for `wo`.
+    /// The probability with which [`sample`](Self::sample) chooses a delta lobe for `wo`; 0 of other lobes.
     fn lobe_probability(&self, _wo: Vec3, lobe: Lobe) -> f32 {
-        f32::from(u8::from(self.lobes().contains(&lobe)))
+        f32::from(u8::from(lobe.is_delta() && self.lobes().contains(&lobe)))
     }
 
     /// Whether f(wi, wo) = f(wo, wi), apart from refraction's η², so that paths may start at either end.
@@ -138,7 +161,6 @@ pub trait Scatter {
     /// Methods for Light Transport Simulation", 1997, 5.2.
     #[inline]
     fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let sample = self.sample(wo, uc, u)?;
-        Some(BsdfSample { weight: sample.weight * (sample.eta * sample.eta), ..sample })
+        self.sample(wo, uc, u).map(BsdfSample::adjoint)
     }
 }

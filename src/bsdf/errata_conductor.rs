@@ -44,7 +44,7 @@ impl ErrataConductor {
         if !self.conventions.lambda_with_pi {
             return self.distribution.lambda(w.to_array());
         }
-        lambda_with_pi(w.z / (self.distribution.alpha * w.truncate().length()))
+        lambda_with_pi(w.z / (self.distribution.widths().along_x() * w.truncate().length()))
     }
 
     /// Pdf of the direction that `facet` reflects to, D cos θₘ / (4 wo·m).

@@ -13,15 +13,17 @@ mod diffuse;
 mod errata_conductor;
 mod mirror;
 mod rough_conductor;
+mod rough_dielectric;
 
 pub use conductor_fresnel::ConductorFresnel;
-pub use contract::{BsdfSample, Lobe, Scatter};
+pub use contract::{BsdfSample, Lobe, Scatter, Vectorizable};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
 pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
 pub use mirror::{Mirror, SmoothConductor};
 pub(crate) use rough_conductor::Facet;
-pub use rough_conductor::{NormalSampling, RoughConductor};
+pub use rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
+pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric};
 
 use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Ggx};
@@ -31,7 +33,7 @@ use glam::Vec3;
 macro_rules! bsdfs {
     ($($(#[doc = $doc:literal])+ $variant:ident($bsdf:ty) = $name:literal,)*) => {
         /// Any BSDF, its constants computed once.
-        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[derive(Debug, Clone, PartialEq)]
         pub enum Bsdf {
             $($(#[doc = $doc])+ $variant($bsdf),)*
         }
@@ -50,7 +52,7 @@ macro_rules! bsdfs {
         }
 
         impl Scatter for Bsdf {
-            fn lobes(&self) -> &'static [Lobe] {
+            fn lobes(&self) -> &[Lobe] {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.lobes(),)*
                 }
@@ -132,6 +134,10 @@ bsdfs! {
     Beckmann(RoughConductor<Beckmann<f32>>) = "beckmann",
     /// A rough conductor of the GGX distribution.
     Ggx(RoughConductor<Ggx<f32>>) = "ggx",
+    /// A rough dielectric boundary of Beckmann's distribution.
+    BeckmannDielectric(RoughDielectric<Beckmann<f32>>) = "beckmann-dielectric",
+    /// A rough dielectric boundary of the GGX distribution.
+    GgxDielectric(RoughDielectric<Ggx<f32>>) = "ggx-dielectric",
     /// A rough conductor of Beckmann's distribution with errors that its conventions select.
     ErrataConductor(ErrataConductor) = "errata-conductor",
 }

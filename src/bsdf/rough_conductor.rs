@@ -6,7 +6,7 @@
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both return the same
 //! pdf to the last bit.
 
-use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
+use super::{BsdfSample, ConductorFresnel, Lobe, Scatter, Vectorizable};
 use crate::math::{Rgb, map_array};
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
@@ -18,6 +18,9 @@ pub enum NormalSampling {
     /// By the distribution of normals visible from `wo` (VNDF): weights F G₂/G₁ ≤ 1.
     #[default]
     Vndf,
+    /// By a part of the visible normals that leaves out those that reflect light into the surface, as far as that is known:
+    /// for GGX. Other distributions are sampled by visible normals. Source: Eto & Tokuyoshi, SIGGRAPH Asia 2023.
+    Bounded,
     /// By the full distribution of normals (NDF): the weights are unbounded at grazing angles.
     Ndf,
     /// Directions uniform over the hemisphere, which ignores the material.
@@ -26,13 +29,14 @@ pub enum NormalSampling {
 
 impl NormalSampling {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Vndf, Self::Ndf, Self::Hemisphere];
+    pub const ALL: [Self; 4] = [Self::Vndf, Self::Bounded, Self::Ndf, Self::Hemisphere];
 
     /// Its name at the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Vndf => "visible",
+            Self::Bounded => "bounded",
             Self::Ndf => "all",
             Self::Hemisphere => "hemisphere",
         }
@@ -118,16 +122,18 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
     #[inline(always)]
     fn density(&self, wo: Vec3, facet: &Facet) -> f32 {
         match self.normals {
-            NormalSampling::Vndf => self.pdf_vndf(wo, facet),
+            NormalSampling::Vndf => self.pdf_visible::<false>(wo, facet),
+            NormalSampling::Bounded => self.pdf_visible::<true>(wo, facet),
             NormalSampling::Ndf => 0.25 * self.distribution.pdf_ndf(facet.wm) / facet.cos,
             NormalSampling::Hemisphere => UNIFORM_PDF,
         }
     }
 
-    /// D G₁(wo) / (4 cos θₒ): the pdf of the visible normal times the Jacobian 1 / (4 wo·m).
+    /// D G₁(wo) / (4 cos θₒ): the pdf of the visible normal times the Jacobian 1 / (4 wo·m); or that of bounded normals.
     #[inline(always)]
-    fn pdf_vndf(&self, wo: Vec3, facet: &Facet) -> f32 {
-        0.25 * self.distribution.d(facet.wm) * self.distribution.g1_over_cos(wo.to_array())
+    fn pdf_visible<const BOUNDED: bool>(&self, wo: Vec3, facet: &Facet) -> f32 {
+        let (d, wo) = (&self.distribution, wo.to_array());
+        0.25 * d.d(facet.wm) * if BOUNDED { d.bounded_over_cos(wo) } else { d.g1_over_cos(wo) }
     }
 
     /// f for F = 1.
@@ -146,37 +152,40 @@ impl<D: SampleNormals<f32>> RoughConductor<D> {
         let (o, i) = (wo.to_array(), wi.to_array());
         match self.normals {
             NormalSampling::Ndf => d.g2_over_cosines(o, i) * wi.z * facet.cos / facet.wm[2],
-            NormalSampling::Vndf | NormalSampling::Hemisphere => {
-                0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / UNIFORM_PDF
-            }
+            _ => 0.25 * d.d(facet.wm) * d.g2_over_cosines(o, i) * wi.z / UNIFORM_PDF,
         }
     }
+}
 
-    /// [`Scatter::sample`] by visible normals as straight-line arithmetic, so that a loop over it vectorizes; where there
-    /// is no sample the weight and the pdf are 0.
+/// A rough conductor sampled by visible normals, or by bounded ones.
+#[derive(Clone, Copy)]
+pub struct ByVisibleNormals<D, const BOUNDED: bool>(pub RoughConductor<D>);
+
+impl<D: SampleNormals<f32>, const BOUNDED: bool> Vectorizable for ByVisibleNormals<D, BOUNDED> {
     #[inline(always)]
-    #[must_use]
-    pub fn sample_vndf(&self, wo: Vec3, u: [f32; 2]) -> BsdfSample {
+    fn sample_lane(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> BsdfSample {
         // Sample a visible normal, and reflect `wo` by it.
-        let d = &self.distribution;
-        let (wi, is_above) = reflect(wo, d.sample_vndf(wo.to_array(), u));
+        let d = &self.0.distribution;
+        let o = wo.to_array();
+        let (wi, is_above) = reflect(wo, if BOUNDED { d.sample_bounded(o, u) } else { d.sample_vndf(o, u) });
         let facet = Facet::of(wo, wi);
-        let pdf = self.pdf_vndf(wo, &facet);
+        let pdf = self.0.pdf_visible::<BOUNDED>(wo, &facet);
         // D cancels in the weight. G₂/G₁ = a/(a + b) ≤ 1, also when rounded.
-        let a = wi.z * (wo.z + d.cos_lambda(wo.to_array()));
+        let visible = wo.z + d.cos_lambda(o);
+        let a = wi.z * visible;
         let g = a / (a + wo.z * d.cos_lambda(wi.to_array()));
+        // Fewer normals have a greater pdf.
+        let g = if BOUNDED { g / (visible * d.bounded_over_cos(o)) } else { g };
         let is_valid = is_above & facet.exists & (pdf > 0.0);
-        let weight = self.fresnel.reflectance(facet.cos) * if is_valid { g } else { 0.0 };
+        let weight = self.0.fresnel.reflectance(facet.cos) * if is_valid { g } else { 0.0 };
         BsdfSample::reflected(wi, weight, if is_valid { pdf } else { 0.0 }, Lobe::GlossyReflection)
     }
 
-    /// [`Scatter::eval_pdf`] by visible normals as straight-line arithmetic.
     #[inline(always)]
-    #[must_use]
-    pub fn eval_vndf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    fn eval_pdf_lane(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let facet = Facet::of(wo, wi);
-        let (f, pdf) = (self.strength(wo, wi, &facet), self.pdf_vndf(wo, &facet));
-        let f = self.fresnel.reflectance(facet.cos) * if facet.exists { f } else { 0.0 };
+        let (f, pdf) = (self.0.strength(wo, wi, &facet), self.0.pdf_visible::<BOUNDED>(wo, &facet));
+        let f = self.0.fresnel.reflectance(facet.cos) * if facet.exists { f } else { 0.0 };
         (f, if facet.exists { pdf } else { 0.0 })
     }
 }
@@ -198,15 +207,13 @@ impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
     }
 
     #[inline]
-    fn sample(&self, wo: Vec3, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
         let wi = match self.normals {
-            NormalSampling::Vndf => {
-                let sample = self.sample_vndf(wo, u);
-                return (sample.pdf > 0.0).then_some(sample);
-            }
+            NormalSampling::Vndf => return ByVisibleNormals::<_, false>(*self).sample_lane(wo, uc, u).if_possible(),
+            NormalSampling::Bounded => return ByVisibleNormals::<_, true>(*self).sample_lane(wo, uc, u).if_possible(),
             NormalSampling::Ndf => reflect_at(wo, self.distribution.sample_ndf(u))?,
             NormalSampling::Hemisphere => warp::uniform_hemisphere(u.map(f64::from)).as_vec3(),
         };

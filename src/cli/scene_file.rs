@@ -151,7 +151,7 @@ fn set_alpha(scene: &mut Scene, alpha: f32) -> Result<()> {
     let mut found = false;
     for object in &mut scene.objects {
         if let Material::Conductor(metal) = &mut object.material {
-            metal.alpha = alpha;
+            metal.alpha = [alpha; 2];
             found = true;
         }
     }

@@ -69,7 +69,7 @@ impl Inputs {
         let (mut scene, request) = originals.dragon.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(conductor) = &mut object.material {
-                (conductor.eta, conductor.k, conductor.alpha) = (metal.eta_rgb(), metal.k_rgb(), alpha);
+                (conductor.eta, conductor.k, conductor.alpha) = (metal.eta_rgb(), metal.k_rgb(), [alpha; 2]);
             }
         }
         Ok((scene, self.request(request, 128, 1)))

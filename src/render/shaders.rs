@@ -67,11 +67,7 @@ impl SurfaceShader {
             Self {
                 kind: kind(&object.material, &bsdf),
                 bsdf,
-                two_sided: match object.material {
-                    Material::Diffuse { .. } => true,
-                    Material::Conductor(conductor) => conductor.two_sided,
-                    _ => false,
-                },
+                two_sided: object.material.is_two_sided(),
                 emission: object.emission,
                 light: first[i],
             }

@@ -2,8 +2,8 @@
 
 use super::statue::statue;
 use super::{
-    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Projection,
-    Rectangle, Request, Scene, Shape, Sphere,
+    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object,
+    Projection, Rectangle, Request, Scene, Shape, Sphere,
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
@@ -80,7 +80,7 @@ fn spheres(left: Material, right: Material) -> Vec<Object> {
 #[must_use]
 pub fn cornell_spheres() -> (Scene, Request) {
     let mirror = Material::Mirror { reflectance: Rgb::ONE };
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let glass = Material::Dielectric(Dielectric::clear(1.45));
     cornell("cornell-spheres", spheres(mirror, glass))
 }
 
@@ -88,7 +88,7 @@ pub fn cornell_spheres() -> (Scene, Request) {
 #[must_use]
 pub fn cornell_lambert() -> (Scene, Request) {
     let white = Material::Diffuse { albedo: Rgb::splat(0.6) };
-    cornell("cornell-lambert", spheres(white, white))
+    cornell("cornell-lambert", spheres(white.clone(), white))
 }
 
 /// A statue of metal in the same box: the built-in one, or another mesh in its place.
@@ -102,13 +102,8 @@ pub fn cornell_statue(metal: &Metal, alpha: f32, mesh: Option<Mesh>) -> Result<(
         Some(mesh) => mesh.fitted(Vec3::ZERO, STATUE_BOX)?,
         None => statue(),
     };
-    let material = Material::Conductor(Conductor {
-        eta: metal.eta_rgb(),
-        k: metal.k_rgb(),
-        alpha,
-        distribution: Distribution::Beckmann,
-        two_sided,
-    });
+    let conductor = Conductor::new(metal.eta_rgb(), metal.k_rgb(), alpha, Distribution::Beckmann);
+    let material = Material::Conductor(Conductor { two_sided, ..conductor });
     Ok(cornell(&statue_name(metal), vec![Object::new(Shape::Mesh(Arc::new(mesh)), material)]))
 }
 
@@ -123,12 +118,11 @@ const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
 pub fn furnace() -> (Scene, Request) {
     let map = EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE));
     let environment = Environment::upright(Arc::new(map), "constant", 1.0);
-    let perfect =
-        Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: 0.5, distribution: Distribution::Beckmann, two_sided: false };
+    let perfect = Conductor::new(Rgb::ZERO, Rgb::ONE, 0.5, Distribution::Beckmann);
     let materials = [
         Material::Diffuse { albedo: Rgb::ONE },
         Material::Mirror { reflectance: Rgb::ONE },
-        Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 },
+        Material::Dielectric(Dielectric::clear(1.45)),
         Material::Conductor(perfect),
     ];
     let sphere = |(i, material): (usize, Material)| {

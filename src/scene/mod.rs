@@ -20,7 +20,7 @@ pub use description::{Object, Request, Scene, Shape};
 pub use environment::Environment;
 pub use first_hit::FirstHit;
 pub use light::{Falloff, Light};
-pub use material::{Conductor, Distribution, Emission, EmitterVisibility, Material};
+pub use material::{Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA};
 pub use mesh::{Mesh, Surface};
 pub use rectangle::Rectangle;
 pub use scattering::ScatterModel;

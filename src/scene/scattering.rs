@@ -1,9 +1,10 @@
 //! A material's scattering functions, its constants computed once.
 
-use super::material::{Conductor, Material};
+use super::material::SMOOTH_ALPHA;
+use super::material::{Conductor, Dielectric, Material};
 use crate::bsdf::{
-    self, Bsdf, ConductorFresnel, Dielectric, DielectricFresnel, Diffuse, ErrataConductor, Mirror, NormalSampling,
-    Refraction, SmoothConductor,
+    self, Bsdf, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, LEAST_DEVIATION, Mirror, NormalSampling,
+    Refraction, RoughDielectric, SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -23,19 +24,46 @@ impl Material {
     /// The scattering functions of the material.
     #[must_use]
     pub fn bsdf(&self, model: ScatterModel) -> Bsdf {
-        match *self {
-            Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
-            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
-            Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
-            Self::Glass { reflectance, transmittance, eta } => {
-                let fresnel = if model.conventions.single_cosine_schlick {
-                    DielectricFresnel::SingleCosineSchlick
-                } else {
-                    model.dielectric
-                };
-                Bsdf::Dielectric(Dielectric { reflectance, transmittance, eta, fresnel })
-            }
+        match self {
+            &Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
+            &Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
+            &Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
+            Self::Dielectric(dielectric) => dielectric.bsdf(model),
             Self::Conductor(conductor) => conductor.bsdf(model),
+            &Self::CoatedDiffuse { albedo, .. } => Bsdf::Diffuse(Diffuse::new(albedo)),
+            Self::Mixture(parts) => parts[0].1.bsdf(model),
+        }
+    }
+}
+
+impl Dielectric {
+    /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`LEAST_DEVIATION`].
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        let alpha = self.alpha[0].min(self.alpha[1]);
+        alpha < SMOOTH_ALPHA || alpha * (self.eta - 1.0).abs() < LEAST_DEVIATION * self.eta.max(1.0)
+    }
+
+    /// Other formulas of Fresnel's reflectance are of smooth boundaries only.
+    fn bsdf(&self, model: ScatterModel) -> Bsdf {
+        let &Self { reflectance, transmittance, eta, alpha, distribution } = self;
+        if self.is_smooth() {
+            let fresnel = if model.conventions.single_cosine_schlick {
+                DielectricFresnel::SingleCosineSchlick
+            } else {
+                model.dielectric
+            };
+            return Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel });
+        }
+        match distribution {
+            Distribution::Beckmann => {
+                let facets = Beckmann::anisotropic(alpha);
+                Bsdf::BeckmannDielectric(RoughDielectric::new(facets, reflectance, transmittance, eta))
+            }
+            Distribution::Ggx => {
+                let facets = Ggx::anisotropic(alpha);
+                Bsdf::GgxDielectric(RoughDielectric::new(facets, reflectance, transmittance, eta))
+            }
         }
     }
 }
@@ -45,12 +73,12 @@ impl Conductor {
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
         let fresnel = ConductorFresnel::new(self.eta, self.k);
         let normals = model.normals;
-        if self.alpha < Self::SMOOTH_ALPHA {
+        if self.alpha[0].min(self.alpha[1]) < SMOOTH_ALPHA {
             return Bsdf::SmoothConductor(SmoothConductor { fresnel });
         }
         match self.distribution {
             Distribution::Beckmann => {
-                let distribution = Beckmann::new(self.alpha);
+                let distribution = Beckmann::anisotropic(self.alpha);
                 if model.conventions.change_metal() {
                     return Bsdf::ErrataConductor(ErrataConductor {
                         distribution,
@@ -58,10 +86,12 @@ impl Conductor {
                         conventions: model.conventions,
                     });
                 }
+                // Its visible normals are sampled as a whole.
+                let normals = if normals == NormalSampling::Bounded { NormalSampling::Vndf } else { normals };
                 Bsdf::Beckmann(bsdf::RoughConductor { distribution, fresnel, normals })
             }
             Distribution::Ggx => {
-                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::new(self.alpha), fresnel, normals })
+                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::anisotropic(self.alpha), fresnel, normals })
             }
         }
     }

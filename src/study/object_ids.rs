@@ -37,9 +37,9 @@ impl Kind {
         match object.material {
             _ if object.emission.is_some() => Self::AreaLight,
             Material::Mirror { .. } => Self::Mirror,
-            Material::Glass { .. } | Material::Refraction { .. } => Self::Glass,
+            Material::Dielectric(_) | Material::Refraction { .. } => Self::Glass,
             Material::Conductor(_) => Self::Metal,
-            Material::Diffuse { .. } => Self::Diffuse,
+            Material::Diffuse { .. } | Material::CoatedDiffuse { .. } | Material::Mixture(_) => Self::Diffuse,
         }
     }
 }

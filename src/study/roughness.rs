@@ -67,7 +67,7 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
     let noise = (squares.sum::<f64>() / statue.pixels as f64).sqrt();
     let light = inside(rendered.image.pixels(), &mask).map(|p| f64::from(p.element_sum()));
     let row = StatueRow {
-        alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha),
+        alpha: conductor(scene).map_or(f32::NAN, |c| c.alpha[0]),
         spp: request.spp,
         light_samples: request.light_samples,
         max_depth: request.max_depth,

@@ -85,7 +85,7 @@ fn scene(many: Many, count: usize, seed: u64) -> Result<Scene> {
     let sphere = |i| Shape::Sphere(Sphere { centre: place(i), radius });
     let mut lights = vec![Light::Directional { direction: Vec3::new(-0.48, -0.6, -0.64), irradiance: Rgb::ONE }];
     let objects = match many {
-        Many::Spheres => (0..count).map(|i| Object::new(sphere(i), diffuse)).collect(),
+        Many::Spheres => (0..count).map(|i| Object::new(sphere(i), diffuse.clone())).collect(),
         Many::Triangles => {
             let corner = |i: usize| place(i / 3) + 2.0 * radius * place(count + i);
             let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -96,9 +96,9 @@ fn scene(many: Many, count: usize, seed: u64) -> Result<Scene> {
             lights.clear();
             let radiance = Rgb::splat(1.0 / (count as f32 * radius * radius));
             let emission = Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled };
-            let light = |i| Object { emission: Some(emission), ..Object::new(sphere(i), diffuse) };
+            let light = |i| Object { emission: Some(emission), ..Object::new(sphere(i), diffuse.clone()) };
             let floor = Rectangle::new(1.2 * Vec3::NEG_Y, 3.0 * Vec3::Z, 3.0 * Vec3::X);
-            let floor = floor.map(|floor| Object::new(Shape::Rectangle(floor), diffuse));
+            let floor = floor.map(|floor| Object::new(Shape::Rectangle(floor), diffuse.clone()));
             floor.into_iter().chain((0..count).map(light)).collect()
         }
     };

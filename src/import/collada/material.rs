@@ -4,7 +4,7 @@ use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
 use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
 use crate::math::Rgb;
-use crate::scene::{Conductor, Distribution, Emission, EmitterVisibility, Material};
+use crate::scene::{Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material};
 
 /// The material of a surface, and its emission.
 pub type Surface = (Material, Option<Emission>);
@@ -56,16 +56,16 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
             }
             "mirror" => Material::Mirror { reflectance: colour("reflectance")? },
             "refraction" => Material::Refraction { transmittance: colour("transmittance")?, eta: dielectric("ior")? },
-            "glass" => Material::Glass {
+            "glass" => Material::Dielectric(Dielectric {
                 reflectance: colour("reflectance")?,
                 transmittance: colour("transmittance")?,
-                eta: dielectric("ior")?,
-            },
+                ..Dielectric::clear(dielectric("ior")?)
+            }),
             "microfacet" => {
                 let alpha = document.exactly(document.require(node, "alpha")?, &FRACTION)?;
                 let (eta, k, [alpha]) = (indices("eta")?, indices("k")?, alpha.map(|alpha| alpha as f32));
                 let distribution = Distribution::Beckmann;
-                Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false })
+                Material::Conductor(Conductor::new(eta, k, alpha, distribution))
             }
             other => {
                 document.warn(node, &format!("<{other}> is no material that is known: left out"));

@@ -7,7 +7,7 @@ use crate::import::place::quote;
 use crate::import::rule::{DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::math::Rgb;
 use crate::optics::metals;
-use crate::scene::{Conductor, Distribution, Material};
+use crate::scene::{Conductor, Dielectric, Distribution, Material};
 
 impl Reader<'_> {
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
@@ -23,11 +23,11 @@ impl Reader<'_> {
                 let (reflectance, transmittance) = (reflectance("Kr", Rgb::ONE)?, reflectance("Kt", Rgb::ONE)?);
                 let index = p.float("index", &DIELECTRIC_INDEX)?;
                 let eta = glass_index(p)?.or(index).unwrap_or(1.5) as f32;
-                Material::Glass { reflectance, transmittance, eta }
+                Material::Dielectric(Dielectric { reflectance, transmittance, ..Dielectric::clear(eta) })
             }
             "dielectric" => {
                 let eta = glass_index(p)?.unwrap_or(1.5) as f32;
-                Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta }
+                Material::Dielectric(Dielectric::clear(eta))
             }
             "metal" if self.setup.v2 => {
                 return Err(p
@@ -78,7 +78,7 @@ fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
             return Err(p.place("distribution").unsupported(message));
         }
     };
-    Ok(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: true })
+    Ok(Conductor { two_sided: true, ..Conductor::new(eta, k, alpha as f32, distribution) })
 }
 
 /// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.

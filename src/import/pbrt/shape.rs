@@ -16,9 +16,9 @@ type Setting<'a> = (&'a DMat4, bool);
 
 impl Reader<'_> {
     pub(super) fn shape(&mut self, p: &Params) -> Result<()> {
-        let (material, emission, to_world) = (self.state.material, self.state.emission, self.state.transform);
+        let (material, emission, to_world) = (self.state.material.clone(), self.state.emission, self.state.transform);
         // Only emission and glass depend on the orientation.
-        let depends = emission.is_some() || matches!(material, Material::Glass { .. });
+        let depends = emission.is_some() || matches!(material, Material::Dielectric(_));
         let setting = (&to_world, self.state.reversed && depends);
         let shape = match p.kind.as_str() {
             "sphere" => Shape::Sphere(whole_sphere(p, setting)?),

@@ -1,26 +1,33 @@
 //! Beckmann's distribution: normally distributed slopes.
 
-use super::smith::{Microfacet, sin2};
+use super::smith::Microfacet;
+use super::widths::Widths;
 use crate::math::{Real, map_array};
 
-/// Slopes of the facets are normally distributed with variance α²/2 in x and in y.
+/// Slopes of the facets are normally distributed with variance αx²/2 in x and αy²/2 in y.
 ///
-/// * D(m) = exp(−tan²θ/α²) / (π α² cos⁴θ)
-/// * Λ(w) = ½ (exp(−A²)/(A √π) − erfc A), A = 1/(α tan θ)
+/// * D(m) = exp(−(x²/αx² + y²/αy²)/z²) / (π αx αy z⁴)
+/// * Λ(w) = ½ (exp(−A²)/(A √π) − erfc A), A = z/√(αx² x² + αy² y²)
 ///
 /// Source: Beckmann & Spizzichino, 1963; Λ as in Walter et al., "Microfacet Models for Refraction through Rough
-/// Surfaces", EGSR 2007, eq. 26 (the exact one, not their rational fit).
+/// Surfaces", EGSR 2007, eq. 26 (the exact one, not their rational fit); anisotropic
+/// as [`Widths`] says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beckmann<T> {
-    /// Roughness α > 0: √2 times the root mean square slope.
-    pub alpha: T,
+    alpha: Widths<T>,
 }
 
 impl<T: Real> Beckmann<T> {
-    /// The distribution of width `alpha` > 0.
+    /// The isotropic distribution of width `alpha` > 0.
     #[must_use]
     pub fn new(alpha: T) -> Self {
-        Self { alpha }
+        Self::anisotropic([alpha; 2])
+    }
+
+    /// The distribution of widths `alpha` > 0 along x and y.
+    #[must_use]
+    pub fn anisotropic(alpha: [T; 2]) -> Self {
+        Self { alpha: Widths::new(alpha) }
     }
 }
 
@@ -28,25 +35,30 @@ impl<T: Real> Microfacet<T> for Beckmann<T> {
     /// The square of exp(−tan²/2α²)/(√π α cos²). Squaring last has two advantages: the exponential does not underflow
     /// before D does, and cos⁴, which underflows first and would give 0/0, is not needed.
     #[inline(always)]
+    fn widths(&self) -> Widths<T> {
+        self.alpha
+    }
+
+    #[inline(always)]
     fn d(&self, wm: [T; 3]) -> T {
-        let z = wm[2];
-        let az = self.alpha * z;
+        let (alpha, z) = (self.alpha.along_x(), wm[2]);
+        let az = alpha * z;
         // One unit of the exponent's last place is up to 100 of D's. So compute the exponent in f64, and apply what is
         // lost in rounding it to T as a factor 1 + rest.
-        let wide_az = self.alpha.to_f64() * z.to_f64();
-        let wide = -0.5 * sin2(map_array(wm, Real::to_f64)) / (wide_az * wide_az);
+        let wide_az = alpha.to_f64() * z.to_f64();
+        let wide = -0.5 * self.normal2(map_array(wm, Real::to_f64)) / (wide_az * wide_az);
         let exponent = T::from_f64(wide);
         let rest = T::one() + T::from_f64(wide - exponent.to_f64());
         let e = exponent.max(T::LEAST_EXPONENT).exponential() * rest;
         let root = e * T::FRAC_2_SQRT_PI() * T::from_f64(0.5) / (az * z);
         // D is 0 as well where the exponent is −∞ or NaN: for normals so near the horizon that the division fails.
-        if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root } else { T::zero() }
+        if (z > T::zero()) & (exponent > T::LEAST_EXPONENT) { root * root * self.alpha.ratio() } else { T::zero() }
     }
 
     #[inline(always)]
     fn cos_lambda(&self, w: [T; 3]) -> T {
         let z = w[2].abs();
-        let slope = self.alpha * sin2(w).sqrt();
+        let slope = self.alpha.along_x() * self.view2(w).sqrt();
         // ½ exp(−A²) (α sin/√π − z exp(A²) erfc A): A may be infinite, and is 0 on the horizon.
         let a = z / slope;
         let half = T::from_f64(0.5);

@@ -1,7 +1,7 @@
 //! Distributions of microfacet normals, D, and their shadowing, in forms that stay precise at grazing angles.
 //!
 //! Directions are unit vectors in the local frame, the mean normal at +z; `alpha` is the root mean square slope times
-//! √2 (Beckmann) or the width of the same name (GGX). sin² is x² + y² and never 1 − z², which at α = 10⁻³ would leave
+//! √2 (Beckmann) or the width of the same name (GGX), along x and along y. sin² is x² + y² and never 1 − z², which at α = 10⁻³ would leave
 //! a D that is wrong by some percent in f32.
 //!
 //! Shadowing is written by z Λ, which is finite at the horizon where Λ is not, so that no form divides by a cosine:
@@ -12,10 +12,12 @@ mod beckmann;
 mod ggx;
 mod smith;
 pub mod variants;
+mod widths;
 
 pub use beckmann::Beckmann;
 pub use ggx::Ggx;
 pub use smith::Microfacet;
+pub use widths::Widths;
 
 /// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,9 +1,25 @@
 //! What a distribution of microfacet normals provides, and Smith's shadowing that follows from it.
 
+use super::widths::Widths;
 use crate::math::Real;
 
-/// An isotropic distribution of normals under Smith's model of shadowing.
+/// A distribution of normals under Smith's model of shadowing.
 pub trait Microfacet<T: Real>: Copy {
+    /// Its widths along x and y.
+    fn widths(&self) -> Widths<T>;
+
+    /// x² + (r y)² of a normal: sin² of its angle on the isotropic surface, up to a factor.
+    #[inline(always)]
+    fn normal2<U: Real>(&self, wm: [U; 3]) -> U {
+        sin2([wm[0], self.widths().unstretch_normal(wm[1]), wm[2]])
+    }
+
+    /// x² + (y/r)² of a direction, which is sin² of its angle times (α/αx)² for the width α along it.
+    #[inline(always)]
+    fn view2(&self, w: [T; 3]) -> T {
+        sin2([w[0], self.widths().stretch(w[1]), w[2]])
+    }
+
     /// Area of the facets with normal `wm`, per unit area of the surface and per solid angle (1/sr).
     ///
     /// ∫ D cos θₘ dωₘ = 1. Zero for normals on or below the horizon.

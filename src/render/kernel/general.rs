@@ -108,7 +108,13 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         slots[i] = vertex.slot;
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, &u, vertices.len(), scattered);
+    // A BSDF of one lobe has nothing to choose.
+    let mut choice = [[0.0; LANES]; 2];
+    if shader.bsdf.lobes().len() > 1 {
+        numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
+    }
+    let random = (&choice[0], &u);
+    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, random, vertices.len(), scattered);
     if is_sampled && step.needs_reverse_pdf(&shader.bsdf) {
         rough::reverse_pdf_many(scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
     }
@@ -116,8 +122,7 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         let sample = if is_sampled {
             scattered.sample(i)
         } else {
-            let [uc, _] = numbers.short_pair(vertex.slot, dimensions.choice(), (0, 1));
-            shader.bsdf.sample(vertex.wo, uc, [u[0][i], u[1][i]])
+            shader.bsdf.sample(vertex.wo, choice[0][i], [u[0][i], u[1][i]])
         };
         let Some(sample) = sample else { continue };
         let wi = vertex.frame.to_world(sample.wi);

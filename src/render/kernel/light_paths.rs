@@ -5,7 +5,7 @@
 use super::general::groups;
 use super::rough::{self, Scattered};
 use super::step::Step;
-use crate::bsdf::Scatter;
+use crate::bsdf::{BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
 use crate::render::film::{PathClass, Splat};
 use crate::render::geometry::Surface;
@@ -249,21 +249,23 @@ fn scatter(
     let Step { scene, numbers, scatterings } = step;
     let Local { wo, scattered } = local;
     let dimensions = Dimensions::of_light_paths(scatterings + 1);
-    let (mut u, mut slots) = ([[0.0; LANES]; 2], [0; LANES]);
+    let (mut choice, mut u, mut slots) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [0; LANES]);
     for (i, vertex) in vertices.iter().enumerate() {
         set(wo, i, vertex.frame.to_local(vertex.wo));
         slots[i] = vertex.path.slot;
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, wo, &u, vertices.len(), scattered);
+    numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
+    let random = (&choice[0], &u);
+    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, wo, random, vertices.len(), scattered);
     if is_sampled {
         rough::reverse_pdf_many(scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
     }
     for (i, vertex) in vertices.iter().enumerate() {
         let slot = vertex.path.slot;
-        let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
+        let [uc, roulette] = [choice[0][i], choice[1][i]];
         let sample = if is_sampled {
-            scattered.sample(i)
+            scattered.sample(i).map(BsdfSample::adjoint)
         } else {
             shader.bsdf.sample_adjoint(at(wo, i), uc, [u[0][i], u[1][i]])
         };

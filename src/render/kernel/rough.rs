@@ -1,9 +1,8 @@
-//! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough conductors vectorize.
+//! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
 
-use crate::bsdf::{Bsdf, BsdfSample, Lobe, NormalSampling, RoughConductor, Scatter};
+use crate::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
 use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use crate::render::wide::{Wide, wide};
-use crate::sampling::normals::SampleNormals;
 use pulp::Arch;
 use std::array::from_mut;
 
@@ -15,13 +14,25 @@ pub struct Scattered {
     pub weight: Lane3,
     /// Per solid angle.
     pub pdf: Lane,
+    /// Of samples: the lobe, the probability with which it was chosen, and the ratio of the indices of refraction.
+    lobe: [Lobe; LANES],
+    probability: Lane,
+    eta: Lane,
     /// Of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
     pub reverse_pdf: Lane,
 }
 
 impl Default for Scattered {
     fn default() -> Self {
-        Self { wi: ZERO3, weight: ZERO3, pdf: [0.0; LANES], reverse_pdf: [0.0; LANES] }
+        Self {
+            wi: ZERO3,
+            weight: ZERO3,
+            pdf: [0.0; LANES],
+            lobe: [Lobe::GlossyReflection; LANES],
+            probability: [1.0; LANES],
+            eta: [1.0; LANES],
+            reverse_pdf: [0.0; LANES],
+        }
     }
 }
 
@@ -29,125 +40,170 @@ impl Scattered {
     /// The sample of a hit by [`sample_many`]; `None` where it carries no light.
     pub fn sample(&self, i: usize) -> Option<BsdfSample> {
         let (wi, weight) = (at(&self.wi, i), at(&self.weight, i));
-        (self.pdf[i] > 0.0).then(|| BsdfSample::reflected(wi, weight, self.pdf[i], Lobe::GlossyReflection))
+        let (lobe, probability, eta) = (self.lobe[i], self.probability[i], self.eta[i]);
+        BsdfSample { wi, weight, pdf: self.pdf[i], lobe, probability, eta }.if_possible()
     }
 }
 
-/// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
-/// there is.
-pub fn sample_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, u: &[Lane; 2], count: usize, out: &mut Scattered) -> bool {
+/// Runs a loop over a BSDF if it vectorizes; returns whether it does.
+fn run(arch: Arch, bsdf: &Bsdf, work: impl Loop) -> bool {
     match bsdf {
-        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => {
-            wide(arch, SampleVndf { conductor: c, wo, u, count, out });
+        Bsdf::Beckmann(metal) if metal.normals == NormalSampling::Vndf => {
+            work.run(arch, ByVisibleNormals::<_, false>(*metal));
         }
-        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, SampleVndf { conductor: c, wo, u, count, out }),
+        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Vndf => {
+            work.run(arch, ByVisibleNormals::<_, false>(*metal));
+        }
+        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Bounded => {
+            work.run(arch, ByVisibleNormals::<_, true>(*metal));
+        }
+        Bsdf::BeckmannDielectric(dielectric) => work.run(arch, *dielectric),
+        Bsdf::GgxDielectric(dielectric) => work.run(arch, *dielectric),
         _ => return false,
     }
     true
 }
 
+/// A loop over the hits on a surface.
+trait Loop {
+    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy);
+}
+
+/// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
+/// there is. `u` are the random numbers that choose a lobe, and those of the direction.
+pub fn sample_many(
+    arch: Arch,
+    bsdf: &Bsdf,
+    wo: &Lane3,
+    (choice, u): (&Lane, &[Lane; 2]),
+    count: usize,
+    out: &mut Scattered,
+) -> bool {
+    run(arch, bsdf, SampleLoop { wo, choice, u, count, out })
+}
+
 /// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
 pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
-    match bsdf {
-        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => wide(arch, Eval { conductor: c, wo, count, out }),
-        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, Eval { conductor: c, wo, count, out }),
-        other => {
-            for i in 0..count {
-                let (f, pdf) = other.eval_pdf(at(wo, i), at(&out.wi, i));
-                set(&mut out.weight, i, f);
-                out.pdf[i] = pdf;
-            }
-        }
+    if run(arch, bsdf, EvalLoop { wo, count, out }) {
+        return;
+    }
+    for i in 0..count {
+        let (f, pdf) = bsdf.eval_pdf(at(wo, i), at(&out.wi, i));
+        set(&mut out.weight, i, f);
+        out.pdf[i] = pdf;
     }
 }
 
 /// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
 pub fn reverse_pdf_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
-    match bsdf {
-        Bsdf::Beckmann(c) if c.normals == NormalSampling::Vndf => {
-            wide(arch, ReversePdf { conductor: c, wo, count, out })
-        }
-        Bsdf::Ggx(c) if c.normals == NormalSampling::Vndf => wide(arch, ReversePdf { conductor: c, wo, count, out }),
-        other => {
-            for i in 0..count {
-                out.reverse_pdf[i] = other.pdf(at(&out.wi, i), at(wo, i));
-            }
-        }
+    if run(arch, bsdf, ReversePdfLoop { wo, count, out }) {
+        return;
+    }
+    for i in 0..count {
+        out.reverse_pdf[i] = bsdf.pdf(at(&out.wi, i), at(wo, i));
     }
 }
 
-struct ReversePdf<'a, D> {
-    conductor: &'a RoughConductor<D>,
+struct SampleLoop<'a> {
     wo: &'a Lane3,
-    count: usize,
-    out: &'a mut Scattered,
-}
-
-impl<D: SampleNormals<f32>> Wide for ReversePdf<'_, D> {
-    #[inline(always)]
-    fn run(self) {
-        let conductor = *self.conductor;
-        for number in 0..blocks(self.count) {
-            let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
-            let mut pdf = [0.0; BLOCK];
-            for i in 0..BLOCK {
-                (_, pdf[i]) = conductor.eval_vndf(at(&wi, i), at(&wo, i));
-            }
-            put(from_mut(&mut self.out.reverse_pdf), number, &[pdf]);
-        }
-    }
-}
-
-struct SampleVndf<'a, D> {
-    conductor: &'a RoughConductor<D>,
-    wo: &'a Lane3,
+    choice: &'a Lane,
     u: &'a [Lane; 2],
     count: usize,
     out: &'a mut Scattered,
 }
 
-impl<D: SampleNormals<f32>> Wide for SampleVndf<'_, D> {
-    #[inline(always)]
-    fn run(self) {
-        let conductor = *self.conductor;
-        for number in 0..blocks(self.count) {
-            let (wo, u) = (block(self.wo, number), block(self.u, number));
-            let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
-            for i in 0..BLOCK {
-                let sample = conductor.sample_vndf(at(&wo, i), [u[0][i], u[1][i]]);
-                set(&mut wi, i, sample.wi);
-                set(&mut weight, i, sample.weight);
-                pdf[i] = sample.pdf;
-            }
-            put(&mut self.out.wi, number, &wi);
-            put(&mut self.out.weight, number, &weight);
-            put(from_mut(&mut self.out.pdf), number, &[pdf]);
-        }
+impl Loop for SampleLoop<'_> {
+    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
+        wide(arch, With { bsdf, work: self });
     }
 }
 
-struct Eval<'a, D> {
-    conductor: &'a RoughConductor<D>,
+struct EvalLoop<'a> {
     wo: &'a Lane3,
     count: usize,
     out: &'a mut Scattered,
 }
 
-impl<D: SampleNormals<f32>> Wide for Eval<'_, D> {
+impl Loop for EvalLoop<'_> {
+    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
+        wide(arch, With { bsdf, work: self });
+    }
+}
+
+struct ReversePdfLoop<'a> {
+    wo: &'a Lane3,
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+impl Loop for ReversePdfLoop<'_> {
+    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
+        wide(arch, With { bsdf, work: self });
+    }
+}
+
+/// A loop and its BSDF.
+struct With<B, W> {
+    bsdf: B,
+    work: W,
+}
+
+impl<B: Vectorizable> Wide for With<B, SampleLoop<'_>> {
     #[inline(always)]
     fn run(self) {
-        let conductor = *self.conductor;
-        for number in 0..blocks(self.count) {
-            let (wo, wi) = (block(self.wo, number), block(&self.out.wi, number));
+        let Self { bsdf, work: SampleLoop { wo, choice, u, count, out } } = self;
+        for number in 0..blocks(count) {
+            let (wo, [uc], u) = (block(wo, number), block(std::array::from_ref(choice), number), block(u, number));
+            let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
+            let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let mut lobe = [Lobe::GlossyReflection; BLOCK];
+            for i in 0..BLOCK {
+                let sample = bsdf.sample_lane(at(&wo, i), uc[i], [u[0][i], u[1][i]]);
+                set(&mut wi, i, sample.wi);
+                set(&mut weight, i, sample.weight);
+                pdf[i] = sample.pdf;
+                (lobe[i], probability[i], eta[i]) = (sample.lobe, sample.probability, sample.eta);
+            }
+            put(&mut out.wi, number, &wi);
+            put(&mut out.weight, number, &weight);
+            put(from_mut(&mut out.pdf), number, &[pdf]);
+            put(from_mut(&mut out.probability), number, &[probability]);
+            put(from_mut(&mut out.eta), number, &[eta]);
+            out.lobe.as_chunks_mut().0[number] = lobe;
+        }
+    }
+}
+
+impl<B: Vectorizable> Wide for With<B, EvalLoop<'_>> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { bsdf, work: EvalLoop { wo, count, out } } = self;
+        for number in 0..blocks(count) {
+            let (wo, wi) = (block(wo, number), block(&out.wi, number));
             let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
             for i in 0..BLOCK {
-                let (f, value) = conductor.eval_vndf(at(&wo, i), at(&wi, i));
+                let (f, value) = bsdf.eval_pdf_lane(at(&wo, i), at(&wi, i));
                 set(&mut weight, i, f);
                 pdf[i] = value;
             }
-            put(&mut self.out.weight, number, &weight);
-            put(from_mut(&mut self.out.pdf), number, &[pdf]);
+            put(&mut out.weight, number, &weight);
+            put(from_mut(&mut out.pdf), number, &[pdf]);
+        }
+    }
+}
+
+impl<B: Vectorizable> Wide for With<B, ReversePdfLoop<'_>> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { bsdf, work: ReversePdfLoop { wo, count, out } } = self;
+        for number in 0..blocks(count) {
+            let (wo, wi) = (block(wo, number), block(&out.wi, number));
+            let mut pdf = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                (_, pdf[i]) = bsdf.eval_pdf_lane(at(&wi, i), at(&wo, i));
+            }
+            put(from_mut(&mut out.reverse_pdf), number, &[pdf]);
         }
     }
 }

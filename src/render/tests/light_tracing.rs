@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::render::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH};
-use crate::scene::{Conductor, Distribution};
+use crate::scene::{Conductor, Dielectric, Distribution};
 use etalon_stats::estimate::Estimate;
 
 /// A camera above the middle of a diffuse floor of 4 by 4 with a wall behind it, and an area light to the left.
@@ -33,7 +33,7 @@ fn sphere(material: Material) -> Object {
 
 fn metal(alpha: f32) -> Material {
     let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-    Material::Conductor(Conductor { eta, k, alpha, distribution: Distribution::Beckmann, two_sided: false })
+    Material::Conductor(Conductor::new(eta, k, alpha, Distribution::Beckmann))
 }
 
 fn two_sided(alpha: f32) -> Material {
@@ -88,13 +88,13 @@ fn bias(scene: &Scene, spp: u32, max_depth: u32) -> f64 {
 #[test]
 fn mis_has_the_same_mean_without_light_tracing() {
     let parallel = Projection::Orthographic { half_width: 1.5, half_height: 1.5 };
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let glass = Material::Dielectric(Dielectric::clear(1.5));
     let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
     let upright = Rectangle::new(Vec3::new(1.0, 0.5, 0.0), 0.5 * Vec3::Y, 0.5 * Vec3::Z).unwrap();
     let white = Material::Diffuse { albedo: Rgb::splat(0.8) };
     for (name, objects, projection, spp) in [
         ("glass", vec![sphere(glass)], WIDE, 1 << 14),
-        ("mirror", vec![sphere(mirror)], WIDE, 1 << 14),
+        ("mirror", vec![sphere(mirror.clone())], WIDE, 1 << 14),
         ("flat mirror", vec![Object::new(Shape::Rectangle(upright), mirror)], WIDE, 1 << 12),
         ("broad metal", vec![sphere(metal(0.4))], WIDE, 1 << 12),
         ("sharp metal, parallel rays", vec![sphere(metal(0.05))], parallel, 1 << 14),
@@ -113,7 +113,7 @@ fn mis_has_the_same_mean_without_light_tracing() {
 #[test]
 fn radiance_in_glass_scales_with_the_squared_index() {
     // The camera and the floor are inside the sphere, the light is outside.
-    let inside = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let inside = Material::Dielectric(Dielectric::clear(1.5));
     let around = Object::new(Shape::Sphere(Sphere { centre: Vec3::Y, radius: 3.1 }), inside);
     let mut scene = box_with(vec![around], WIDE);
     let light = Sphere { centre: Vec3::new(0.0, 7.0, 0.0), radius: 2.0 };
@@ -139,8 +139,8 @@ fn many_lights_and_targets_share_the_paths() {
 
 #[test]
 fn light_of_the_environment_is_traced_through_glass_and_metal() {
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
-    for objects in [vec![sphere(glass)], vec![sphere(metal(0.3)), Object::new(rounded(-0.8), glass)]] {
+    let glass = Material::Dielectric(Dielectric::clear(1.5));
+    for objects in [vec![sphere(glass.clone())], vec![sphere(metal(0.3)), Object::new(rounded(-0.8), glass)]] {
         let mut scene = box_with(objects, WIDE);
         // A sun of a few texels beside the area light.
         scene.environment = Some(Environment::upright(Arc::new(EnvMap::new(busy())), "test", 1.0));

@@ -10,8 +10,8 @@ use crate::math::Rgb;
 use crate::raster::Image;
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object, Projection, Rectangle,
-    Request, Scene, Shape, Sphere, builtin,
+    Camera, Conductor, Dielectric, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object,
+    Projection, Rectangle, Request, Scene, Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -136,10 +136,10 @@ fn many_lights() -> Scene {
         around.emission.map(|emission| Emission { radiance: Rgb::splat(0.02), two_sided: true, ..emission });
     objects.push(around);
     let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
-    let metal = crate::scene::Conductor { eta, k, alpha: 0.2, distribution, two_sided: false };
+    let metal = Conductor::new(eta, k, 0.2, distribution);
     let sphere =
         |x, material| Object::new(Shape::Sphere(Sphere { centre: Vec3::new(x, 0.4, 0.0), radius: 0.3 }), material);
-    objects.push(sphere(0.4, Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 }));
+    objects.push(sphere(0.4, Material::Dielectric(Dielectric::clear(1.5))));
     objects.push(sphere(-0.4, Material::Conductor(metal)));
     let point =
         Light::Point { position: Vec3::new(0.5, 1.0, 1.5), intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
@@ -272,14 +272,13 @@ fn all_strategies_have_the_same_mean() {
     let metal = |alpha| {
         let (mut scene, request) = builtin::cornell_spheres();
         for object in &mut scene.objects {
-            if let Material::Glass { .. } = object.material {
-                object.material = Material::Conductor(crate::scene::Conductor {
-                    eta: Rgb::splat(0.2),
-                    k: Rgb::splat(3.0),
+            if let Material::Dielectric(_) = object.material {
+                object.material = Material::Conductor(Conductor::new(
+                    Rgb::splat(0.2),
+                    Rgb::splat(3.0),
                     alpha,
-                    distribution: crate::scene::Distribution::Ggx,
-                    two_sided: false,
-                });
+                    crate::scene::Distribution::Ggx,
+                ));
             }
         }
         (scene, request)
@@ -307,8 +306,7 @@ fn broad_metal_reflects_a_light_alike_by_all_strategies() {
         for alpha in [0.2, 0.5] {
             let mut scene = floor(vec![emitter(Shape::Rectangle(shape))], Vec::new());
             let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-            scene.objects[0].material =
-                Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided: false });
+            scene.objects[0].material = Material::Conductor(Conductor::new(eta, k, alpha, distribution));
             for light_samples in [1, 3] {
                 let request = Request { width: 1, height: 1, spp: 1 << 16, light_samples, max_depth: 1 };
                 let by = |sampling, seed| Settings {
@@ -337,7 +335,8 @@ fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, R
     let as_mesh = || Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     scene.objects[0].shape = if mesh { Shape::Mesh(Arc::new(as_mesh())) } else { shape };
     let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
-    scene.objects[0].material = Material::Conductor(crate::scene::Conductor { eta, k, alpha, distribution, two_sided });
+    scene.objects[0].material =
+        Material::Conductor(Conductor { two_sided, ..Conductor::new(eta, k, alpha, distribution) });
     (scene, request)
 }
 

@@ -77,13 +77,13 @@ pub struct Vertex<'a> {
 impl Vertex<'_> {
     /// Whether this can happen here.
     pub fn allows(&self, event: Event) -> bool {
-        match (self.object.material, event) {
+        match (&self.object.material, event) {
             _ if self.object.emission.is_some() => false,
             (Material::Diffuse { .. }, Event::Diffuse) => true,
             (Material::Diffuse { .. }, Event::Ceiling) => self.normal.y < -0.9,
             (Material::Diffuse { albedo }, Event::BlueWall) => albedo.z > 1.5 * albedo.x,
             (Material::Mirror { .. }, Event::Mirror) => true,
-            (Material::Glass { .. }, Event::Reflected | Event::Refracted | Event::Internal) => true,
+            (Material::Dielectric(_), Event::Reflected | Event::Refracted | Event::Internal) => true,
             _ => false,
         }
     }
@@ -253,16 +253,16 @@ impl<'a> World<'a> {
 
     /// The sphere at which this can happen.
     fn target(&self, event: Event) -> Option<Sphere> {
-        self.scene.objects.iter().find_map(|object| match (&object.shape, object.material, event) {
+        self.scene.objects.iter().find_map(|object| match (&object.shape, &object.material, event) {
             (Shape::Sphere(sphere), Material::Mirror { .. }, Event::Mirror) => Some(*sphere),
-            (Shape::Sphere(sphere), Material::Glass { .. }, Event::Reflected | Event::Refracted) => Some(*sphere),
+            (Shape::Sphere(sphere), Material::Dielectric(_), Event::Reflected | Event::Refracted) => Some(*sphere),
             _ => None,
         })
     }
 
     /// Where the camera sees a diffuse vertex, and the share of the film's mean radiance for a unit of power that arrives there.
     fn seen(&self, vertex: &Vertex) -> Option<([f64; 2], DVec3)> {
-        let (camera, Material::Diffuse { albedo }) = (&self.scene.camera, vertex.object.material) else { return None };
+        let (camera, Material::Diffuse { albedo }) = (&self.scene.camera, &vertex.object.material) else { return None };
         let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return None };
         let way = vertex.point.as_dvec3() - camera.position;
         let depth = way.dot(camera.forward);
@@ -276,7 +276,7 @@ impl<'a> World<'a> {
         // Importance of a pinhole, 1/(A cos⁴), times the cosine there (Pharr, Jakob and Humphreys, section 16.1 of the 3rd edition)
         let cos_camera = depth / distance;
         let importance = cos / (4.0 * tan_half_width * tan_half_height * cos_camera.powi(3) * distance * distance);
-        let brdf: Rgb = albedo;
+        let brdf: Rgb = *albedo;
         Some(([0.5 + 0.5 * film[0], 0.5 - 0.5 * film[1]], brdf.as_dvec3() * (importance / PI)))
     }
 
@@ -293,7 +293,7 @@ impl<'a> World<'a> {
                 _ if depth == 1 => first,
                 Material::Diffuse { .. } => Event::Diffuse,
                 Material::Mirror { .. } => Event::Mirror,
-                Material::Glass { .. } => {
+                Material::Dielectric(_) => {
                     let outside = vertex.normal.dot(ray.direction) < 0.0;
                     if outside { Event::Reflected } else { Event::Internal }
                 }

@@ -147,7 +147,9 @@ fn white_furnace(scene: &Scene, request: &Request) -> Option<Image> {
         let white = match object.material {
             Material::Diffuse { albedo } => albedo == Rgb::ONE,
             Material::Mirror { reflectance } => reflectance == Rgb::ONE,
-            Material::Glass { reflectance, transmittance, .. } => reflectance == Rgb::ONE && transmittance == Rgb::ONE,
+            Material::Dielectric(glass) => {
+                glass.alpha == [0.0; 2] && (glass.reflectance, glass.transmittance) == (Rgb::ONE, Rgb::ONE)
+            }
             _ => false,
         };
         white && matches!(object.shape, Shape::Sphere(_)) && object.emission.is_none()

@@ -59,7 +59,7 @@ pub fn measure(
         let mut scene = scene.clone();
         for object in &mut scene.objects {
             if let Material::Conductor(metal) = &mut object.material {
-                metal.alpha = alpha;
+                metal.alpha = [alpha; 2];
             }
         }
         let job = |(_, normals): (&str, NormalSampling)| {

@@ -7,7 +7,8 @@ use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
-    Camera, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape,
+    Camera, Dielectric, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel,
+    Scene, Shape,
 };
 use glam::{DVec3, Vec3};
 
@@ -93,7 +94,7 @@ fn walks(workload: &Workload, seed: u64) -> ErrorRow {
     let materials = [
         Material::Diffuse { albedo: white },
         Material::Mirror { reflectance: white },
-        Material::Glass { reflectance: white, transmittance: white, eta: ETA },
+        Material::Dielectric(Dielectric::clear(ETA)),
     ]
     .map(|material| material.bsdf(ScatterModel::default()));
     let mut row = ErrorRow::new("walks", STABLE, Precision::Single);

@@ -10,8 +10,8 @@ use etalon::import::collada::read;
 use etalon::import::{Imported, SceneOptions};
 use etalon::math::Rgb;
 use etalon::scene::{
-    Conductor, Distribution, Emission, EmitterVisibility, Falloff, Light, Material, Object, Projection, Rectangle,
-    Request, Shape,
+    Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Falloff, Light, Material, Object, Projection,
+    Rectangle, Request, Shape,
 };
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};

@@ -65,14 +65,14 @@ fn the_courses_spheres_are_read_whole() {
     let [x, z] = rectangle.half_sides().map(Vec3::abs);
     assert!(x.abs_diff_eq(0.3 * Vec3::X, 1e-6) && z.abs_diff_eq(0.4 * Vec3::Z, 1e-6), "{x} {z}");
     let spheres: Vec<&Object> = imported.scene.objects.iter().filter(|o| matches!(o.shape, Shape::Sphere(_))).collect();
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let glass = Material::Dielectric(Dielectric::clear(1.45));
     let mirror = Material::Mirror { reflectance: Rgb::ONE };
     for (object, material, centre) in
         [(spheres[0], glass, Vec3::new(0.4, 0.3, 0.3)), (spheres[1], mirror, Vec3::new(-0.4, 0.3, -0.3))]
     {
         let Shape::Sphere(sphere) = object.shape else { unreachable!() };
         assert!(sphere.centre.abs_diff_eq(centre, 1e-6) && (sphere.radius - 0.3).abs() < 1e-6, "{sphere:?}");
-        assert_eq!((object.material, object.emission), (material, None));
+        assert_eq!((object.material.clone(), object.emission), (material, None));
     }
     let mut walls = Vec::new();
     for object in &imported.scene.objects {
@@ -123,11 +123,7 @@ fn the_courses_other_boxes_have_their_parts() {
         assert_eq!((mesh.triangles.len(), mesh.normals.len()), (triangles, mesh.positions.len()));
         let (eta, k) = (Rgb::from_array(eta), Rgb::from_array(k));
         let distribution = Distribution::Beckmann;
-        assert_eq!(
-            material,
-            Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: false }),
-            "{name}"
-        );
+        assert_eq!(material, Material::Conductor(Conductor::new(eta, k, alpha, distribution)), "{name}");
         // Wound counter-clockwise as viewed from outside: the volume is positive.
         let volume = |[a, b, c]: [u32; 3]| {
             let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize].as_dvec3());
@@ -139,7 +135,7 @@ fn the_courses_other_boxes_have_their_parts() {
 
 fn mesh_of(object: &Object) -> Option<(&etalon::scene::Mesh, Material)> {
     match &object.shape {
-        Shape::Mesh(mesh) => Some((mesh, object.material)),
+        Shape::Mesh(mesh) => Some((mesh, object.material.clone())),
         _ => None,
     }
 }

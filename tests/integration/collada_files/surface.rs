@@ -15,17 +15,11 @@ fn materials_of_every_kind() {
         ),
         (
             format!("<glass><transmittance>1 1 1</transmittance><reflectance>1 .5 .25</reflectance>{ior}</glass>"),
-            Material::Glass { reflectance: red, transmittance: one, eta: 1.5 },
+            Material::Dielectric(Dielectric { reflectance: red, ..Dielectric::clear(1.5) }),
         ),
         (
             "<microfacet><alpha>.5</alpha><eta>1 .5 .25</eta><k>1 1 1</k></microfacet>".into(),
-            Material::Conductor(Conductor {
-                eta: red,
-                k: one,
-                alpha: 0.5,
-                distribution: Distribution::Beckmann,
-                two_sided: false,
-            }),
+            Material::Conductor(Conductor::new(red, one, 0.5, Distribution::Beckmann)),
         ),
         // The last that is known counts.
         (

@@ -9,8 +9,8 @@ use etalon::math::Rgb;
 use etalon::raster::{Image, Metadata};
 use etalon::scene::builtin::{SPHERE_ENV_SCALE, sphere_env};
 use etalon::scene::{
-    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Object,
-    Projection, Request, Shape,
+    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Falloff, Light, Material,
+    Object, Projection, Request, Shape,
 };
 use etalon::{Error, Result};
 use glam::{DVec3, Vec3};
@@ -281,7 +281,7 @@ fn transforms_nest_and_are_named() {
     let material = |block: &str| {
         let kd = "Material \"matte\" \"rgb Kd\" [1 1 1]";
         let text = in_world(&format!("{block}Begin {kd} {block}End Shape \"sphere\""));
-        read(&text).unwrap().scene.objects[0].material
+        read(&text).unwrap().scene.objects[0].material.clone()
     };
     let grey = |albedo| Material::Diffuse { albedo: Rgb::splat(albedo) };
     assert_eq!((material("Attribute"), material("Transform")), (grey(0.5), grey(1.0)));

@@ -36,7 +36,7 @@ fn image_with(name: &'static str, scene: fn() -> Scene, split: Split) -> Planted
 
 /// A mistake in how light paths scatter.
 fn scattered(name: &'static str, bsdf: Bsdf, degrees: f32, wrong: LightPaths) -> PlantedFault {
-    planted(name, |name, faulty| adjoint(name, bsdf, degrees, if faulty { wrong } else { KERNEL }))
+    planted(name, |name, faulty| adjoint(name, bsdf.clone(), degrees, if faulty { wrong } else { KERNEL }))
 }
 
 /// Radiance 1 after each scattering of albedo ¾, by a path that roulette ends with probability ½ once its throughput is

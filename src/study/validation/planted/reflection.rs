@@ -10,7 +10,11 @@ use etalon_stats::{Density, Directions, Mass, Pole, Sample, Sampler, sampler};
 use glam::DVec3;
 
 /// A rough surface, of which many reflections end below the horizon.
-const FACETS: Ggx<f64> = Ggx { alpha: 0.8 };
+const ALPHA: f64 = 0.8;
+
+fn facets() -> Ggx<f64> {
+    Ggx::new(ALPHA)
+}
 
 /// The view, at 45°.
 const WO: DVec3 = DVec3::new(std::f64::consts::FRAC_1_SQRT_2, 0.0, std::f64::consts::FRAC_1_SQRT_2);
@@ -23,7 +27,7 @@ fn reflected(m: [f64; 3]) -> Option<DVec3> {
 }
 
 fn visible(u: [f64; 2]) -> Option<DVec3> {
-    reflected(FACETS.sample_vndf(WO.to_array(), u))
+    reflected(facets().sample_vndf(WO.to_array(), u))
 }
 
 /// The normal between `WO` and `wi`.
@@ -33,34 +37,34 @@ fn facet(wi: DVec3) -> DVec3 {
 
 /// D(m) G₁(wo)/(4 cos θₒ): the pdf of what visible normals reflect.
 fn pdf_vndf(wi: DVec3) -> f64 {
-    0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(WO.to_array())
+    0.25 * facets().d(facet(wi).to_array()) * facets().g1_over_cos(WO.to_array())
 }
 
 /// The factor k by which the cap of normals is cut to those that may reflect above the horizon, and the length of the
 /// stretched view. Source: Eto & Tokuyoshi, "Bounded VNDF Sampling for Smith–GGX Reflections", SIGGRAPH Asia 2023.
 fn bound() -> (f64, f64) {
-    let a = FACETS.alpha.min(1.0);
+    let a = ALPHA.min(1.0);
     let s2 = (1.0 + WO.truncate().length()).powi(2);
     let k = (1.0 - a * a) * s2 / (s2 + a * a * WO.z * WO.z);
-    (k, (FACETS.alpha * WO.truncate()).extend(WO.z).length())
+    (k, (ALPHA * WO.truncate()).extend(WO.z).length())
 }
 
 /// Reflections at normals of the bounded cap.
 fn bounded(u: [f64; 2]) -> Option<DVec3> {
     let (k, length) = bound();
-    let v = (FACETS.alpha * WO.truncate()).extend(WO.z) / length;
+    let v = (ALPHA * WO.truncate()).extend(WO.z) / length;
     // Sample the bounded spherical cap, and unstretch the half vector.
     let z = (1.0 - u[0]) * (1.0 + k * v.z) - k * v.z;
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
     let h = DVec3::new(sin * cos_phi, sin * sin_phi, z) + v;
-    reflected((FACETS.alpha * h.truncate()).extend(h.z).normalize().to_array())
+    reflected((ALPHA * h.truncate()).extend(h.z).normalize().to_array())
 }
 
 /// D(m)/(2 (k cos θₒ + t)), t the length of the stretched view: the pdf of [`bounded`].
 fn pdf_bounded(wi: DVec3) -> f64 {
     let (k, length) = bound();
-    FACETS.d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
+    facets().d(facet(wi).to_array()) / (2.0 * (k * WO.z + length))
 }
 
 /// Two random numbers for a direction, in a hemisphere where some are lost.
@@ -81,12 +85,12 @@ fn pdf_fault(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        pdf_fault("reflection/missing-jacobian", |wi| FACETS.pdf_vndf(WO.to_array(), facet(wi).to_array()))
+        pdf_fault("reflection/missing-jacobian", |wi| facets().pdf_vndf(WO.to_array(), facet(wi).to_array()))
             .mistake("the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten"),
         pdf_fault("reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
             .mistake("1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's"),
         pdf_fault("reflection/swapped-directions", |wi| {
-            0.25 * FACETS.d(facet(wi).to_array()) * FACETS.g1_over_cos(wi.to_array())
+            0.25 * facets().d(facet(wi).to_array()) * facets().g1_over_cos(wi.to_array())
         })
         .mistake("wo and wi exchanged in the pdf, which by visible normals is not symmetric"),
         PlantedFault::of("reflection/bounded-density", half, |faulty| {

@@ -15,7 +15,7 @@ use crate::render::geometry::Surface;
 use crate::render::shading_normal::{adjoint_factor, is_sound};
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::warp;
-use crate::scene::{Material, ScatterModel};
+use crate::scene::{Dielectric, Material, ScatterModel};
 use etalon_stats::welch::{self, ImageComparison, Mean};
 use etalon_stats::{Outcome, SampleCount};
 use glam::Vec3;
@@ -39,7 +39,7 @@ pub const KERNEL: LightPaths = LightPaths { sample: Bsdf::sample_adjoint, factor
 
 /// Glass, seen from outside.
 pub fn glass() -> Bsdf {
-    Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 }.bsdf(ScatterModel::default())
+    Material::Dielectric(Dielectric::clear(1.5)).bsdf(ScatterModel::default())
 }
 
 /// The cases.
@@ -53,8 +53,9 @@ pub fn cases() -> Vec<Case> {
         ("glass", glass()),
     ];
     let case = |(name, bsdf): (&str, Bsdf)| {
-        [("flat", 0.0), ("smooth", 25.0)]
-            .map(|(normals, degrees)| adjoint(format!("light-path/adjoint/{name}/{normals}"), bsdf, degrees, KERNEL))
+        [("flat", 0.0), ("smooth", 25.0)].map(|(normals, degrees)| {
+            adjoint(format!("light-path/adjoint/{name}/{normals}"), bsdf.clone(), degrees, KERNEL)
+        })
     };
     bsdfs.into_iter().flat_map(case).collect()
 }
@@ -79,8 +80,10 @@ pub fn adjoint(name: String, bsdf: Bsdf, degrees: f32, light_paths: LightPaths) 
         let agree = surface.normal.dot(wi) * frame.z.dot(wi) > 0.0;
         (agree && is_sound(normals, wo) && is_sound(normals, wi)).then_some((wo, wi, 2.0 * PI * sample.weight.x))
     };
-    let camera =
-        move |u| path(u, Bsdf::sample).map_or(0.0, |(v, l, weight)| f64::from(sensitivity(v) * weight * radiance(l)));
+    let camera_path = path.clone();
+    let camera = move |u| {
+        camera_path(u, Bsdf::sample).map_or(0.0, |(v, l, weight)| f64::from(sensitivity(v) * weight * radiance(l)))
+    };
     let light = move |u| {
         path(u, light_paths.sample).map_or(0.0, |(l, v, weight)| {
             f64::from(radiance(l) * weight * (light_paths.factor)(&surface, l, v) * sensitivity(v))

@@ -17,7 +17,7 @@ use crate::render::kernel::{ExtendPaths, Paths, Points, Scattered, eval_many, re
 use crate::render::lanes::{LANES, Lane, at, set};
 use crate::render::wide::wide;
 use crate::sampling::direction_density;
-use crate::scene::{Conductor, Material, ScatterModel};
+use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
 use glam::{DVec3, Vec3};
 use pulp::Arch;
@@ -31,7 +31,7 @@ pub fn cases() -> Vec<(&'static str, Case)> {
 /// A rough metal; its directions do not depend on η and k.
 pub fn metal(alpha: f64, distribution: Distribution) -> Material {
     let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
-    Material::Conductor(Conductor { eta, k, alpha: alpha as f32, distribution, two_sided: false })
+    Material::Conductor(Conductor::new(eta, k, alpha as f32, distribution))
 }
 
 /// Materials with a pdf.
@@ -67,7 +67,7 @@ fn rough() -> Vec<(&'static str, Case)> {
     let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
     for (side, wo) in [("outside", towards(60.0)), ("inside", -towards(60.0))] {
         let sphere = Directions::sphere(Pole::Z);
-        cases.push(scattered(format!("bsdf/diffuse/{side}"), sphere, diffuse, wo, Mass::Exactly(1.0)));
+        cases.push(scattered(format!("bsdf/diffuse/{side}"), sphere, diffuse.clone(), wo, Mass::Exactly(1.0)));
     }
     cases.extend([("up", DVec3::Z), ("slanted", DVec3::new(0.48, -0.6, 0.64))].map(|(n, w)| diffuse_in_lanes(n, w)));
     cases
@@ -76,13 +76,15 @@ fn rough() -> Vec<(&'static str, Case)> {
 /// The directions that `bsdf` samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
 fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
+    let registered = bsdf.name();
     let case = Case::of(name, domain, move || {
+        let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
         let views = wo.to_array().map(|x| [x; LANES]);
-        let draw = move |[u]: &[[Lane; 2]; 1], count| {
+        let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
-            let vectorized = sample_many(Arch::new(), &bsdf, &views, u, count, &mut out);
+            let vectorized = sample_many(Arch::new(), &bsdf, &views, (&choice[0], u), count, &mut out);
             let of_lane = |i| {
-                let scalar = bsdf.sample(wo, 0.0, [u[0][i], u[1][i]]);
+                let scalar = bsdf.sample(wo, choice[0][i], [u[0][i], u[1][i]]);
                 let sample = if vectorized { out.sample(i) } else { scalar }?;
                 // Black samples are left out of the lanes, but not of the scalar samples.
                 let agrees = scalar == Some(sample) || scalar.is_some_and(|s| s.weight == Rgb::ZERO);
@@ -105,10 +107,10 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
             };
             samples.into_iter().enumerate().map(tested).collect()
         };
-        let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
+        let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
         (in_lanes(draw), direction_density(pdf).with_mass(mass))
     });
-    (bsdf.name(), case)
+    (registered, case)
 }
 
 /// Directions in which the kernel lets paths continue at diffuse surfaces.
@@ -138,25 +140,25 @@ fn smooth() -> Vec<(&'static str, Case)> {
     let one = Rgb::ONE;
     let mirror = Material::Mirror { reflectance: one }.bsdf(model);
     let (k, distribution) = (Rgb::splat(3.0), Distribution::Beckmann);
-    let polished = Conductor { eta: one, k, alpha: 0.0, distribution, two_sided: false };
+    let polished = Conductor::new(one, k, 0.0, distribution);
     let polished = Material::Conductor(polished).bsdf(model);
-    let glass = Material::Glass { reflectance: one, transmittance: one, eta: ETA as f32 }.bsdf(model);
+    let glass = Material::Dielectric(Dielectric::clear(ETA as f32)).bsdf(model);
     let refraction = Material::Refraction { transmittance: one, eta: ETA as f32 }.bsdf(model);
     let mut cases = vec![
-        in_atoms("bsdf/mirror/outside".into(), mirror, towards(60.0), |wo| vec![reflected(wo, 1.0)]),
+        in_atoms("bsdf/mirror/outside".into(), mirror.clone(), towards(60.0), |wo| vec![reflected(wo, 1.0)]),
         in_atoms("bsdf/mirror/inside".into(), mirror, -towards(60.0), |wo| vec![reflected(wo, 1.0)]),
         in_atoms("bsdf/polished-metal".into(), polished, towards(60.0), |wo| vec![reflected(wo, 1.0)]),
     ];
     let outside = OUTSIDE.map(|degrees| ("outside", degrees, towards(degrees)));
     let inside = INSIDE.map(|degrees| ("inside", degrees, -towards(degrees)));
     for (side, degrees, wo) in outside.into_iter().chain(inside) {
-        cases.push(in_atoms(format!("bsdf/glass/{side}/{degrees}"), glass, wo, |wo| {
+        cases.push(in_atoms(format!("bsdf/glass/{side}/{degrees}"), glass.clone(), wo, |wo| {
             let r = fresnel(wo);
             let passing = refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 - r });
             [reflected(wo, r)].into_iter().chain(passing).collect()
         }));
         // Beyond the critical angle there must be no samples.
-        cases.push(in_atoms(format!("bsdf/refraction/{side}/{degrees}"), refraction, wo, |wo| {
+        cases.push(in_atoms(format!("bsdf/refraction/{side}/{degrees}"), refraction.clone(), wo, |wo| {
             refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 }).into_iter().collect()
         }));
     }
@@ -191,15 +193,17 @@ fn fresnel(wo: DVec3) -> f64 {
 /// The directions that `bsdf` samples for `wo`: must be the `atoms` for the direction rounded to f32.
 fn in_atoms(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
+    let registered = bsdf.name();
     let case = Case::of(name, Directions::sphere(Pole::Z), move || {
+        let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
             Some(Sample { atom: sample.is_delta(), ..Sample::new(sample.wi.as_dvec3().to_array()) })
         };
-        let pdf = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
+        let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
         let atoms = atoms(wo.as_dvec3());
         let mass = atoms.iter().map(|atom| atom.probability).sum();
         (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
     });
-    (bsdf.name(), case)
+    (registered, case)
 }

@@ -16,7 +16,8 @@ use crate::render::light_tracing::Start;
 use crate::render::prepared::PreparedScene;
 use crate::sampling::direction_density;
 use crate::scene::{
-    Emission, EmitterVisibility, Environment, Material, Mesh, Object, Rectangle, Request, Scene, Shape, Sphere, builtin,
+    Dielectric, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Rectangle, Request, Scene, Shape,
+    Sphere, builtin,
 };
 use etalon_stats::{Directions, Mass, Outcome, Pole, Protocol, Sample, Square, density, examine, sampler};
 use glam::{DMat3, DVec3, Vec3};
@@ -51,10 +52,11 @@ fn scene(shape: Option<(Shape, bool)>, targets: [(Vec3, f32); 2], environment: O
         let emission = Some(Emission { radiance: Rgb::splat(radiance), two_sided, visibility });
         Object { shape, material: Material::Diffuse { albedo: Rgb::ZERO }, emission }
     };
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+    let glass = Material::Dielectric(Dielectric::clear(1.5));
     let floor = Rectangle::new(-4.0 * Vec3::Y, 9.0 * Vec3::Z, 9.0 * Vec3::X).expect("the sides are perpendicular");
     let mut objects = vec![Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::ONE })];
-    objects.extend(targets.map(|(centre, radius)| Object::new(Shape::Sphere(Sphere { centre, radius }), glass)));
+    objects
+        .extend(targets.map(|(centre, radius)| Object::new(Shape::Sphere(Sphere { centre, radius }), glass.clone())));
     if let Some((shape, two_sided)) = shape {
         let second = Shape::Sphere(Sphere { centre: Vec3::new(3.0, 0.0, 0.0), radius: 0.2 });
         objects.extend([emitter(shape, two_sided, 1.0), emitter(second, false, 2.0)]);

@@ -20,8 +20,8 @@ use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::sampling::{direction_density, hash};
 use crate::scene::{
-    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Object, Projection, Rectangle,
-    Request, Scene, Shape, builtin,
+    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Object,
+    Projection, Rectangle, Request, Scene, Shape, builtin,
 };
 use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
@@ -253,7 +253,7 @@ pub fn metal(settings: Settings) -> RenderTest {
     };
     let sheet = Rectangle::new(Vec3::ZERO, Vec3::Z, Vec3::X).expect("the sides are perpendicular");
     let distribution = Distribution::Beckmann;
-    let conductor = Conductor { eta: Rgb::ZERO, k: Rgb::ONE, alpha: ALPHA as f32, distribution, two_sided: false };
+    let conductor = Conductor::new(Rgb::ZERO, Rgb::ONE, ALPHA as f32, distribution);
     let scene = Scene {
         name: "sheet".into(),
         camera,
@@ -315,10 +315,13 @@ pub fn cases() -> Vec<Case> {
     let by = |sampling, density| Settings { sampling, density: Some(density), ..Settings::default() };
     let bsdf = by(Sampling::Bsdf, MapSampling::COSINE);
     let white = Material::Diffuse { albedo: Rgb::ONE };
-    let glass = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.45 };
+    let glass = Material::Dielectric(Dielectric::clear(1.45));
     let mut tests = vec![
-        ("furnace/diffuse/light".to_owned(), sphere_in_furnace(white, by(Sampling::Light, MapSampling::MAP), 1)),
-        ("furnace/diffuse/mis".into(), sphere_in_furnace(white, by(Sampling::Mis, MapSampling::MAP), 1)),
+        (
+            "furnace/diffuse/light".to_owned(),
+            sphere_in_furnace(white.clone(), by(Sampling::Light, MapSampling::MAP), 1),
+        ),
+        ("furnace/diffuse/mis".into(), sphere_in_furnace(white.clone(), by(Sampling::Mis, MapSampling::MAP), 1)),
         ("furnace/diffuse/hemisphere".into(), sphere_in_furnace(white, by(Sampling::Hemisphere, MapSampling::MAP), 1)),
         ("furnace/glass".into(), sphere_in_furnace(glass, bsdf, 1000)),
         ("furnace/metal/bsdf".into(), metal(bsdf)),

@@ -12,8 +12,8 @@ use crate::math::Rgb;
 use crate::raster::Image;
 use crate::render::{Kernel, Sampling, Settings};
 use crate::scene::{
-    Camera, Conductor, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Projection,
-    Rectangle, Request, Scene, Shape, Sphere,
+    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object,
+    Projection, Rectangle, Request, Scene, Shape, Sphere,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -37,10 +37,10 @@ fn diffuse(albedo: f32) -> Material {
 
 fn metal(alpha: f32, distribution: Distribution) -> Material {
     let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-    Material::Conductor(Conductor { eta, k, alpha, distribution, two_sided: true })
+    Material::Conductor(Conductor { two_sided: true, ..Conductor::new(eta, k, alpha, distribution) })
 }
 
-const GLASS: Material = Material::Glass { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta: 1.5 };
+const GLASS: Material = Material::Dielectric(Dielectric::clear(1.5));
 const MIRROR: Material = Material::Mirror { reflectance: Rgb::ONE };
 
 /// A surface that emits.
@@ -103,7 +103,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
         ("glass-and-mirror", glass_and_mirror()),
         ("rough-metal", rough_metal()),
-        ("shading-normals", room([ceiling(), rounded(0.7, ggx), rounded(-0.6, diffuse(0.8))], None)),
+        ("shading-normals", room([ceiling(), rounded(0.7, ggx.clone()), rounded(-0.6, diffuse(0.8))], None)),
         ("sphere-lights", room([bulb(-0.6, 0.3, 0.5, 2.0), bulb(1.0, 0.0, 0.4, 1.0), sphere(0.0, 0.5, GLASS)], None)),
         ("sun", room([sphere(0.5, 0.45, GLASS), sphere(-0.5, 0.45, beckmann)], Some(sky))),
         ("many-lights", room(many.chain([sphere(0.5, 0.45, GLASS), sphere(-0.5, 0.45, ggx)]), None)),
