@@ -4,6 +4,7 @@ mod calibrate;
 mod case;
 pub mod planted;
 mod run;
+mod scattering;
 mod select;
 mod shared;
 pub mod suite;

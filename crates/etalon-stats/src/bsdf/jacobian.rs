@@ -12,8 +12,8 @@ const POINTS: usize = 64;
 const STEPS: std::ops::Range<i32> = 3..14;
 /// Random numbers are multiples of this, so that steps from them are exact in single precision.
 const RASTER: f64 = (1u64 << 16) as f64;
-/// Rounding of a sampled direction, in units of the last place of 1.
-const ROUNDING: f64 = 4.0;
+/// Rounding of a derivative times its step: three times that of a sampled direction, in units of the last place of 1.
+const ROUNDING: f64 = 12.0;
 /// A derivative with a larger error than this says nothing.
 const COARSEST: f64 = 0.1;
 /// Fewer points than this say nothing.
@@ -22,7 +22,8 @@ const FEWEST: u64 = 8;
 /// Compares pdf · |∂wi/∂u₁ × ∂wi/∂u₂| with the probability of choosing the lobe by other random numbers.
 ///
 /// Each derivative comes from central differences at several steps, extrapolated to step 0 (Richardson); of these the one with
-/// the smallest error counts, where the error is the change by extrapolation plus rounding over the step.
+/// the smallest error counts, where the error is the change by extrapolation, rounding over the step, and the distance from the
+/// values of the next steps.
 pub fn check(subject: &Subject) -> Option<Outcome> {
     let Subject { bsdf, properties, wo, .. } = subject;
     let axes = properties.map.filter(|_| properties.pdf == PdfKind::Exact)?;
@@ -73,8 +74,16 @@ fn derivative(subject: &Subject, sample: &BsdfSample, u: &[f64], axis: usize) ->
         let step = 0.5f64.powi(power);
         let (coarse, fine) = (central(step)?, central(0.5 * step)?);
         let value = [0, 1, 2].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
-        let truncation = length([0, 1, 2].map(|i| value[i] - fine[i]));
-        Some((value, truncation + ROUNDING * subject.properties.precision / step))
+        Some((value, distance(value, fine) + ROUNDING * subject.properties.precision / step))
     };
-    STEPS.filter_map(of_step).min_by(|a, b| a.1.total_cmp(&b.1))
+    let all: Vec<(Direction, f64)> = STEPS.filter_map(of_step).collect();
+    let (best, &(value, error)) = all.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    // Rounding that is larger than expected shows in the next steps.
+    let next = [best.checked_sub(1), best.checked_add(1)].into_iter().flatten().filter_map(|i| all.get(i));
+    let spread = next.map(|(other, _)| distance(value, *other)).fold(0.0, f64::max);
+    Some((value, error + spread))
+}
+
+fn distance(a: Direction, b: Direction) -> f64 {
+    length([0, 1, 2].map(|i| a[i] - b[i]))
 }

@@ -6,7 +6,7 @@
 //!
 //! An exact check compares numbers that must be equal up to rounding: 64 units of the last place of the BSDF's arithmetic
 //! ([`Properties::precision`]), or, where that is exceeded, the change of the number when each coordinate of the two directions
-//! is moved by 4 last places. A statistical check has a p-value, and all of a report share one level ([`decide`]).
+//! is moved by 16 last places. A statistical check has a p-value, and all of a report share one level ([`decide`]).
 
 mod adjoint;
 mod albedo;
@@ -33,6 +33,7 @@ pub use report::{Checked, Report, assert_bsdf, test};
 
 use crate::error::Result;
 use crate::examine::Protocol;
+use crate::hash::mix64;
 use crate::outcome::Outcome;
 #[cfg(doc)]
 use crate::outcome::decide;
@@ -58,7 +59,10 @@ impl Check {
     pub fn examine(&self, bsdf: &dyn Bsdf, wo: Direction, protocol: &Protocol, round: u64) -> Result<Option<Outcome>> {
         protocol.check()?;
         let start = std::time::Instant::now();
-        let outcome = (self.run)(&Subject::new(bsdf, wo, protocol, round))?;
+        // Each check has random numbers of its own for each direction.
+        let parts = self.name.bytes().map(u64::from).chain(wo.map(f64::to_bits));
+        let seed = parts.fold(protocol.seed, |seed, part| mix64(seed ^ part));
+        let outcome = (self.run)(&Subject::new(bsdf, wo, &Protocol { seed, ..*protocol }, round))?;
         Ok(outcome.map(|outcome| Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome }))
     }
 }

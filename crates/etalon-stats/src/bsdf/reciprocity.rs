@@ -2,7 +2,7 @@
 
 use super::contract::{Direction, Reciprocity};
 use super::subject::{Comparison, Subject};
-use super::vector::sphere;
+use super::vector::{same_side, sphere};
 use crate::domain::Domain;
 use crate::outcome::Outcome;
 
@@ -32,16 +32,23 @@ pub fn check(subject: &Subject) -> Option<Outcome> {
         }
     }
     for lobe in deltas {
-        let eta2 = subject.eta2(lobe.wi);
-        let reverse = bsdf.delta_lobes(lobe.wi);
-        let back = reverse.iter().find(|back| sphere().same(back.wi, *wo));
+        // What a delta lobe of `from` passes on to the side of `wo`.
+        let passed = |from: Direction, channel: usize| {
+            let lobes = bsdf.delta_lobes(from);
+            let back = lobes.iter().find(|back| same_side(back.wi, *wo));
+            back.map_or(0.0, |back| back.throughput[channel] / subject.eta2(lobe.wi))
+        };
+        let returns = bsdf.delta_lobes(lobe.wi).iter().any(|back| sphere().same(back.wi, *wo));
         for channel in 0..properties.channels {
-            let returned = back.map_or(0.0, |back| back.throughput[channel]);
-            let sides = [eta2 * lobe.throughput[channel], returned / eta2];
-            // A refracted direction has the rounding of its sine: the power near grazing angles changes by its square root.
-            let tolerance = || properties.precision.sqrt() * sides[0].max(sides[1]);
+            let power = subject.eta2(lobe.wi) * lobe.throughput[channel];
+            let found_back = if returns { passed(lobe.wi, channel) } else { 0.0 };
+            // Moved by rounding, a direction near the critical angle may be reflected totally.
+            let rounding = || {
+                let of = |from: Direction, _: Direction| passed(from, channel);
+                subject.last_places(power) + subject.rounding(found_back, [lobe.wi, *wo], of)
+            };
             let message = || format!("{} (power there and back)", subject.at(lobe.wi));
-            found.equal(sides, subject.last_places(sides[0]), tolerance, message);
+            found.equal([power, found_back], subject.last_places(power), rounding, message);
         }
     }
     found.outcome("f(wo, wi) η² = f(wi, wo)")

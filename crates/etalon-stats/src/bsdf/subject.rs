@@ -17,6 +17,9 @@ const DIRECTIONS: usize = 1 << 8;
 const EDGES: [f64; 6] = [0.0, 1e-30, 1e-7, 0.5, 0.999, 1.0 - 1.0 / (1u64 << 24) as f64];
 /// Units of the last place within which two ways to compute one number agree.
 const PLACES: f64 = 64.0;
+/// Last places by which coordinates are moved to find out what rounding may change: about as many as there are roundings between
+/// the directions and a value.
+const MOVED: f64 = 16.0;
 /// Numbers below this are 0 to every check: single precision has lost their last places.
 const TINY: f64 = 1e-30;
 
@@ -84,16 +87,22 @@ impl<'a> Subject<'a> {
     }
 
     /// What rounding may change of `f`, the value of `function` at two directions: a few last places, and the change from
-    /// moving each coordinate of both directions by a few last places.
+    /// moving each coordinate of both directions by a few last places, which is what the roundings of a computation do at most
+    /// if it is backward stable.
     pub fn rounding(&self, f: f64, [a, b]: [Direction; 2], function: impl Fn(Direction, Direction) -> f64) -> f64 {
-        let step = 4.0 * self.properties.precision;
-        let moved = |w: Direction, axis: usize| {
+        let step = MOVED * self.properties.precision;
+        let moved = |w: Direction, axis: usize, step: f64| {
             let mut w = w;
             w[axis] *= 1.0 + step;
             w
         };
-        let changes = (0..3).flat_map(|axis| [function(moved(a, axis), b), function(a, moved(b, axis))]);
-        self.last_places(f) + changes.map(|moved| (moved - f).abs()).filter(|change| change.is_finite()).sum::<f64>()
+        let change = |other: f64| if other.is_finite() { (other - f).abs() } else { 0.0 };
+        let along = |axis: usize| {
+            let of_a = [step, -step].map(|step| change(function(moved(a, axis, step), b)));
+            let of_b = [step, -step].map(|step| change(function(a, moved(b, axis, step))));
+            of_a[0].max(of_a[1]) + of_b[0].max(of_b[1])
+        };
+        self.last_places(f) + (0..3).map(along).sum::<f64>()
     }
 
     /// A few last places of `f`.
@@ -107,19 +116,22 @@ impl<'a> Subject<'a> {
     }
 }
 
+/// The share of comparisons in which an error of the stated size would have been found.
+const FOUND: f64 = 0.9;
+
 /// Numbers that an exact check compared.
 #[derive(Debug, Default)]
 pub struct Comparison {
     compared: u64,
     failed: u64,
-    /// The largest relative difference that was tolerated.
-    coarsest: f64,
+    /// The relative differences that were tolerated.
+    tolerated: Vec<f64>,
     /// By how many times the tolerance the worst failure missed, and what it is.
     worst: Option<(f64, String)>,
 }
 
 impl Comparison {
-    /// Compares `found` with `expected`. `tolerance` is asked only where they differ by more than 1 last place of `quick`.
+    /// Compares `found` with `expected`. `tolerance` is asked only where they differ by more than `quick`.
     pub fn equal(
         &mut self,
         [found, expected]: [f64; 2],
@@ -128,17 +140,13 @@ impl Comparison {
         message: impl FnOnce() -> String,
     ) {
         self.compared += 1;
-        let difference = (found - expected).abs();
-        let scale = found.abs().max(expected.abs()).max(TINY);
-        if difference <= quick {
-            // Numbers near 0 have no relative error.
-            self.coarsest = self.coarsest.max(if quick < 0.1 * scale { quick / scale } else { 0.0 });
-            return;
+        let (difference, scale) = ((found - expected).abs(), found.abs().max(expected.abs()));
+        let tolerance = if difference <= quick { quick } else { tolerance().max(quick) };
+        // Numbers near 0 have no relative error.
+        if scale > TINY.sqrt() {
+            self.tolerated.push(tolerance / scale);
         }
-        let tolerance = tolerance().max(quick);
-        if difference <= tolerance {
-            self.coarsest = self.coarsest.max((tolerance / scale).min(1.0));
-        } else {
+        if difference.is_nan() || difference > tolerance {
             self.fail(difference / tolerance, || format!("{}: {found:.6e} and {expected:.6e}", message()));
         }
     }
@@ -159,13 +167,15 @@ impl Comparison {
     }
 
     /// The outcome; `None` if there was nothing to compare. `law` is what the numbers should obey.
-    pub fn outcome(self, law: &str) -> Option<Outcome> {
-        let Self { compared, failed, coarsest, worst } = self;
+    pub fn outcome(mut self, law: &str) -> Option<Outcome> {
+        self.tolerated.sort_by(f64::total_cmp);
+        let detectable = self.tolerated.get((FOUND * self.tolerated.len() as f64) as usize).copied().unwrap_or(0.0);
+        let Self { compared, failed, worst, .. } = self;
         let message = |(_, worst): (f64, String)| {
             let times = count(compared, "comparison", "comparisons");
             format!("{law} fails in {failed} of {times}, most at {worst}")
         };
         let violation = worst.map(message);
-        (compared > 0).then(|| Outcome { detectable: Some(coarsest), violation, ..Outcome::open(compared) })
+        (compared > 0).then(|| Outcome { detectable: Some(detectable), violation, ..Outcome::open(compared) })
     }
 }

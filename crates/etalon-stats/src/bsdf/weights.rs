@@ -163,7 +163,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
                 let lit = cells.iter().filter(|cell| cell.squares > 0.0);
                 lit.map(|cell| cell.sum * cell.sum / cell.squares).sum::<f64>() / (2 * BATCH) as f64
             };
-            let least = efficiency.iter().map(of).fold(1.0, f64::min).max(1e-6);
+            let least = efficiency.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::min);
             ((equal as f64 / least) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
