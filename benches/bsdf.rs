@@ -83,14 +83,26 @@ fn materials(c: &mut Criterion) {
         material(&mut group, "refraction", Material::Refraction { transmittance, eta }, exact),
         material(&mut group, "glass", glass.clone(), exact),
         material(&mut group, "report glass", glass, report),
+        material(&mut group, "coated diffuse", Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta }, exact),
     ];
     for distribution in [Distribution::Beckmann, Distribution::Ggx] {
         let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
         let metal = Material::Conductor(Conductor::new(eta, k, 0.25, distribution));
-        for normals in [NormalSampling::Vndf, NormalSampling::Ndf, NormalSampling::Hemisphere] {
+        for normals in NormalSampling::ALL {
             let model = ScatterModel { normals, ..exact };
             measured.push(material(&mut group, &format!("{distribution:?} {normals:?}"), metal.clone(), model));
         }
+        let smooth = Material::Conductor(Conductor::new(eta, k, 0.0, distribution));
+        measured.push(material(&mut group, "smooth metal", smooth, exact));
+        let brushed = Material::Conductor(Conductor { alpha: [0.1, 0.4], ..Conductor::new(eta, k, 0.0, distribution) });
+        measured.push(material(&mut group, &format!("{distribution:?} anisotropic"), brushed, exact));
+        let both = Conductor { multiple_scattering: true, ..Conductor::new(eta, k, 0.25, distribution) };
+        measured.push(material(&mut group, &format!("{distribution:?} multiple"), Material::Conductor(both), exact));
+        let rough = Material::Dielectric(Dielectric::rough(1.45, 0.25, distribution));
+        measured.push(material(&mut group, &format!("{distribution:?} glass"), rough, exact));
+        let parts = [(0.5, Material::Diffuse { albedo: Rgb::ONE }), (0.5, metal.clone())];
+        let mixture = Material::Mixture(parts.into_iter().collect());
+        measured.push(material(&mut group, &format!("{distribution:?} mixture"), mixture, exact));
         if distribution == Distribution::Beckmann {
             measured.push(material(&mut group, "report metal", metal.clone(), report));
         }

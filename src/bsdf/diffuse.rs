@@ -32,7 +32,7 @@ impl Diffuse {
 
 /// Whether both directions are on one side of the surface and neither along it.
 #[inline]
-fn reflects(wo: Vec3, wi: Vec3) -> bool {
+pub(super) fn reflects(wo: Vec3, wi: Vec3) -> bool {
     (wo.z > 0.0 && wi.z > 0.0) || (wo.z < 0.0 && wi.z < 0.0)
 }
 

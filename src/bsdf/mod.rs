@@ -6,23 +6,32 @@
 //!
 //! A new BSDF is a file that implements [`Scatter`], and an entry below.
 
+mod coated_diffuse;
+mod compensated_conductor;
 mod conductor_fresnel;
 mod contract;
 mod dielectric;
 mod diffuse;
+mod energy;
 mod errata_conductor;
 mod mirror;
+mod mixture;
 mod rough_conductor;
 mod rough_dielectric;
 
+pub use coated_diffuse::CoatedDiffuse;
+pub use compensated_conductor::CompensatedConductor;
 pub use conductor_fresnel::ConductorFresnel;
 pub use contract::{BsdfSample, Lobe, Scatter, Vectorizable};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
+pub use energy::MissingEnergy;
 pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
 pub use mirror::{Mirror, SmoothConductor};
+pub use mixture::Mixture;
 pub(crate) use rough_conductor::Facet;
 pub use rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
+pub(crate) use rough_dielectric::refracting_facet;
 pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric};
 
 use crate::math::Rgb;
@@ -138,6 +147,14 @@ bsdfs! {
     BeckmannDielectric(RoughDielectric<Beckmann<f32>>) = "beckmann-dielectric",
     /// A rough dielectric boundary of the GGX distribution.
     GgxDielectric(RoughDielectric<Ggx<f32>>) = "ggx-dielectric",
+    /// A rough conductor of Beckmann's distribution with multiple scattering.
+    CompensatedBeckmann(CompensatedConductor<Beckmann<f32>>) = "compensated-beckmann",
+    /// A rough conductor of the GGX distribution with multiple scattering.
+    CompensatedGgx(CompensatedConductor<Ggx<f32>>) = "compensated-ggx",
+    /// A Lambertian surface under a smooth dielectric coat.
+    CoatedDiffuse(CoatedDiffuse) = "coated-diffuse",
+    /// A weighted sum of other BSDFs.
+    Mixture(Mixture<Bsdf>) = "mixture",
     /// A rough conductor of Beckmann's distribution with errors that its conventions select.
     ErrataConductor(ErrataConductor) = "errata-conductor",
 }

@@ -58,8 +58,10 @@ struct Side {
 struct Facet {
     /// Its unit normal.
     wm: [f32; 3],
-    /// |wo·m| |wi·m| / |h|².
-    cosines: f32,
+    /// wo·m.
+    cos: f32,
+    /// |wi·m| / |h|²: times s² the solid angle of normals over that of directions `wi`.
+    spread: f32,
     /// The share of the light that takes this way: F, or 1 − F.
     share: f32,
     /// Whether light is reflected.
@@ -74,18 +76,6 @@ impl<D: SampleNormals<f32>> RoughDielectric<D> {
     #[must_use]
     pub fn new(distribution: D, reflectance: Rgb, transmittance: Rgb, eta: f32) -> Self {
         Self { distribution, reflectance, transmittance, eta: f64::from(eta) }
-    }
-
-    #[inline(always)]
-    fn side(&self, wo: Vec3) -> Side {
-        let inside = wo.z < 0.0;
-        let eta = if inside { 1.0 / self.eta } else { self.eta };
-        Side {
-            wo: Vec3::new(wo.x, wo.y, wo.z.abs()),
-            sign: if inside { -1.0 } else { 1.0 },
-            eta,
-            q: (eta - 1.0) * (eta + 1.0),
-        }
     }
 
     /// G₂/G₁(wo) for the facet's kind of light, and G₂/(zₒ zᵢ).
@@ -104,8 +94,34 @@ impl<D: SampleNormals<f32>> RoughDielectric<D> {
     fn density(&self, side: &Side, facet: &Facet) -> f32 {
         let s2 = if facet.reflects { 1.0 } else { (side.eta * side.eta) as f32 };
         let d = self.distribution.d(facet.wm) * self.distribution.g1_over_cos(side.wo.to_array());
-        facet.share * d * s2 * facet.cosines
+        facet.share * d * (facet.cos * s2 * facet.spread)
     }
+}
+
+impl Side {
+    /// The side of `wo` of a boundary of index `eta`.
+    #[inline(always)]
+    fn of(wo: Vec3, eta: f64) -> Self {
+        let inside = wo.z < 0.0;
+        let eta = if inside { 1.0 / eta } else { eta };
+        Self {
+            wo: Vec3::new(wo.x, wo.y, wo.z.abs()),
+            sign: if inside { -1.0 } else { 1.0 },
+            eta,
+            q: (eta - 1.0) * (eta + 1.0),
+        }
+    }
+}
+
+/// The normal, on the side of z > 0, of the facet that refracts `wi` to `wo`, and dωₘ/dωᵢ; `None` if there is none.
+pub(crate) fn refracting_facet(eta: f32, wo: Vec3, wi: Vec3) -> Option<([f32; 3], f32)> {
+    let side = Side::of(wo, f64::from(eta));
+    let facet = Facet::between(&side, Vec3::new(wi.x, wi.y, wi.z * side.sign));
+    let [x, y, z] = facet.wm;
+    // The facet of the mirrored directions is the mirrored facet.
+    let wm = [x * side.sign, y * side.sign, z];
+    let jacobian = (side.eta * side.eta) as f32 * facet.spread;
+    (facet.exists && !facet.reflects).then_some((wm, jacobian))
 }
 
 impl Facet {
@@ -126,11 +142,15 @@ impl Facet {
         // Light meets the facet from outside, and leaves it on the right side.
         let leaves = if reflects { cos_i > 0.0 } else { cos_i < 0.0 };
         let exists = (side.wo.z > 0.0) & (wi.z != 0.0) & (h[2] != 0.0) & (cos_o > 0.0) & leaves;
-        let (reflected, _) = fresnel(cos_o.min(1.0), side.q);
+        // g = η cos θₜ is known of refracted light; next to the critical angle that is more precise than Snell's law.
+        let cos_o = cos_o.min(1.0);
+        let (reflected, _) = fresnel(cos_o, side.q);
+        let transmitted = transmittance(cos_o, side.eta as f32 * cos_i.abs(), (side.q + 1.0) as f32);
         Self {
             wm: [h[0] as f32 * upwards, h[1] as f32 * upwards, h[2] as f32 * upwards],
-            cosines: cos_o * cos_i.abs() / length2 as f32,
-            share: if reflects { reflected } else { 1.0 - reflected },
+            cos: cos_o,
+            spread: cos_i.abs() / length2 as f32,
+            share: if reflects { reflected } else { transmitted },
             reflects,
             exists,
         }
@@ -162,11 +182,18 @@ fn fresnel(cos: f32, q: f64) -> (f32, f32) {
     (if g2 > 0.0 { f.min(1.0) } else { 1.0 }, g)
 }
 
+/// 1 − F = 2 c g (1/(c + g)² + η²/(η² c + g)²), without the difference, for g = η cos θₜ and η².
+#[inline(always)]
+fn transmittance(cos: f32, g: f32, eta2: f32) -> f32 {
+    let (across, along) = (cos + g, eta2 * cos + g);
+    (2.0 * cos * g * ((across * across).recip() + eta2 / (along * along))).min(1.0)
+}
+
 impl<D: SampleNormals<f32>> Vectorizable for RoughDielectric<D> {
     #[inline(always)]
     fn sample_lane(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> BsdfSample {
         // Sample a facet visible from `wo`.
-        let side = self.side(wo);
+        let side = Side::of(wo, self.eta);
         let wm = Vec3::from_array(self.distribution.sample_vndf(side.wo.to_array(), u));
         let cos = side.wo.dot(wm).clamp(0.0, 1.0);
         // Choose reflection or refraction by its reflectance. wi = (c − g) m/η − wo/η, with c − g = −q/(c + g).
@@ -194,7 +221,7 @@ impl<D: SampleNormals<f32>> Vectorizable for RoughDielectric<D> {
 
     #[inline(always)]
     fn eval_pdf_lane(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        let side = self.side(wo);
+        let side = Side::of(wo, self.eta);
         let wi = Vec3::new(wi.x, wi.y, wi.z * side.sign);
         let facet = Facet::between(&side, wi);
         let (_, g) = self.shadowing(side.wo, wi, facet.reflects);
@@ -202,7 +229,7 @@ impl<D: SampleNormals<f32>> Vectorizable for RoughDielectric<D> {
         let tint = if facet.reflects { self.reflectance } else { self.transmittance };
         // Where D vanishes the other factors may be infinite.
         let exists = facet.exists & (d > 0.0);
-        let f = if exists { facet.share * d * facet.cosines * g } else { 0.0 };
+        let f = if exists { facet.share * d * (facet.cos * facet.spread) * g } else { 0.0 };
         (tint * f, if exists { self.density(&side, &facet) } else { 0.0 })
     }
 }

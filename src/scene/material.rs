@@ -42,15 +42,23 @@ pub enum Material {
 
 impl Material {
     /// Whether it looks the same from both sides: its normal is then turned towards the viewer. Mirrors need not be turned.
+    /// A mixture looks the same from both sides unless light passes; where it does, conductors reflect on their front alone.
     #[must_use]
     pub fn is_two_sided(&self) -> bool {
         match self {
             Self::Diffuse { .. } | Self::CoatedDiffuse { .. } => true,
             Self::Conductor(conductor) => conductor.two_sided,
             Self::Mirror { .. } | Self::Refraction { .. } | Self::Dielectric(_) => false,
-            Self::Mixture(parts) => {
-                parts.iter().all(|(_, part)| part.is_two_sided() || matches!(part, Self::Mirror { .. }))
-            }
+            Self::Mixture(_) => !self.is_transmitting(),
+        }
+    }
+
+    /// Whether light passes through the surface.
+    fn is_transmitting(&self) -> bool {
+        match self {
+            Self::Refraction { .. } | Self::Dielectric(_) => true,
+            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_transmitting()),
+            _ => false,
         }
     }
 

@@ -3,8 +3,9 @@
 use super::material::SMOOTH_ALPHA;
 use super::material::{Conductor, Dielectric, Material};
 use crate::bsdf::{
-    self, Bsdf, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, LEAST_DEVIATION, Mirror, NormalSampling,
-    Refraction, RoughDielectric, SmoothConductor,
+    self, Bsdf, CoatedDiffuse, CompensatedConductor, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor,
+    LEAST_DEVIATION, Mirror, MissingEnergy, Mixture, NormalSampling, Refraction, RoughConductor, RoughDielectric,
+    SmoothConductor,
 };
 use crate::errata::Conventions;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -30,8 +31,10 @@ impl Material {
             &Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
             Self::Dielectric(dielectric) => dielectric.bsdf(model),
             Self::Conductor(conductor) => conductor.bsdf(model),
-            &Self::CoatedDiffuse { albedo, .. } => Bsdf::Diffuse(Diffuse::new(albedo)),
-            Self::Mixture(parts) => parts[0].1.bsdf(model),
+            &Self::CoatedDiffuse { albedo, eta } => Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)),
+            Self::Mixture(parts) => {
+                Bsdf::Mixture(Mixture::new(parts.iter().map(|(weight, part)| (*weight, part.bsdf(model)))))
+            }
         }
     }
 }
@@ -88,10 +91,20 @@ impl Conductor {
                 }
                 // Its visible normals are sampled as a whole.
                 let normals = if normals == NormalSampling::Bounded { NormalSampling::Vndf } else { normals };
-                Bsdf::Beckmann(bsdf::RoughConductor { distribution, fresnel, normals })
+                let single = RoughConductor { distribution, fresnel, normals };
+                if self.multiple_scattering {
+                    let energy = MissingEnergy::new(Beckmann::anisotropic(self.alpha.map(f64::from)));
+                    return Bsdf::CompensatedBeckmann(CompensatedConductor::new(single, energy));
+                }
+                Bsdf::Beckmann(single)
             }
             Distribution::Ggx => {
-                Bsdf::Ggx(bsdf::RoughConductor { distribution: Ggx::anisotropic(self.alpha), fresnel, normals })
+                let single = RoughConductor { distribution: Ggx::anisotropic(self.alpha), fresnel, normals };
+                if self.multiple_scattering {
+                    let energy = MissingEnergy::new(Ggx::anisotropic(self.alpha.map(f64::from)));
+                    return Bsdf::CompensatedGgx(CompensatedConductor::new(single, energy));
+                }
+                Bsdf::Ggx(single)
             }
         }
     }

@@ -57,6 +57,20 @@ fn run(arch: Arch, bsdf: &Bsdf, work: impl Loop) -> bool {
         Bsdf::Ggx(metal) if metal.normals == NormalSampling::Bounded => {
             work.run(arch, ByVisibleNormals::<_, true>(*metal));
         }
+        Bsdf::CompensatedBeckmann(metal) if metal.normals() == NormalSampling::Vndf => {
+            if metal.is_isotropic() {
+                work.run(arch, metal.lanes::<false, true>());
+            } else {
+                work.run(arch, metal.lanes::<false, false>());
+            }
+        }
+        Bsdf::CompensatedGgx(metal) if metal.normals() == NormalSampling::Vndf => {
+            if metal.is_isotropic() {
+                work.run(arch, metal.lanes::<false, true>());
+            } else {
+                work.run(arch, metal.lanes::<false, false>());
+            }
+        }
         Bsdf::BeckmannDielectric(dielectric) => work.run(arch, *dielectric),
         Bsdf::GgxDielectric(dielectric) => work.run(arch, *dielectric),
         _ => return false,

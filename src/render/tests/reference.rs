@@ -1,6 +1,7 @@
 //! The path tracer in lanes against the reference.
 
 use super::*;
+use crate::scene::Distribution;
 
 /// The built-in scenes, and one outdoors.
 fn all_scenes() -> Vec<Scene> {
@@ -13,7 +14,35 @@ fn all_scenes() -> Vec<Scene> {
     outdoors.name = "outdoors".into();
     scenes.push(outdoors);
     scenes.push(many_lights());
+    scenes.push(many_materials());
     scenes
+}
+
+/// The scene of many lights with surfaces of every kind of lobe: rough and anisotropic, with multiple scattering, coated, mixed.
+fn many_materials() -> Scene {
+    let mut scene = many_lights();
+    scene.name = "many materials".into();
+    scene.objects.retain(|object| object.emission.is_some() || matches!(object.shape, Shape::Rectangle(_)));
+    let (eta, k, ggx) = (Rgb::splat(0.2), Rgb::splat(3.0), Distribution::Ggx);
+    let metal = Conductor { two_sided: true, ..Conductor::new(eta, k, 0.6, Distribution::Beckmann) };
+    let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) };
+    let glass = Material::Dielectric(Dielectric::clear(1.5));
+    let mix = |parts: &[(f32, Material)]| Material::Mixture(parts.iter().cloned().collect());
+    let materials = [
+        Material::Dielectric(Dielectric::rough(1.5, 0.2, ggx)),
+        Material::Dielectric(Dielectric { alpha: [0.1, 0.5], ..Dielectric::rough(1.3, 0.0, Distribution::Beckmann) }),
+        Material::Conductor(Conductor { alpha: [0.1, 0.5], distribution: ggx, ..metal }),
+        Material::Conductor(Conductor { multiple_scattering: true, ..metal }),
+        Material::Conductor(Conductor { alpha: [0.2, 0.8], multiple_scattering: true, distribution: ggx, ..metal }),
+        Material::CoatedDiffuse { albedo: Rgb::splat(0.6), eta: 1.5 },
+        mix(&[(0.5, diffuse.clone()), (0.5, Material::Conductor(metal))]),
+        mix(&[(0.5, glass), (0.4, diffuse)]),
+    ];
+    for (i, material) in materials.into_iter().enumerate() {
+        let centre = Vec3::new(0.5 * (i % 4) as f32 - 0.75, 0.3, 0.6 * (i / 4) as f32 - 0.4);
+        scene.objects.push(Object::new(Shape::Sphere(Sphere { centre, radius: 0.24 }), material));
+    }
+    scene
 }
 
 /// Both trace the same paths, so that a sample differs by rounding alone. At an edge or in the choice of a lobe rounding may

@@ -67,7 +67,7 @@ fn reflectance<T: Number>(x: &[T]) -> Value<T> {
 }
 
 /// (cos θᵢ − η cos θₜ)/(cos θᵢ + η cos θₜ) and (η cos θᵢ − cos θₜ)/(η cos θᵢ + cos θₜ), squared and averaged.
-fn textbook_reflectance<T: Number>(x: &[T]) -> Value<T> {
+pub(super) fn textbook_reflectance<T: Number>(x: &[T]) -> Value<T> {
     let (eta, cos_i) = (x[0], x[1]);
     let one = T::of(1.0);
     // Snell's law.

@@ -57,7 +57,7 @@ fn beckmann_d<T: Number>(alpha: T, sin2: T, cos: T) -> T {
 }
 
 /// α² / (π cos⁴θ (α² + tan²θ)²).
-fn ggx_d<T: Number>(alpha: T, sin2: T, cos: T) -> T {
+pub(super) fn ggx_d<T: Number>(alpha: T, sin2: T, cos: T) -> T {
     let (alpha2, cos2) = (alpha.square(), cos.square());
     alpha2 / (T::pi() * cos2.square() * (alpha2 + sin2 / cos2).square())
 }
@@ -116,7 +116,7 @@ fn beckmann_g1<T: Number>(alpha: T, sin2: T, cos: T) -> T {
 }
 
 /// 1/(1 + Λ) with Λ = ½ (√(1 + α² tan²θ) − 1).
-fn ggx_g1<T: Number>(alpha: T, sin2: T, cos: T) -> T {
+pub(super) fn ggx_g1<T: Number>(alpha: T, sin2: T, cos: T) -> T {
     let one = T::of(1.0);
     let lambda = ((one + alpha.square() * (sin2 / cos.square())).sqrt() - one) / T::of(2.0);
     one / (one + lambda)

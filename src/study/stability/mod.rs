@@ -21,6 +21,7 @@ mod precise;
 mod precision;
 mod registry;
 mod replay;
+mod rough_dielectric;
 mod row;
 mod sums;
 mod sweep;

@@ -2,7 +2,9 @@
 
 use super::experiment::Experiment;
 use super::family::Family;
-use super::{conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, sums, tables};
+use super::{
+    conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, sums, tables,
+};
 
 /// An entry of [`REGISTRY`].
 #[derive(Clone, Copy)]
@@ -14,7 +16,7 @@ pub enum Entry {
 }
 
 /// All families of formulas and all experiments: each is a constant and a line here.
-pub static REGISTRY: [Entry; 21] = [
+pub static REGISTRY: [Entry; 24] = [
     Entry::Formula(&dielectric::FRESNEL),
     Entry::Formula(&conductor::FAMILY),
     Entry::Formula(&dielectric::REFRACTION),
@@ -28,6 +30,9 @@ pub static REGISTRY: [Entry; 21] = [
     Entry::Formula(&normals::GGX),
     Entry::Formula(&geometry::HALF_VECTOR),
     Entry::Formula(&geometry::HALF_COSINE),
+    Entry::Formula(&rough_dielectric::HALF_VECTOR),
+    Entry::Formula(&rough_dielectric::JACOBIAN),
+    Entry::Formula(&rough_dielectric::PDF),
     Entry::Formula(&geometry::SPHERE),
     Entry::Formula(&geometry::TRIANGLE),
     Entry::Experiment(&offsets::EXPERIMENT),

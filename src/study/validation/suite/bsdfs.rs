@@ -19,13 +19,13 @@ use crate::render::wide::wide;
 use crate::sampling::direction_density;
 use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use pulp::Arch;
 use std::f64::consts::FRAC_1_PI;
 
 /// The cases, each with its BSDF's name in the registry.
 pub fn cases() -> Vec<(&'static str, Case)> {
-    [rough(), smooth()].into_iter().flatten().collect()
+    [rough(), dielectric(), anisotropic(), layered(), smooth()].into_iter().flatten().collect()
 }
 
 /// A rough metal; its directions do not depend on η and k.
@@ -71,6 +71,172 @@ fn rough() -> Vec<(&'static str, Case)> {
     }
     cases.extend([("up", DVec3::Z), ("slanted", DVec3::new(0.48, -0.6, 0.64))].map(|(n, w)| diffuse_in_lanes(n, w)));
     cases
+}
+
+/// Rough dielectrics: every roughness at every angle, from both sides, the medium on the far side being denser or not.
+fn dielectric() -> Vec<(&'static str, Case)> {
+    let mut cases = Vec::new();
+    let sphere = Directions::sphere(Pole::Z);
+    for (d, (name, distribution)) in DISTRIBUTIONS.into_iter().enumerate() {
+        for (a, alpha) in ALPHAS.into_iter().enumerate() {
+            for (t, degrees) in DEGREES.into_iter().enumerate() {
+                // Each roughness and each angle meets each of these.
+                let sides =
+                    [(1.5, "outside"), (1.5, "inside"), (2.4, "outside"), (1.0 / 2.4, "outside"), (2.4, "inside")];
+                let (eta, side) = sides[(a + t + 2 * d) % sides.len()];
+                let wo = if side == "inside" { -towards(degrees) } else { towards(degrees) };
+                let bsdf = boundary([alpha; 2], eta, distribution);
+                let name = format!("bsdf/{name}-glass/{alpha}/{eta:.3}/{side}/{degrees}");
+                cases.push(scattered(name, sphere, bsdf, wo, Mass::AtMostOne));
+            }
+        }
+        // Indices that differ little.
+        for (alpha, eta) in [(0.1, 1.01), (0.5, 1.001), (0.5, 0.99)] {
+            let bsdf = boundary([alpha; 2], eta, distribution);
+            let name = format!("bsdf/{name}-glass/{alpha}/{eta}/outside/50");
+            cases.push(scattered(name, sphere, bsdf, towards(50.0), Mass::AtMostOne));
+        }
+    }
+    cases
+}
+
+fn boundary(alpha: [f64; 2], eta: f64, distribution: Distribution) -> Bsdf {
+    let alpha = alpha.map(|alpha| alpha as f32);
+    Material::Dielectric(Dielectric { alpha, distribution, ..Dielectric::clear(eta as f32) })
+        .bsdf(ScatterModel::default())
+}
+
+/// Metals and dielectrics of different widths along x and y, seen from an azimuth between; bounded visible normals.
+fn anisotropic() -> Vec<(&'static str, Case)> {
+    let mut cases = Vec::new();
+    let (half, sphere) = (Directions::hemisphere(Pole::Z), Directions::sphere(Pole::Z));
+    let turned = |degrees| DQuat::from_rotation_z(0.7) * towards(degrees);
+    let metal = |alpha: [f64; 2], distribution, normals| {
+        let conductor = Conductor::new(SILVER.eta_rgb(), SILVER.k_rgb(), 0.0, distribution);
+        let conductor = Conductor { alpha: alpha.map(|alpha| alpha as f32), ..conductor };
+        Material::Conductor(conductor).bsdf(ScatterModel { normals, ..ScatterModel::default() })
+    };
+    for alpha in [[0.1, 0.5], [1.0, 0.05], [1e-3, 0.3]] {
+        let [ax, ay] = alpha;
+        for degrees in [0.0, 60.0, 89.0] {
+            for (name, distribution) in DISTRIBUTIONS {
+                for (how, normals) in [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)] {
+                    let name = format!("bsdf/{name}/{how}/{ax}-{ay}/{degrees}");
+                    cases.push(scattered(
+                        name,
+                        half,
+                        metal(alpha, distribution, normals),
+                        turned(degrees),
+                        Mass::AtMostOne,
+                    ));
+                }
+                let name = format!("bsdf/{name}-glass/{ax}-{ay}/1.5/outside/{degrees}");
+                let bsdf = boundary(alpha, 1.5, distribution);
+                cases.push(scattered(name, sphere, bsdf, turned(degrees), Mass::AtMostOne));
+            }
+            let name = format!("bsdf/ggx/bounded/{ax}-{ay}/{degrees}");
+            let bsdf = metal(alpha, Distribution::Ggx, NormalSampling::Bounded);
+            cases.push(scattered(name, half, bsdf, turned(degrees), Mass::AtMostOne));
+        }
+    }
+    for alpha in ALPHAS {
+        for degrees in [0.0, 60.0, 89.0] {
+            let bsdf = metal([alpha; 2], Distribution::Ggx, NormalSampling::Bounded);
+            let name = format!("bsdf/ggx/bounded/{alpha}/{degrees}");
+            cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
+        }
+    }
+    cases
+}
+
+/// Metals with multiple scattering, coated diffuse surfaces, mixtures.
+fn layered() -> Vec<(&'static str, Case)> {
+    let mut cases = Vec::new();
+    let (half, sphere) = (Directions::hemisphere(Pole::Z), Directions::sphere(Pole::Z));
+    let model = ScatterModel::default();
+    for (name, distribution) in DISTRIBUTIONS {
+        for alpha in [[0.01, 0.01], [0.25, 0.25], [1.0, 1.0], [0.1, 0.6]] {
+            for degrees in [0.0, 60.0, 89.0] {
+                let metal = Conductor::new(SILVER.eta_rgb(), SILVER.k_rgb(), 0.0, distribution);
+                let alpha = alpha.map(|alpha: f64| alpha as f32);
+                let bsdf = Material::Conductor(Conductor { alpha, multiple_scattering: true, ..metal }).bsdf(model);
+                let name = format!("bsdf/{name}/multiple/{}-{}/{degrees}", alpha[0], alpha[1]);
+                cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
+            }
+        }
+    }
+    let albedo = Rgb::splat(0.5);
+    let coat = Material::CoatedDiffuse { albedo, eta: ETA as f32 };
+    for degrees in OUTSIDE {
+        for (side, wo) in [("outside", towards(degrees)), ("inside", -towards(degrees))] {
+            let name = format!("bsdf/coated-diffuse/{side}/{degrees}");
+            cases.push(with_mirror(name, coat.bsdf(model), wo, 0.5));
+        }
+    }
+    let glass = |eta, alpha| Material::Dielectric(Dielectric::rough(eta, alpha, Distribution::Ggx));
+    let diffuse = Material::Diffuse { albedo };
+    let mix = |parts: &[(f32, Material)]| Material::Mixture(parts.iter().cloned().collect()).bsdf(model);
+    let metal = metal(0.3, Distribution::Beckmann);
+    cases.push(scattered(
+        "bsdf/mixture/diffuse-metal".into(),
+        half,
+        mix(&[(0.3, diffuse.clone()), (0.6, metal)]),
+        towards(60.0),
+        Mass::AtMostOne,
+    ));
+    cases.push(scattered(
+        "bsdf/mixture/glass-glass".into(),
+        sphere,
+        mix(&[(0.5, glass(1.5, 0.2)), (0.5, glass(2.0, 0.5))]),
+        towards(40.0),
+        Mass::AtMostOne,
+    ));
+    let mirror = Material::Mirror { reflectance: Rgb::ONE };
+    cases.push(with_mirror(
+        "bsdf/mixture/mirror-diffuse".into(),
+        mix(&[(0.3, mirror), (0.6, diffuse)]),
+        towards(60.0),
+        1.0,
+    ));
+    cases
+}
+
+/// A BSDF that reflects diffusely, and into the mirror direction with a probability which is that of a coat on a base of
+/// this albedo for light of `ETA`, or a third for an albedo of 1.
+fn with_mirror(name: String, bsdf: Bsdf, wo: DVec3, albedo: f64) -> (&'static str, Case) {
+    let wo: Vec3 = wo.as_vec3();
+    let registered = bsdf.name();
+    let case = Case::of(name, Directions::sphere(Pole::Z), move || {
+        let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
+        let draw = move |u: &[f64]| {
+            let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
+            let wi = sample.wi.as_dvec3().to_array();
+            Some(if sample.is_delta() {
+                Sample { atom: true, ..Sample::new(wi) }
+            } else {
+                Sample::with_pdf(wi, f64::from(sample.pdf))
+            })
+        };
+        let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
+        let exact = wo.as_dvec3();
+        let probability = if albedo < 1.0 { coat_probability(exact.z.abs(), albedo) } else { 1.0 / 3.0 };
+        let atoms = vec![reflected(exact, probability)];
+        (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(1.0)).with_atoms(atoms))
+    });
+    (registered, case)
+}
+
+/// F over F and what the base reflects through the coat, by sums over angles in f64.
+fn coat_probability(cos: f64, albedo: f64) -> f64 {
+    let n = 20_000;
+    let term = |i: i32| {
+        let z = (f64::from(i) + 0.5) / f64::from(n);
+        2.0 * z * fresnel(DVec3::new((1.0 - z * z).sqrt(), 0.0, -z)) / f64::from(n)
+    };
+    let inside: f64 = (0..n).map(term).sum();
+    let f = fresnel(DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
+    let base = (1.0 - f) * (1.0 - inside) * albedo / (1.0 - albedo * inside);
+    f / (f + base)
 }
 
 /// The directions that `bsdf` samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
