@@ -27,6 +27,7 @@ pub fn light(bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64
 fn of(checks: &[&Check], bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     let inner = Protocol { tests: protocol.tests * checks.len() * wos.len(), ..*protocol };
     let (mut found, mut tests) = (Outcome::open(0), 0);
+    let (mut detectable, mut exact) = (0f64, Vec::new());
     for check in checks {
         if check.is_statistical && found.violation.is_some() {
             break;
@@ -37,15 +38,32 @@ fn of(checks: &[&Check], bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol
             let named = |text: String| format!("{}: {text}", check.name);
             let violation = found.violation.take().or(outcome.violation.clone().map(named));
             let reason = found.inconclusive_reason.take().or(outcome.inconclusive_reason.clone().map(named));
-            let detectable = [found.detectable, outcome.detectable].into_iter().flatten().max_by(f64::total_cmp);
+            if check.is_statistical {
+                detectable = detectable.max(outcome.detectable.unwrap_or(0.0));
+            } else {
+                exact.push((outcome.detectable.unwrap_or(0.0), outcome.samples));
+            }
             let (samples, seconds) = (found.samples + outcome.samples, found.seconds + outcome.seconds);
             if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least)) {
                 found = Outcome { diagnosis: outcome.diagnosis.clone().map(named), ..outcome };
             }
-            found = Outcome { violation, inconclusive_reason: reason, detectable, samples, seconds, ..found };
+            found = Outcome { violation, inconclusive_reason: reason, samples, seconds, ..found };
         }
     }
+    found.detectable = Some(detectable.max(found_in_most(exact)));
     // 1 − (1 − p)ⁿ, precise for small p.
     found.p = found.p.map(|p| if p < 1.0 { -(tests as f64 * (-p).ln_1p()).exp_m1() } else { 1.0 });
     Ok(found)
+}
+
+/// The error that nine of ten comparisons would have found, from that of several checks with their numbers of comparisons.
+fn found_in_most(mut checks: Vec<(f64, u64)>) -> f64 {
+    checks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let most = 0.9 * checks.iter().map(|(_, compared)| *compared as f64).sum::<f64>();
+    let mut sum = 0.0;
+    let reaches = |(_, compared): &&(f64, u64)| {
+        sum += *compared as f64;
+        sum >= most
+    };
+    checks.iter().find(reaches).map_or(0.0, |(error, _)| *error)
 }

@@ -144,7 +144,7 @@ impl Comparison {
         let tolerance = if difference <= quick { quick } else { tolerance().max(quick) };
         // Numbers near 0 have no relative error.
         if scale > TINY.sqrt() {
-            self.tolerated.push(tolerance / scale);
+            self.tolerated.push((tolerance / scale).min(1.0));
         }
         if difference.is_nan() || difference > tolerance {
             self.fail(difference / tolerance, || format!("{}: {found:.6e} and {expected:.6e}", message()));

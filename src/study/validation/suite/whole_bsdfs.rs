@@ -49,9 +49,10 @@ impl Configuration {
     }
 }
 
-/// Angles in degrees, and those at which BSDFs are sampled and integrated.
-const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
-const FEW_DEGREES: [f64; 2] = [25.0, 75.0];
+/// Angles in degrees, from both sides of the surface.
+const DEGREES: [f64; 12] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99, 90.01, 91.0, 100.0, 120.0, 150.0, 180.0];
+/// Those at which BSDFs are sampled and integrated.
+const FEW_DEGREES: [f64; 3] = [25.0, 75.0, 140.0];
 
 /// Lobes at least as wide have directions whose derivatives single precision resolves.
 const WIDE: f32 = 0.025;
@@ -59,14 +60,19 @@ const WIDE: f32 = 0.025;
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0];
 const ETAS: [f32; 5] = [1.0 / 2.4, 1.0 / 1.5, 1.05, 1.5, 2.4];
 
-fn gold(alpha: [f32; 2], distribution: Distribution) -> Conductor {
-    let (eta, k) = (GOLD.eta_rgb(), GOLD.k_rgb());
+/// A metal without colour: channels that are equal are integrated once.
+fn metal(alpha: [f32; 2], distribution: Distribution) -> Conductor {
+    let (eta, k) = (Rgb::splat(0.5), Rgb::splat(2.5));
     Conductor { eta, k, alpha, distribution, two_sided: false, multiple_scattering: false }
+}
+
+fn gold(alpha: [f32; 2], distribution: Distribution) -> Conductor {
+    Conductor { eta: GOLD.eta_rgb(), k: GOLD.k_rgb(), ..metal(alpha, distribution) }
 }
 
 /// A metal that reflects all light but 10⁻⁸.
 fn lossless(alpha: f32, distribution: Distribution) -> Conductor {
-    Conductor { eta: Rgb::ONE, k: Rgb::splat(2e4), ..gold([alpha; 2], distribution) }
+    Conductor { eta: Rgb::ONE, k: Rgb::splat(2e4), ..metal([alpha; 2], distribution) }
 }
 
 /// All configurations.
@@ -77,7 +83,8 @@ fn configurations() -> Vec<Configuration> {
     let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     let bounded = ScatterModel { normals: NormalSampling::Bounded, ..ScatterModel::default() };
     let lossy = Dielectric { reflectance, transmittance, ..Dielectric::clear(1.5) };
-    let mixed = [(0.4, Material::Diffuse { albedo }), (0.6, Material::Conductor(gold([0.2; 2], Distribution::Ggx)))];
+    let mixed = [(0.4, Material::Diffuse { albedo }), (0.6, Material::Conductor(metal([0.2; 2], Distribution::Ggx)))];
+    let polished = [(0.5, Material::Diffuse { albedo }), (0.5, Material::Mirror { reflectance })];
     let conserved =
         |configuration: Configuration, error| Configuration { energy: Energy::Conserved(error), ..configuration };
     let mut all = vec![
@@ -92,6 +99,7 @@ fn configurations() -> Vec<Configuration> {
         Configuration::new("coated-diffuse/1.5", Material::CoatedDiffuse { albedo, eta: 1.5 }),
         Configuration::new("coated-diffuse/2.4", Material::CoatedDiffuse { albedo, eta: 2.4 }),
         Configuration::new("mixture", Material::Mixture(mixed.into())),
+        Configuration::new("mixture/mirror", Material::Mixture(polished.into())),
         Configuration {
             model: report,
             energy: Energy::MayExceedOne("the second report's formulas"),
@@ -101,36 +109,43 @@ fn configurations() -> Vec<Configuration> {
     for (name, distribution) in DISTRIBUTIONS {
         for alpha in ALPHAS {
             let light = alpha == 0.1 || alpha == 0.5;
-            let metal = Material::Conductor(gold([alpha; 2], distribution));
+            let metal = Material::Conductor(metal([alpha; 2], distribution));
             all.push(Configuration { light, ..Configuration::new(format!("{name}/{alpha}"), metal.clone()) });
             if distribution == Distribution::Ggx {
                 let name = format!("{name}/bounded/{alpha}");
                 all.push(Configuration { light, model: bounded, ..Configuration::new(name, metal) });
             }
             for eta in ETAS {
-                let light = light && [1.0 / 1.5, 1.5].contains(&eta);
+                let light = [(0.1, 1.0 / 1.5), (0.5, 1.5)].contains(&(alpha, eta));
                 let glass = Material::Dielectric(Dielectric::rough(eta, alpha, distribution));
                 let name = format!("{name}-dielectric/{eta:.3}/{alpha}");
                 all.push(Configuration { light, ..Configuration::new(name, glass) });
             }
         }
-        let (alpha, brushed) = ([0.05, 0.4], gold([0.05, 0.4], distribution));
+        let (alpha, brushed) = ([0.05, 0.4], metal([0.05, 0.4], distribution));
         let glass = Dielectric { alpha, distribution, ..Dielectric::clear(1.5) };
         all.push(Configuration::new(format!("{name}/anisotropic"), Material::Conductor(brushed)));
+        // With multiple scattering a lossless metal reflects all light, to the error of its table.
+        for alpha in [0.01, 0.3, 1.0] {
+            let metal = Conductor { multiple_scattering: true, ..gold([alpha; 2], distribution) };
+            let name = format!("compensated-{name}/{alpha}");
+            all.push(Configuration { light: false, ..Configuration::new(name.clone(), Material::Conductor(metal)) });
+            let white = Conductor { multiple_scattering: true, ..lossless(alpha, distribution) };
+            let white = Configuration::new(format!("{name}/lossless"), Material::Conductor(white));
+            all.push(conserved(white, 1e-3));
+        }
         all.push(Configuration::new(format!("{name}-dielectric/anisotropic"), Material::Dielectric(glass)));
     }
     all
 }
 
-/// The directions at these angles, on both sides of the surface, in no symmetric position to the tangents.
+/// The directions at these angles, in no symmetric position to the tangents.
 fn directions(degrees: &[f64]) -> Vec<Direction> {
-    let turned = |degrees: f64| {
+    let turned = |&degrees: &f64| {
         let w = towards(degrees);
         glam::DVec3::new(0.8 * w.x, 0.6 * w.x, w.z).as_vec3().as_dvec3().to_array()
     };
-    let outside = degrees.iter().map(|&degrees| turned(degrees));
-    let inside = degrees.iter().map(|&degrees| turned(180.0 - degrees));
-    outside.chain(inside).collect()
+    degrees.iter().map(turned).collect()
 }
 
 /// The cases, each with its BSDF's name in the registry.
@@ -169,6 +184,9 @@ fn limits() -> Vec<(&'static str, Case)> {
         let metal = |alpha| Material::Conductor(gold([alpha; 2], distribution));
         let [a, b] = pair(metal(ALPHA), metal(0.0));
         cases.push((a.bsdf.name(), limit(format!("whole/limit/smooth-conductor/{name}"), a, b, Some(5.0 * ALPHA))));
+        let paint = Material::Diffuse { albedo: Rgb::splat(0.5) };
+        let [a, b] = pair(Material::Mixture([(1.0, paint.clone()), (0.0, metal(0.3))].into()), paint);
+        cases.push((a.bsdf.name(), limit(format!("whole/limit/weight-of-zero/{name}"), a, b, None)));
     }
     cases
 }
@@ -180,7 +198,7 @@ fn limit(name: String, a: Scattering, b: Scattering, tolerance: Option<f32>) -> 
             Some(tolerance) => same_light(&a, &b, wo, f64::from(tolerance), protocol),
             None => same_values(&a, &b, wo, protocol),
         };
-        let all = directions(&[0.0, 30.0, 70.0]).into_iter().map(compare);
+        let all = directions(&[0.0, 30.0, 70.0, 150.0]).into_iter().map(compare);
         Ok(all.reduce(|first, next| if first.violation.is_some() { first } else { next }).unwrap_or_default())
     })
 }
