@@ -141,7 +141,8 @@ impl fmt::Display for Outcome {
         }
         write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
-            write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
+            let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
+            write!(f, ", would detect a relative error of {error}")?;
         }
         [self.remark(), self.diagnosis.as_deref()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
     }

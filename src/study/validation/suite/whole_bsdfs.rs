@@ -162,8 +162,11 @@ pub fn cases() -> Vec<(&'static str, Case)> {
             }),
         ));
         if configuration.light {
+            // Conductors are black from below.
+            let is_metal = matches!(configuration.material, Material::Conductor(_));
+            let few_degrees = if is_metal { &FEW_DEGREES[..2] } else { &FEW_DEGREES };
             let case = Case::new(format!("whole/{}/light", configuration.name), move |protocol, round| {
-                whole::light(&*scattering, &directions(&FEW_DEGREES), protocol, round)
+                whole::light(&*scattering, &directions(few_degrees), protocol, round)
             });
             cases.push((name, case));
         }
