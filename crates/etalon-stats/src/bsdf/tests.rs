@@ -206,7 +206,10 @@ fn is_false_alarm(bsdf: &dyn Bsdf, seed: u64) -> bool {
 
 #[test]
 fn right_bsdfs_are_rejected_in_at_most_20_of_1000_runs() {
-    let all: [&dyn Bsdf; 3] = [&Lambertian(Fault::None), &Lambertian(Fault::Stochastic), &Conductor(0.5)];
+    // Mostly those that take little time.
+    let (paint, walk, metal): (&dyn Bsdf, &dyn Bsdf, &dyn Bsdf) =
+        (&Lambertian(Fault::None), &Lambertian(Fault::Stochastic), &Conductor(0.5));
+    let all = [paint, walk, paint, walk, paint, walk, paint, metal];
     let alarms = (0..1000).into_par_iter().filter(|&seed| is_false_alarm(all[seed as usize % all.len()], seed)).count();
     assert!(alarms <= 20, "{alarms} of 1000 at level 1 %");
 }
