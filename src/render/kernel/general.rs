@@ -30,7 +30,7 @@ pub fn collect(shader: &SurfaceShader, surface: Surface, paths: &Paths, i: usize
         throughput: at(&paths.throughput, i),
         light_tracing,
         slot: paths.slot[i],
-        path_class: paths.path_class[i].then(false),
+        path_class: paths.path_class[i],
         object,
     })
 }
@@ -145,6 +145,7 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
             }
         };
         let ray = [vertex.surface.ray_origin(wi), wi];
-        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, vertex.path_class);
+        let path_class = vertex.path_class.then(sample.is_delta());
+        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, path_class);
     }
 }
