@@ -11,6 +11,7 @@ pub struct Row<'a> {
     verdict: String,
     by: &'a str,
     violation: &'a str,
+    diagnosis: &'a str,
     statistic: f64,
     dof: usize,
     p: Option<f64>,
@@ -19,17 +20,19 @@ pub struct Row<'a> {
     error: Option<f64>,
     verdict_without: String,
     p_without: Option<f64>,
+    remark_without: &'a str,
 }
 
 pub fn rows<'a>(findings: &'a Findings) -> Vec<Row<'a>> {
     let row = |test: &'a Finding| {
-        let Finding { name, mistake, outcome, by, error, sound, sound_p } = test;
+        let Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark } = test;
         Row {
             name,
             mistake,
             verdict: outcome.verdict.to_string(),
             by: by.map_or("", By::name),
             violation: outcome.violation.as_deref().unwrap_or(""),
+            diagnosis: outcome.diagnosis.as_deref().unwrap_or(""),
             statistic: outcome.statistic,
             dof: outcome.dof,
             p: outcome.p,
@@ -38,6 +41,7 @@ pub fn rows<'a>(findings: &'a Findings) -> Vec<Row<'a>> {
             error: *error,
             verdict_without: sound.to_string(),
             p_without: *sound_p,
+            remark_without: sound_remark.as_deref().unwrap_or(""),
         }
     };
     findings.tests.iter().map(row).collect()

@@ -12,7 +12,7 @@ pub fn seconds(seconds: f64) -> String {
 
 /// A small p-value, with markup: "≈ 10^{−17}", or "< 10^{−300}" for what f64 cannot hold.
 pub fn power_of_ten(p: f64) -> String {
-    if p > 0.0 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }
+    if p >= 1e-300 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }
 }
 
 /// A p-value, with markup: "/{p} = 0.123", or the power of ten of a small one.

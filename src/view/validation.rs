@@ -30,6 +30,8 @@ pub struct Row<'a> {
     seconds: f64,
     /// A violation, or why the test is inconclusive.
     remark: &'a str,
+    /// Where samples and pdf differ most, of a rejected test.
+    diagnosis: &'a str,
 }
 
 pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
@@ -52,6 +54,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
             repeated: outcome.repeated,
             seconds: outcome.seconds,
             remark: outcome.remark().unwrap_or_default(),
+            diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
         })
         .collect()
 }

@@ -1,16 +1,14 @@
 //! Assertions for `cargo test`, and the text that says where samples and pdf disagree.
 
 use crate::density::{Density, Mass};
+use crate::diagnosis::table;
 use crate::domain::Domain;
 use crate::examine::{Protocol, validate};
-use crate::outcome::{Counts, Outcome};
+use crate::outcome::Outcome;
 use crate::power::POWER;
 use crate::sampler::Sampler;
-use crate::text::count;
+use crate::text::{count, p_value};
 use std::fmt::Write;
-
-/// Regions that [`explain`] lists.
-const REGIONS: usize = 6;
 
 /// Panics unless the samples of `sampler` follow `density` over `domain`, by the default [`Protocol`].
 ///
@@ -73,17 +71,21 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
     if let Some(p) = outcome.continuous_p() {
         let _ = write!(
             text,
-            ", chi-square = {:.1} with {}, p = {p:.2e}",
+            ", chi-square = {:.1} with {}, {}",
             outcome.statistic,
-            count(outcome.dof, "degree of freedom", "degrees of freedom")
+            count(outcome.dof, "degree of freedom", "degrees of freedom"),
+            p_value(p)
         );
     }
     let _ = writeln!(text, ", {}", count(outcome.samples, "sample", "samples"));
     if let Some(remark) = outcome.remark() {
         let _ = writeln!(text, "reason: {remark}");
     }
+    if let Some(diagnosis) = &outcome.diagnosis {
+        let _ = writeln!(text, "{diagnosis}");
+    }
     if let Some(counts) = outcome.counts.as_ref().filter(|_| !outcome.is_accepted()) {
-        text += &worst_regions(domain, counts);
+        text += &table(domain, counts);
     }
     if let Some(error) = outcome.detectable {
         let (error, power) = (100.0 * error, 100.0 * POWER);
@@ -93,62 +95,6 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
         );
     }
     let _ = writeln!(text, "seed: {} (the same seed gives the same samples)", protocol.seed);
-    text
-}
-
-/// A part of the domain: its name, the numbers of its counts, their sum and what was expected.
-struct Region {
-    name: String,
-    counts: Vec<usize>,
-    observed: u64,
-    expected: f64,
-    /// The error in standard deviations of a Poisson count; at least one, where next to nothing is expected.
-    sigma: f64,
-}
-
-/// All regions that are looked at: rows and columns of the grid, its cells, the atoms, and "no sample".
-fn all_regions<D: Domain>(domain: &D, counts: &Counts) -> Vec<Region> {
-    let region = |(name, inside): (String, Vec<usize>)| {
-        let observed = inside.iter().map(|&i| counts.observed[i]).sum::<u64>();
-        let expected = inside.iter().map(|&i| counts.expected[i]).sum::<f64>();
-        let sigma = (observed as f64 - expected) / expected.max(1.0).sqrt();
-        Region { name, counts: inside, observed, expected, sigma }
-    };
-    let strips = counts.grid.strips().into_iter().filter(|(_, inside)| inside.len() > 1);
-    let strips = strips.map(|(strip, inside)| (domain.region(&strip), inside));
-    let cells = counts.grid.cells().map(|cell| domain.region(&cell));
-    let atoms = (0..counts.atoms).map(|atom| format!("atom {atom}"));
-    let singles = cells.chain(atoms).chain(["no sample".to_owned()]).enumerate().map(|(i, name)| (name, vec![i]));
-    strips.chain(singles).map(region).collect()
-}
-
-/// A table of regions that do not overlap and whose counts are least likely, the worst first.
-///
-/// Where the pdf is wrong by θ alone, a row of the grid stands out more than any of its cells; where it is wrong in a spot,
-/// a cell does.
-fn worst_regions<D: Domain>(domain: &D, counts: &Counts) -> String {
-    let mut lines = all_regions(domain, counts);
-    lines.retain(|line| line.sigma.abs() > 2.0);
-    lines.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
-    let mut taken = vec![false; counts.observed.len()];
-    lines.retain(|line| {
-        let is_new = line.counts.iter().all(|&i| !taken[i]);
-        line.counts.iter().filter(|_| is_new).for_each(|&i| taken[i] = true);
-        is_new
-    });
-    if lines.is_empty() {
-        return String::new();
-    }
-    lines.truncate(REGIONS);
-    let width = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0).max(6);
-    let mut text = String::from("where counts differ most from what the pdf predicts:\n");
-    let _ =
-        writeln!(text, "  {:<width$} {:>10} {:>12} {:>9} {:>8}", "region", "observed", "expected", "error", "sigma");
-    for Region { name, observed, expected, sigma, .. } in lines {
-        let error = 100.0 * (observed as f64 / expected - 1.0);
-        let error = if expected >= 0.05 { format!("{error:+.1} %") } else { "-".to_owned() };
-        let _ = writeln!(text, "  {name:<width$} {observed:>10} {expected:>12.1} {error:>9} {sigma:>+8.1}");
-    }
     text
 }
 

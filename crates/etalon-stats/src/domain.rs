@@ -45,6 +45,11 @@ pub trait Domain: Sync {
         let along = |name: &str, [from, to]: [f64; 2]| format!("{name} {from:.4}..{to:.4}");
         if self.is_plane() { format!("{}, {}", along(x, cell.x), along(y, cell.y)) } else { along(x, cell.x) }
     }
+
+    /// Where a cell is, as the end of a sentence: `within 2.0° of the horizon`.
+    fn in_words(&self, cell: &Cell) -> String {
+        format!("for {}", self.region(cell))
+    }
 }
 
 /// The points 0 to `outcomes` − 1; μ counts points, so that a pdf is a probability.
@@ -288,10 +293,32 @@ impl Domain for Directions {
     }
 
     fn region(&self, cell: &Cell) -> String {
-        // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
-        let theta = |x: f64| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees();
-        let ([t0, t1], [p0, p1]) = (cell.x.map(theta), cell.y.map(|y| 360.0 * y));
+        let ([t0, t1], [p0, p1]) = (self.theta(cell.x), cell.y.map(|y| 360.0 * y));
         format!("theta {}°..{}°, phi {}°..{}°", degrees(t0), degrees(t1), degrees(p0), degrees(p1))
+    }
+
+    fn in_words(&self, cell: &Cell) -> String {
+        let [t0, t1] = self.theta(cell.x);
+        let horizon = |t: f64| (t - 90.0).abs() < 1e-6;
+        let place = match (cell.x == [0.0, 1.0], t0 == 0.0, cell.x[1] == 1.0 && !self.half) {
+            (true, ..) => "for all theta".to_owned(),
+            (_, true, _) => format!("within {}° of theta = 0", degrees(t1)),
+            (_, _, true) if horizon(t0) => "below the horizon".to_owned(),
+            (_, _, true) => format!("within {}° of theta = 180°", degrees(180.0 - t0)),
+            _ if horizon(t1) => format!("within {}° of the horizon", degrees(90.0 - t0)),
+            _ if horizon(t0) => format!("within {}° below the horizon", degrees(t1 - 90.0)),
+            _ => format!("for theta {}°..{}°", degrees(t0), degrees(t1)),
+        };
+        let [p0, p1] = cell.y.map(|y| 360.0 * y);
+        if cell.y == [0.0, 1.0] { place } else { format!("{place}, phi {}°..{}°", degrees(p0), degrees(p1)) }
+    }
+}
+
+impl Directions {
+    /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
+    fn theta(&self, range: [f64; 2]) -> [f64; 2] {
+        // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
+        range.map(|x| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees())
     }
 }
 

@@ -4,6 +4,7 @@ use crate::chi_square::{FEWEST, chi_square};
 use crate::counting::{Counted, Counting, streams};
 use crate::cubature::{InvalidPdf, Probe};
 use crate::density::{Density, Mass};
+use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact;
@@ -60,6 +61,8 @@ const MASS: f64 = 1e-4;
 const ROUNDING: f64 = 1e-7;
 /// Samples that decide on the cells, apart from those that are counted.
 const PILOT: u64 = 1 << 14;
+/// A p-value below this has the test say where counts differ.
+pub(crate) const SUSPECT: f64 = 0.01;
 /// The share of a test's level that the bound of the mass may fail with.
 const RISK: f64 = 0.1;
 
@@ -105,7 +108,7 @@ impl Protocol {
     }
 
     /// The relative error that a test must be able to detect.
-    fn coarsest(&self) -> f64 {
+    pub(crate) fn coarsest(&self) -> f64 {
         match self.samples {
             SampleCount::Fixed(_) => COARSEST,
             SampleCount::Detect(w) => w.max(COARSEST),
@@ -222,6 +225,8 @@ pub fn examine<D: Domain>(
     };
     let violations = [pdf_violation, mass_violation, corner_violation, sample_violation];
     let violation = violations.into_iter().flatten().next().or_else(|| exact::discrete(domain, &pilot));
+    let counts = Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() };
+    let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
     Ok(Outcome {
         statistic: test.map_or(0.0, |test| test.statistic),
         dof: test.map_or(0, |test| test.dof),
@@ -229,12 +234,13 @@ pub fn examine<D: Domain>(
         detectable,
         seconds: start.elapsed().as_secs_f64(),
         mass: Some(mass),
-        cells: observed.len(),
+        cells: counts.observed.len(),
         pooled: test.map_or(0, |test| test.dof + 1),
         none,
         violation,
         inconclusive_reason,
-        counts: Some(Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() }),
+        diagnosis: if is_suspect { diagnose(domain, &counts) } else { None },
+        counts: Some(counts),
         ..Outcome::open(samples)
     })
 }

@@ -75,6 +75,12 @@ impl Grid {
         Self::new(edges, columns)
     }
 
+    /// The rows of this grid, then those of `next`, which starts where this one ends.
+    #[must_use]
+    pub(crate) fn followed_by(self, next: Self) -> Self {
+        Self::new([&self.rows[..], &next.rows[1..]].concat(), [self.columns, next.columns].concat())
+    }
+
     /// Number of cells.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -10,10 +10,12 @@
 
 mod assertion;
 mod bounded;
+pub mod bsdf;
 pub mod chi_square;
 mod counting;
 pub mod cubature;
 mod density;
+mod diagnosis;
 mod domain;
 mod error;
 pub mod estimate;

@@ -3,7 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
-use crate::text::count;
+use crate::text::{count, p_value};
 use std::fmt;
 
 /// The decision on a test.
@@ -78,6 +78,8 @@ pub struct Outcome {
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
     pub inconclusive_reason: Option<String>,
+    /// Where observed and expected differ most, in words, if the test rejects; until [`decide`] has been called, if it may.
+    pub diagnosis: Option<String>,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
     /// The counts behind it.
@@ -135,13 +137,14 @@ impl fmt::Display for Outcome {
         write!(f, "{}", self.verdict)?;
         if let Some(p) = self.p {
             let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
-            write!(f, ": chi² = {:.1}, {freedom}, p = {p:.3e}", self.statistic)?;
+            write!(f, ": chi² = {:.1}, {freedom}, {}", self.statistic, p_value(p))?;
         }
         write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
-            write!(f, ", would detect a relative error of the pdf of {:.2} %", 100.0 * w)?;
+            let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
+            write!(f, ", would detect a relative error of {error}")?;
         }
-        self.remark().map_or(Ok(()), |remark| write!(f, ": {remark}"))
+        [self.remark(), self.diagnosis.as_deref()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
     }
 }
 
@@ -177,6 +180,7 @@ pub fn decide<E>(
         } else {
             Verdict::Accept
         };
+        outcome.diagnosis.take_if(|_| outcome.verdict != Verdict::Reject);
     }
     Ok(())
 }

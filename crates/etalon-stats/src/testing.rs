@@ -57,7 +57,7 @@ pub fn beckmann_pdf(alpha: f64, m: Vector) -> f64 {
 pub fn ggx_visible(wo: Vector, alpha: f64, u: [f64; 2]) -> Vector {
     // Stretch to the hemisphere of alpha = 1, sample its projected area, unstretch.
     let v = normalize([alpha * wo[0], alpha * wo[1], wo[2]]);
-    let t1 = normalize([-v[1], v[0], 0.0]);
+    let t1 = if v[0] == 0.0 && v[1] == 0.0 { [1.0, 0.0, 0.0] } else { normalize([-v[1], v[0], 0.0]) };
     let t2 = cross(v, t1);
     let (r, phi) = (u[0].sqrt(), TAU * u[1]);
     let p1 = r * phi.cos();

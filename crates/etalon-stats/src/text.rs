@@ -13,9 +13,19 @@ pub fn count<N: Display + PartialEq + From<u8>>(n: N, one: &str, many: &str) -> 
     format!("{n} {noun}")
 }
 
+/// A p-value as `p = 5.46e-63`, or `p < 1e-300` where it is smaller.
+pub fn p_value(p: f64) -> String {
+    if p < 1e-300 { "p < 1e-300".to_owned() } else { format!("p = {p:.2e}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_smallest_p_values_have_a_bound() {
+        assert_eq!((p_value(5.461e-63), p_value(0.0)), ("p = 5.46e-63".to_owned(), "p < 1e-300".to_owned()));
+    }
 
     #[test]
     fn points_are_tuples_and_nouns_agree() {

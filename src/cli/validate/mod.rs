@@ -23,7 +23,7 @@ use std::path::PathBuf;
 /// Test samplers against their pdfs
 #[derive(Args)]
 #[command(
-    after_help = "Writes validation.{csv,svg,png,pdf}, with --figures also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
+    after_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
@@ -51,7 +51,7 @@ pub struct Validate {
     /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
-    /// Plot the counts of each test: observed, expected, residuals
+    /// Plot the counts of each test: observed, expected, residuals (default: of rejected ones)
     #[arg(long)]
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
@@ -87,8 +87,9 @@ impl Validate {
         let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
         bar.finish_and_clear();
         let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
-        if self.figures {
-            for tested in &validation.tests {
+        // What is rejected is drawn without being asked for.
+        for tested in &validation.tests {
+            if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
                 files.extend(draw_counts(tested, &target)?);
             }
         }

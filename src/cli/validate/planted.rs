@@ -40,8 +40,11 @@ fn text(findings: &Findings) -> String {
             test.outcome.samples,
             test.sound,
         );
-        if test.outcome.verdict != etalon_stats::Verdict::Reject || test.sound != etalon_stats::Verdict::Accept {
+        if test.outcome.verdict != etalon_stats::Verdict::Reject {
             text += &format!("  {}\n", test.outcome.remark().unwrap_or(test.mistake));
+        }
+        if test.sound != etalon_stats::Verdict::Accept {
+            text += &format!("  without it: {}\n", test.sound_remark.as_deref().unwrap_or("not accepted"));
         }
     }
     text += &format!(

@@ -36,7 +36,7 @@ pub fn text(validation: &Validation) -> String {
     text
 }
 
-/// One line for each test, and its remark below it.
+/// One line for each test, and below it its remark and where it failed.
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text = format!(
@@ -53,8 +53,8 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
             outcome.mass.filter(|mass| mass.error.is_finite()).map_or("-".into(), |mass| mass.to_string()),
             outcome.seconds
         );
-        if let Some(remark) = outcome.remark() {
-            text += &format!("  {remark}\n");
+        for line in outcome.remark().into_iter().chain(outcome.diagnosis.as_deref()) {
+            text += &format!("  {line}\n");
         }
     }
     text
@@ -95,7 +95,12 @@ fn family(name: &str) -> String {
 
 /// A p-value with four decimals, or in scientific notation below 0.001.
 pub fn p_value(p: Option<f64>) -> String {
-    p.map_or("-".into(), |p| if p >= 1e-3 { format!("{p:.4}") } else { format!("{p:.1e}") })
+    match p {
+        None => "-".into(),
+        Some(p) if p < 1e-300 => "< 1e-300".into(),
+        Some(p) if p < 1e-3 => format!("{p:.1e}"),
+        Some(p) => format!("{p:.4}"),
+    }
 }
 
 fn percent(share: Option<f64>) -> String {

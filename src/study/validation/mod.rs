@@ -4,9 +4,11 @@ mod calibrate;
 mod case;
 pub mod planted;
 mod run;
+mod scattering;
 mod select;
 mod shared;
 pub mod suite;
+mod whole;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::{Case, DirectionSampler, direction_sampler};

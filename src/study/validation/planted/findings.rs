@@ -62,6 +62,8 @@ pub struct Finding {
     pub sound: Verdict,
     /// The p-value of that test.
     pub sound_p: Option<f64>,
+    /// Why that test did not accept, if it did not.
+    pub sound_remark: Option<String>,
 }
 
 /// The results of a run.
@@ -109,7 +111,9 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
         let (name, mistake) = about[tests.len()];
         let by = By::of(&outcome, own_level);
         let error = error(&outcome, own_level);
-        tests.push(Finding { name, mistake, outcome, by, error, sound: sound.verdict, sound_p: sound.p });
+        let remark = sound.remark().or(sound.diagnosis.as_deref()).map(str::to_owned);
+        let (sound, sound_p) = (sound.verdict, sound.p);
+        tests.push(Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark: remark });
     }
     let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
     Ok(Findings {

@@ -1,6 +1,7 @@
 //! Planted faults: frequent mistakes, each in a small sampler or pdf, which the suite must reject. The same test without
 //! the mistake must be accepted, so that the mistake alone explains the rejection.
 
+mod bsdf;
 mod fault;
 mod findings;
 mod glass;
@@ -28,6 +29,7 @@ pub fn all() -> Vec<PlantedFault> {
         reflection::faults(),
         glass::faults(),
         renders::faults(),
+        bsdf::faults(),
     ]
     .into_iter()
     .flatten()

@@ -4,7 +4,7 @@ pub mod adjoint;
 mod bsdfs;
 mod camera;
 mod in_lanes;
-mod inputs;
+pub(super) mod inputs;
 pub mod light_paths;
 pub mod light_selection;
 pub mod lights;
@@ -16,12 +16,13 @@ mod strata;
 mod tables;
 pub mod techniques;
 mod warps;
+mod whole_bsdfs;
 
 use super::case::Case;
 
 /// All cases, family by family.
 pub fn cases() -> Vec<Case> {
-    let bsdfs = bsdfs::cases().into_iter().map(|(_, case)| case).collect();
+    let bsdfs = bsdfs::cases().into_iter().chain(whole_bsdfs::cases()).map(|(_, case)| case).collect();
     let families = [warps::cases(), tables::cases(), maps::cases(), strata::cases(), normals::cases(), bsdfs];
     families
         .into_iter()
@@ -56,8 +57,9 @@ mod tests {
     #[test]
     fn every_bsdf_and_every_map_sampler_has_a_case() {
         let tested: HashSet<&str> = bsdfs::cases().into_iter().map(|(bsdf, _)| bsdf).collect();
+        let whole: HashSet<&str> = whole_bsdfs::cases().into_iter().map(|(bsdf, _)| bsdf).collect();
         for (name, _) in crate::bsdf::ALL {
-            assert!(tested.contains(name), "{name}");
+            assert!(tested.contains(name) && whole.contains(name), "{name}");
         }
         let cases = maps::cases();
         for entry in samplers::ALL.iter().filter(|entry| !matches!(entry.method, Method::FixedLights(_))) {

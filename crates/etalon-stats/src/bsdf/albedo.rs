@@ -1,0 +1,126 @@
+//! The albedo: its two estimates agree, and it is what the BSDF declares.
+
+use super::contract::Energy;
+use super::light::{CellIntegrals, Pilot, integrate};
+use super::subject::Subject;
+use super::sums::{BATCH, CellSum, sums};
+use super::vector::place;
+use crate::error::Result;
+use crate::examine::{SUSPECT, SampleCount};
+use crate::grid::Grid;
+use crate::multiple::sidak;
+use crate::outcome::Outcome;
+use crate::power::noncentrality;
+
+/// Cells that the cubature starts from.
+const CELLS: usize = 50;
+/// Fewest and most samples.
+const SAMPLES: [u64; 2] = [1 << 14, 1 << 24];
+/// What rounding of values may change of an integral, as of a pdf.
+const ROUNDING: f64 = 1e-4;
+/// A sample with a larger share of the squares makes their sum, and so the variance, uncertain.
+const LARGEST: f64 = 0.1;
+
+/// The integrals of f |cos θᵢ| for every channel that differs from the others.
+fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
+    let pilot = Pilot::new(subject);
+    let grid = pilot.grid(CELLS);
+    let of = |channel: usize| Ok((channel, integrate(subject, &pilot, &grid, [channel, 1 << 10], power)?));
+    let integrals = pilot.channels(subject).into_iter().map(of).collect::<Result<Vec<_>>>()?;
+    Ok((grid, integrals))
+}
+
+/// Energy: the power that is scattered to `wo`, as a share of that of uniform light, against 1 or the declared value. For a
+/// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
+pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
+    let (_, integrals) = integrals(subject, true)?;
+    let declared = subject.bsdf.albedo(subject.wo);
+    let (mut violation, mut largest) = (None, 0f64);
+    for (channel, integrals) in &integrals {
+        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
+        let (value, error) = (integrals.total() + deltas, integrals.total_error + ROUNDING);
+        largest = largest.max(error);
+        let conserved = match subject.properties.energy {
+            Energy::Conserved(error) => Some((1.0, error)),
+            _ => None,
+        };
+        let expected = declared.map(|albedo| (albedo[*channel], 0.0)).or(conserved);
+        let at = || format!("wo {}: the albedo is {value:.5} ± {error:.1e}", place(subject.wo));
+        let found = match expected {
+            Some((expected, known)) if (value - expected).abs() > error + known => {
+                Some(format!("{}, not {expected:.5}", at()))
+            }
+            None if matches!(subject.properties.energy, Energy::AtMostOne) && value > 1.0 + error => {
+                Some(format!("{}, more than 1", at()))
+            }
+            _ => None,
+        };
+        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
+        violation = violation.or(invalid).or(found);
+    }
+    Ok(Some(Outcome { detectable: Some(largest), violation, ..Outcome::open(integrals.len() as u64) }))
+}
+
+/// Two estimates of one albedo: the mean of the weights of samples, and the integral of the values.
+pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
+    let (grid, integrals) = integrals(subject, false)?;
+    let channels: Vec<usize> = integrals.iter().map(|(channel, _)| *channel).collect();
+    let level = sidak(subject.protocol.own_level(), channels.len());
+    let whole = |cells: &Vec<CellSum>| cells.iter().fold(CellSum::default(), |sum, cell| sum.plus(*cell));
+    // The relative variance of weights of a first run says how many samples to take.
+    let first: Vec<CellSum> = sums(subject, &grid, &channels, 2 * BATCH, 7, false)?.iter().map(whole).collect();
+    let count = match subject.protocol.samples {
+        SampleCount::Fixed(n) => n,
+        SampleCount::Detect(w) => {
+            let n = (2 * BATCH) as f64;
+            let relative = first.iter().filter(|sum| sum.sum > 0.0);
+            let variance = relative.map(|all| n * all.squares / (all.sum * all.sum) - 1.0).fold(0.0, f64::max);
+            ((noncentrality(1, level) * variance / (w * w)) as u64).clamp(SAMPLES[0], SAMPLES[1])
+        }
+    };
+    let found: Vec<CellSum> = sums(subject, &grid, &channels, count, 8, false)?.iter().map(whole).collect();
+    let n = count as f64;
+    let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, None, None);
+    for ((channel, integrals), found) in integrals.iter().zip(&found) {
+        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel]).sum::<f64>();
+        let (expected, mean) = (integrals.total() + deltas, found.sum / n);
+        let sampled = (found.squares / n - mean * mean).max(0.0) / (n - 1.0);
+        let deviation = (sampled + integrals.variances.iter().sum::<f64>()).sqrt();
+        // Errors of cubature and of single precision explain a part of the difference.
+        let explained = if subject.is_deterministic() { integrals.total_error } else { 0.0 } + ROUNDING * expected;
+        let excess = ((mean - expected).abs() - explained).max(0.0);
+        let z = if excess == 0.0 { 0.0 } else { excess / deviation };
+        let at = || {
+            let error = 100.0 * (mean / expected - 1.0);
+            format!(
+                "wo {}: weights have the mean {mean:.5}, {error:+.1} % of ∫ f |cos| = {expected:.5}",
+                place(subject.wo)
+            )
+        };
+        if least.as_ref().is_none_or(|(largest, _)| z > *largest) {
+            least = Some((z, at()));
+        }
+        let scale = expected.max(f64::MIN_POSITIVE);
+        detectable = detectable.max((explained + deviation * noncentrality(1, level).sqrt()) / scale);
+        if found.squares > 0.0 && found.largest > LARGEST * found.squares {
+            reason = Some("a single weight decides: their tail is not controlled".to_owned());
+        }
+        violation =
+            violation.or(integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value)));
+    }
+    let coarse = Some(detectable).filter(|&w| w > subject.protocol.coarsest());
+    let reason = reason.or(coarse
+        .map(|w| format!("too few samples: an error of the albedo below {:.0} % would remain undetected", 100.0 * w)));
+    let p = least.as_ref().map(|(z, _)| (libm::erfc(z / 2f64.sqrt()) * channels.len() as f64).min(1.0));
+    Ok(Some(Outcome {
+        statistic: least.as_ref().map_or(0.0, |(z, _)| z * z),
+        // Where the tolerance explains all, p is 1: it has no continuous distribution.
+        dof: usize::from(p.is_some_and(|p| p < 1.0)),
+        p,
+        detectable: Some(detectable),
+        diagnosis: least.filter(|_| p.is_some_and(|p| p < SUSPECT)).map(|(_, at)| at),
+        violation,
+        inconclusive_reason: reason,
+        ..Outcome::open(count)
+    }))
+}

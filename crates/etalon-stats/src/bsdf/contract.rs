@@ -1,0 +1,204 @@
+//! The contract of a BSDF under test: what it evaluates and samples, and what it declares of itself.
+
+/// A unit vector in the local frame, the normal at +z, that points away from the surface.
+pub type Direction = [f64; 3];
+
+/// A value per channel; of a BSDF with one channel the first counts.
+pub type Spectrum = [f64; 3];
+
+/// How probable a sample is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// Its pdf per solid angle over all lobes: what [`Bsdf::pdf`] returns.
+    Pdf(f64),
+    /// A pdf exists, but the BSDF does not know it.
+    Unknown,
+    /// The sample is the direction of a delta lobe, which has this probability.
+    Delta(f64),
+}
+
+/// A direction that a BSDF samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfSample {
+    /// Where light comes from.
+    pub wi: Direction,
+    /// f |cos θᵢ| / pdf, or what a delta lobe does to radiance over its probability.
+    pub weight: Spectrum,
+    /// How probable it is.
+    pub density: Density,
+    /// The number of its lobe.
+    pub lobe: usize,
+    /// The probability that random numbers other than those of [`Properties::map`] choose this lobe.
+    pub lobe_probability: f64,
+}
+
+impl BsdfSample {
+    /// A sample of the only lobe of a BSDF.
+    #[must_use]
+    pub fn new(wi: Direction, weight: Spectrum, density: Density) -> Self {
+        Self { wi, weight, density, lobe: 0, lobe_probability: 1.0 }
+    }
+
+    /// The same sample of one lobe of several.
+    #[must_use]
+    pub fn of_lobe(self, lobe: usize, lobe_probability: f64) -> Self {
+        Self { lobe, lobe_probability, ..self }
+    }
+
+    /// Whether its lobe is a delta distribution.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        matches!(self.density, Density::Delta(_))
+    }
+}
+
+/// One direction that scatters a finite share of light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeltaLobe {
+    /// The direction.
+    pub wi: Direction,
+    /// The probability that it is sampled.
+    pub probability: f64,
+    /// The factor of the radiance from there.
+    pub throughput: Spectrum,
+}
+
+/// Whether f(wo, wi) = f(wi, wo), apart from refraction: radiance has n² of its medium as a factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reciprocity {
+    /// It is.
+    Reciprocal,
+    /// It is not, for this reason.
+    Not(&'static str),
+}
+
+/// How much of the incident power is scattered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Energy {
+    /// All of it, but for this share.
+    Conserved(f64),
+    /// All of it at most.
+    AtMostOne,
+    /// Possibly more, for this reason.
+    MayExceedOne(&'static str),
+}
+
+/// What the values of [`Bsdf::pdf`] are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PdfKind {
+    /// The pdf of the samples.
+    Exact,
+    /// An approximation, which samples do not follow.
+    Approximate,
+    /// Nothing: there is no pdf.
+    None,
+}
+
+/// A parameter of a configuration, with the range in which the BSDF is meant to work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The range.
+    pub range: [f64; 2],
+}
+
+/// What a BSDF declares of itself. [`Properties::default`] is an opaque surface without delta lobes, in f64.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Properties {
+    /// 1 or 3.
+    pub channels: usize,
+    /// Whether light is reflected.
+    pub reflection: bool,
+    /// Whether light is transmitted.
+    pub transmission: bool,
+    /// Whether there are delta lobes; [`Bsdf::delta_lobes`] lists them.
+    pub delta: bool,
+    /// The index of refraction below the surface (z < 0) over that above it.
+    pub eta: f64,
+    /// Whether it is reciprocal.
+    pub reciprocity: Reciprocity,
+    /// Whether it conserves energy.
+    pub energy: Energy,
+    /// What its pdf is.
+    pub pdf: PdfKind,
+    /// Random numbers for one sample.
+    pub dimension: usize,
+    /// The two of them that a lobe maps to directions one to one, if there are any.
+    pub map: Option<[usize; 2]>,
+    /// Random numbers for one value; 0 for a deterministic BSDF.
+    pub eval_dimension: usize,
+    /// The distance from 1 to the next number of its arithmetic.
+    pub precision: f64,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+}
+
+impl Default for Properties {
+    fn default() -> Self {
+        Self {
+            channels: 1,
+            reflection: true,
+            transmission: false,
+            delta: false,
+            eta: 1.0,
+            reciprocity: Reciprocity::Reciprocal,
+            energy: Energy::AtMostOne,
+            pdf: PdfKind::Exact,
+            dimension: 3,
+            map: Some([1, 2]),
+            eval_dimension: 0,
+            precision: f64::EPSILON,
+            parameters: Vec::new(),
+        }
+    }
+}
+
+/// A BSDF under test. Light is radiance, which refraction divides by the square of the relative index.
+pub trait Bsdf: Sync {
+    /// What it declares of itself.
+    fn properties(&self) -> Properties;
+
+    /// f(wo, wi) without the cosine, of all lobes but delta lobes. A stochastic BSDF takes
+    /// [`eval_dimension`](Properties::eval_dimension) uniform random numbers from `u`, the first of which may seed a generator,
+    /// and returns a value whose mean is f.
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum;
+
+    /// Pdf of [`sample`](Self::sample) at `wi` per solid angle, delta lobes left out.
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64;
+
+    /// Samples a direction by [`dimension`](Properties::dimension) uniform random numbers; `None` if no light is scattered.
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample>;
+
+    /// The delta lobes for `wo`.
+    fn delta_lobes(&self, _wo: Direction) -> Vec<DeltaLobe> {
+        Vec::new()
+    }
+
+    /// The number of lobes between which [`sample`](Self::sample) chooses.
+    fn lobes(&self) -> usize {
+        1
+    }
+
+    /// The probability of a lobe times its pdf at `wi`; `None` if it is not known.
+    fn lobe_pdf(&self, wo: Direction, wi: Direction, _lobe: usize) -> Option<f64> {
+        (self.lobes() == 1).then(|| self.pdf(wo, wi))
+    }
+
+    /// [`eval`](Self::eval) for importance, of a path that starts at a light; `None` if there is no such function.
+    fn eval_adjoint(&self, _wo: Direction, _wi: Direction) -> Option<Spectrum> {
+        None
+    }
+
+    /// [`sample`](Self::sample) for importance, by the same random numbers; `None` if there is no such function.
+    fn sample_adjoint(&self, _wo: Direction, _u: &[f64]) -> Option<Option<BsdfSample>> {
+        None
+    }
+
+    /// The share of power that is scattered to `wo`, if it is known.
+    fn albedo(&self, _wo: Direction) -> Option<Spectrum> {
+        None
+    }
+}

@@ -1,0 +1,135 @@
+//! The test of a whole BSDF: what it evaluates, what it samples, and what it declares, each against the others.
+//!
+//! Most errors of BSDFs lie between evaluation, sample weights, pdf and energy, where a test of samples against the pdf does not
+//! look. Implement [`Bsdf`], and give [`assert_bsdf`] the directions `wo` to test it for, or [`test`] for a [`Report`]. Each
+//! [`Check`] says what it finds; those in [`ALL`] need one BSDF, [`same_values`] and [`same_light`] compare two.
+//!
+//! An exact check compares numbers that must be equal up to rounding: 64 units of the last place of the BSDF's arithmetic
+//! ([`Properties::precision`]), or, where that is exceeded, the change of the number when each coordinate of the two directions
+//! is moved by 16 last places. A statistical check has a p-value, and all of a report share one level ([`decide`]).
+
+mod adjoint;
+mod albedo;
+mod contract;
+mod formula;
+mod jacobian;
+mod light;
+mod limits;
+mod partition;
+mod reciprocity;
+mod report;
+mod sampling;
+mod subject;
+mod sums;
+mod values;
+mod vector;
+mod weights;
+
+pub use contract::{
+    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Parameter, PdfKind, Properties, Reciprocity, Spectrum,
+};
+pub use limits::{same_light, same_values};
+pub use report::{Checked, Report, assert_bsdf, test};
+
+use crate::error::Result;
+use crate::examine::Protocol;
+use crate::hash::mix64;
+use crate::outcome::Outcome;
+#[cfg(doc)]
+use crate::outcome::decide;
+use subject::Subject;
+
+/// One check of a BSDF for one `wo`.
+#[derive(Clone, Copy)]
+pub struct Check {
+    /// Its name.
+    pub name: &'static str,
+    /// What it finds, in one line.
+    pub finds: &'static str,
+    /// Whether it has a p-value.
+    pub is_statistical: bool,
+    run: fn(&Subject) -> Result<Option<Outcome>>,
+}
+
+impl Check {
+    /// Runs it, its verdict still open; `None` where it does not apply to the BSDF. Each `round` has random numbers of its own.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](crate::Error::Parameter) for an impossible protocol; [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn examine(&self, bsdf: &dyn Bsdf, wo: Direction, protocol: &Protocol, round: u64) -> Result<Option<Outcome>> {
+        protocol.check()?;
+        let start = std::time::Instant::now();
+        // Each check has random numbers of its own for each direction.
+        let parts = self.name.bytes().map(u64::from).chain(wo.map(f64::to_bits));
+        let seed = parts.fold(protocol.seed, |seed, part| mix64(seed ^ part));
+        let outcome = (self.run)(&Subject::new(bsdf, wo, &Protocol { seed, ..*protocol }, round))?;
+        Ok(outcome.map(|outcome| Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome }))
+    }
+}
+
+/// The registry of checks: exact ones first, which say best what is wrong.
+pub const ALL: [Check; 10] = [
+    Check {
+        name: "values",
+        finds: "NaN, infinite and negative values, pdfs and weights; light on a side that is not declared",
+        is_statistical: false,
+        run: |subject| Ok(values::check(subject)),
+    },
+    Check {
+        name: "formula",
+        finds: "weights other than f |cos| / pdf; samples that carry another pdf than `pdf` returns",
+        is_statistical: false,
+        run: |subject| Ok(formula::check(subject)),
+    },
+    Check {
+        name: "reciprocity",
+        finds: "f that changes when wo and wi are exchanged, apart from η²",
+        is_statistical: false,
+        run: |subject| Ok(reciprocity::check(subject)),
+    },
+    Check {
+        name: "adjoint",
+        finds: "values and weights for importance that are not those for radiance times η²",
+        is_statistical: false,
+        run: |subject| Ok(adjoint::check(subject)),
+    },
+    Check {
+        name: "jacobian",
+        finds: "pdfs of a lobe that are not the reciprocal of what its map does to areas",
+        is_statistical: false,
+        run: |subject| Ok(jacobian::check(subject)),
+    },
+    Check {
+        name: "partition",
+        finds: "lobes whose pdfs do not sum to the pdf, so that their MIS weights do not sum to 1",
+        is_statistical: false,
+        run: |subject| Ok(partition::check(subject)),
+    },
+    Check {
+        name: "energy",
+        finds: "albedos above 1, or other than declared",
+        is_statistical: false,
+        run: albedo::energy,
+    },
+    Check {
+        name: "albedo",
+        finds: "weights whose mean is not the integral of f |cos|",
+        is_statistical: true,
+        run: albedo::agreement,
+    },
+    Check {
+        name: "sampling",
+        finds: "samples that do not follow the pdf; pdfs that integrate to more than 1",
+        is_statistical: true,
+        run: sampling::check,
+    },
+    Check {
+        name: "weights",
+        finds: "weights whose sum over a cell of directions is not the light that is scattered from there",
+        is_statistical: true,
+        run: weights::check,
+    },
+];
+
+#[cfg(test)]
+mod tests;

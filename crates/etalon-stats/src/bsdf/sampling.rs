@@ -1,0 +1,58 @@
+//! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes.
+
+use super::contract::{Density as Probability, Direction, PdfKind};
+use super::subject::Subject;
+use super::vector::sphere;
+use crate::density::{Atom, Density, Mass};
+use crate::error::Result;
+use crate::examine::examine;
+use crate::outcome::Outcome;
+use crate::sampler::{Sample, Sampler};
+
+/// The samples and the pdf of a BSDF.
+struct Scattering<'a>(&'a Subject<'a>);
+
+impl Sampler<Direction> for Scattering<'_> {
+    fn dimension(&self) -> usize {
+        self.0.properties.dimension
+    }
+
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<Direction>>>) -> Result<()> {
+        let of = |u: &[f64]| {
+            let sample = self.0.bsdf.sample(self.0.wo, u)?;
+            Some(match sample.density {
+                Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
+                Probability::Unknown => Sample::new(sample.wi),
+                Probability::Delta(_) => Sample::atom(sample.wi),
+            })
+        };
+        out.extend(u.chunks_exact(self.dimension()).map(of));
+        Ok(())
+    }
+}
+
+impl Density<Direction> for Scattering<'_> {
+    fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
+        out.extend(points.iter().map(|&wi| self.0.bsdf.pdf(self.0.wo, wi)));
+        Ok(())
+    }
+
+    /// 1 minus the probability of "no sample", which is not declared.
+    fn mass(&self) -> Mass {
+        Mass::AtMostOne
+    }
+
+    fn atoms(&self) -> Vec<Atom<Direction>> {
+        self.0.deltas.iter().map(|lobe| Atom { point: lobe.wi, probability: lobe.probability }).collect()
+    }
+}
+
+/// Counts samples in cells, at delta lobes, and "no sample"; see [`examine`]. The integral of the pdf is tested with them, and
+/// the pdf that each sample carries.
+pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
+    if subject.properties.pdf != PdfKind::Exact {
+        return Ok(None);
+    }
+    let scattering = Scattering(subject);
+    examine(&sphere(), &scattering, &scattering, subject.protocol, subject.round).map(Some)
+}

@@ -1,0 +1,95 @@
+//! Sums of sample weights over cells and delta lobes.
+
+use super::subject::Subject;
+use super::vector::sphere;
+use crate::domain::Domain;
+use crate::error::{Result, poll};
+use crate::grid::Grid;
+use rand::RngExt;
+use rayon::prelude::*;
+
+/// Samples taken at a time.
+pub const BATCH: u64 = 1 << 13;
+
+/// The weights of the samples in one cell.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CellSum {
+    /// Σ w.
+    pub sum: f64,
+    /// Σ w².
+    pub squares: f64,
+    /// The largest w².
+    pub largest: f64,
+}
+
+impl CellSum {
+    fn add(&mut self, weight: f64) {
+        let square = weight * weight;
+        self.sum += weight;
+        self.squares += square;
+        self.largest = self.largest.max(square);
+    }
+
+    /// The sums of two cells, or of two batches of one cell.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            largest: self.largest.max(other.largest),
+        }
+    }
+}
+
+/// Sums for each channel of `channels`: over the cells, then over the delta lobes, then over samples of delta lobes that are not
+/// declared.
+///
+/// The number of samples is `count`, or random with this mean and Poisson's distribution (`poisson`), so that the sums of
+/// different cells are independent.
+pub fn sums(
+    subject: &Subject,
+    grid: &Grid,
+    channels: &[usize],
+    count: u64,
+    purpose: u64,
+    poisson: bool,
+) -> Result<Vec<Vec<CellSum>>> {
+    let places = grid.len() + subject.deltas.len() + 1;
+    let of_batch = |batch: u64| -> Result<Vec<Vec<CellSum>>> {
+        poll(subject.protocol.cancelled)?;
+        let mut rng = subject.random(purpose, batch + 1);
+        let mean = BATCH.min(count - batch * BATCH);
+        let mut u = vec![0.0; subject.properties.dimension];
+        let mut sums = vec![vec![CellSum::default(); places]; channels.len()];
+        let (mut taken, mut arrival) = (0, 0.0);
+        loop {
+            // Poisson's numbers count arrivals whose distances are exponentially distributed.
+            arrival += if poisson { -(1.0 - rng.random::<f64>()).ln() } else { 1.0 };
+            if arrival > mean as f64 {
+                break;
+            }
+            taken += 1;
+            u.iter_mut().for_each(|u| *u = rng.random());
+            let Some(sample) = subject.bsdf.sample(subject.wo, &u) else { continue };
+            let place = if sample.is_delta() {
+                let known = subject.deltas.iter().position(|lobe| sphere().same(lobe.wi, sample.wi));
+                grid.len() + known.unwrap_or(subject.deltas.len())
+            } else {
+                sphere().to_chart(sample.wi).map_or(places - 1, |place| grid.find(place))
+            };
+            for (sums, &channel) in sums.iter_mut().zip(channels) {
+                sums[place].add(sample.weight[channel]);
+            }
+        }
+        debug_assert!(poisson || taken == mean);
+        Ok(sums)
+    };
+    let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
+    // Add in the order of the batches: the sums are the same for any number of threads.
+    let mut total = vec![vec![CellSum::default(); places]; channels.len()];
+    for batch in batches {
+        for (total, batch) in total.iter_mut().flatten().zip(batch.into_iter().flatten()) {
+            *total = total.plus(batch);
+        }
+    }
+    Ok(total)
+}

@@ -1,0 +1,215 @@
+//! Right BSDFs are accepted by all checks, and each check rejects what it is there for.
+
+use super::*;
+use crate::examine::SampleCount;
+use crate::outcome::Verdict;
+use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+fn towards(degrees: f64) -> Direction {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [sin, 0.0, cos]
+}
+
+fn cosine(u: &[f64]) -> Direction {
+    let (r, phi) = (u[1].sqrt(), TAU * u[2]);
+    [r * phi.cos(), r * phi.sin(), (1.0 - u[1]).sqrt()]
+}
+
+/// What is wrong with the BSDF of a test.
+#[derive(Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    Weight,
+    Pdf,
+    Value,
+    Negative,
+    Asymmetric,
+    Bright,
+    WrongMap,
+    Stochastic,
+}
+
+/// A Lambertian surface of albedo 0.8 with a fault.
+struct Lambertian(Fault);
+
+impl Bsdf for Lambertian {
+    fn properties(&self) -> Properties {
+        let eval_dimension = usize::from(self.0 == Fault::Stochastic);
+        Properties { eval_dimension, ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        let above = f64::from(u8::from(wo[2] > 0.0 && wi[2] > 0.0));
+        let f = match self.0 {
+            Fault::Value => 0.7,
+            Fault::Negative if wi[2] > 0.99 => -0.1,
+            Fault::Asymmetric => 0.8 * (1.0 + 0.1 * wo[2]),
+            Fault::Bright => 1.5,
+            Fault::Stochastic => 1.6 * u[0],
+            _ => 0.8,
+        };
+        [above * f / PI; 3]
+    }
+
+    fn pdf(&self, _: Direction, wi: Direction) -> f64 {
+        let wrong = if self.0 == Fault::Pdf { 1.1 } else { 1.0 };
+        wrong * wi[2].max(0.0) / PI
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let mut wi = cosine(u);
+        if self.0 == Fault::WrongMap {
+            wi = cosine(&[0.0, u[1].powf(1.1), u[2]]);
+        }
+        let pdf = self.pdf(wo, wi);
+        let f = if self.0 == Fault::Stochastic { 0.8 / PI } else { self.eval(wo, wi, &[0.5])[0] };
+        let weight = if self.0 == Fault::Weight { 0.75 } else { f * wi[2] / pdf };
+        (pdf > 0.0).then(|| BsdfSample::new(wi, [weight; 3], Density::Pdf(pdf)))
+    }
+
+    fn albedo(&self, _: Direction) -> Option<Spectrum> {
+        Some([0.8; 3])
+    }
+}
+
+/// GGX reflection of a lossless conductor by visible normals.
+struct Conductor(f64);
+
+impl Conductor {
+    fn lambda(&self, w: Direction) -> f64 {
+        let tan2 = (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2]);
+        0.5 * ((1.0 + self.0 * self.0 * tan2).sqrt() - 1.0)
+    }
+}
+
+impl Bsdf for Conductor {
+    fn properties(&self) -> Properties {
+        Properties::default()
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        let (a2, m) = (self.0 * self.0, normalize(combine([(1.0, wo), (1.0, wi), (0.0, wi)])));
+        if wo[2] <= 0.0 || wi[2] <= 0.0 || m[2] <= 0.0 {
+            return [0.0; 3];
+        }
+        let e = (m[0] * m[0] + m[1] * m[1]) / a2 + m[2] * m[2];
+        let g2 = 1.0 / (1.0 + self.lambda(wo) + self.lambda(wi));
+        [g2 / (PI * a2 * e * e) / (4.0 * wo[2] * wi[2]); 3]
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        let m = normalize(combine([(1.0, wo), (1.0, wi), (0.0, wi)]));
+        if wo[2] > 0.0 && wi[2] > 0.0 { ggx_visible_pdf(wo, self.0, m) / (4.0 * dot(wo, m)) } else { 0.0 }
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let m = ggx_visible(wo, self.0, [u[1], u[2]]);
+        let wi = combine([(2.0 * dot(wo, m), m), (-1.0, wo), (0.0, m)]);
+        let pdf = self.pdf(wo, wi);
+        let weight = (1.0 + self.lambda(wo)) / (1.0 + self.lambda(wo) + self.lambda(wi));
+        (pdf > 0.0).then(|| BsdfSample::new(wi, [weight; 3], Density::Pdf(pdf)))
+    }
+}
+
+/// A mirror.
+struct Mirror;
+
+impl Bsdf for Mirror {
+    fn properties(&self) -> Properties {
+        Properties { delta: true, energy: Energy::Conserved(0.0), ..Properties::default() }
+    }
+
+    fn eval(&self, _: Direction, _: Direction, _: &[f64]) -> Spectrum {
+        [0.0; 3]
+    }
+
+    fn pdf(&self, _: Direction, _: Direction) -> f64 {
+        0.0
+    }
+
+    fn sample(&self, wo: Direction, _: &[f64]) -> Option<BsdfSample> {
+        let [x, y, z] = wo;
+        Some(BsdfSample::new([-x, -y, z], [1.0; 3], Density::Delta(1.0)))
+    }
+
+    fn delta_lobes(&self, wo: Direction) -> Vec<DeltaLobe> {
+        let [x, y, z] = wo;
+        vec![DeltaLobe { wi: [-x, -y, z], probability: 1.0, throughput: [1.0; 3] }]
+    }
+}
+
+fn quick() -> Protocol {
+    Protocol { samples: SampleCount::Detect(0.03), ..Protocol::default() }
+}
+
+fn rejecting(bsdf: &dyn Bsdf) -> Vec<&'static str> {
+    let report = test("under test", bsdf, &[towards(40.0)], &quick()).unwrap();
+    report.with(Verdict::Reject).map(|checked| checked.check).collect()
+}
+
+#[test]
+fn right_bsdfs_are_accepted() {
+    let wos = [0.0, 40.0, 85.0].map(towards);
+    let all: [(&str, &dyn Bsdf); 6] = [
+        ("Lambertian", &Lambertian(Fault::None)),
+        ("stochastic Lambertian", &Lambertian(Fault::Stochastic)),
+        ("mirror", &Mirror),
+        ("GGX of α = 1", &Conductor(1.0)),
+        ("GGX of α = 0.3", &Conductor(0.3)),
+        ("GGX of α = 0.01", &Conductor(0.01)),
+    ];
+    for (name, bsdf) in all {
+        let report = test(name, bsdf, &wos, &quick()).unwrap();
+        assert!(report.is_accepted(), "{report}");
+        assert!(report.checks.iter().all(|checked| checked.outcome.detectable.is_some()), "{report:?}");
+    }
+}
+
+#[test]
+fn every_check_rejects_what_it_is_there_for() {
+    let expected: [(Fault, &[&str]); 6] = [
+        (Fault::Weight, &["formula", "albedo", "weights"]),
+        (Fault::Pdf, &["jacobian", "sampling"]),
+        (Fault::Value, &["energy"]),
+        (Fault::Negative, &["values"]),
+        (Fault::Asymmetric, &["reciprocity"]),
+        (Fault::WrongMap, &["jacobian", "sampling", "weights"]),
+    ];
+    for (fault, checks) in expected {
+        let found = rejecting(&Lambertian(fault));
+        assert!(checks.iter().all(|check| found.contains(check)), "{checks:?} of {found:?}");
+    }
+    assert!(rejecting(&Lambertian(Fault::Bright)).contains(&"energy"));
+    let text = test("faulty", &Lambertian(Fault::WrongMap), &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("too few within") && text.contains("of the horizon"), "{text}");
+}
+
+#[test]
+fn limits_are_reached_and_missed() {
+    let protocol = Protocol::default();
+    let apart =
+        |alpha: f64, tolerance: f64| same_light(&Conductor(alpha), &Mirror, towards(40.0), tolerance, &protocol);
+    assert!(apart(1e-3, 1e-3).violation.is_none(), "{:?}", apart(1e-3, 1e-3));
+    assert!(apart(0.3, 1e-3).violation.is_some());
+    let same = |b: Fault| same_values(&Lambertian(Fault::None), &Lambertian(b), towards(40.0), &protocol).violation;
+    assert_eq!(same(Fault::Weight), None);
+    assert!(same(Fault::Value).unwrap().contains("(values)") && same(Fault::Pdf).unwrap().contains("(pdfs)"));
+}
+
+/// Whether a quick report of few samples rejects a right BSDF.
+fn is_false_alarm(bsdf: &dyn Bsdf, seed: u64) -> bool {
+    let protocol = Protocol { seed, samples: SampleCount::Fixed(1 << 13), cells: 20, ..Protocol::default() };
+    test("right", bsdf, &[towards(60.0)], &protocol).unwrap().with(Verdict::Reject).count() > 0
+}
+
+#[test]
+fn right_bsdfs_are_rejected_in_at_most_20_of_1000_runs() {
+    // Mostly those that take little time.
+    let (paint, walk, metal): (&dyn Bsdf, &dyn Bsdf, &dyn Bsdf) =
+        (&Lambertian(Fault::None), &Lambertian(Fault::Stochastic), &Conductor(0.5));
+    let all = [paint, walk, paint, walk, paint, walk, paint, metal];
+    let alarms = (0..1000).into_par_iter().filter(|&seed| is_false_alarm(all[seed as usize % all.len()], seed)).count();
+    assert!(alarms <= 20, "{alarms} of 1000 at level 1 %");
+}

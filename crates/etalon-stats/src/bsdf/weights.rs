@@ -1,0 +1,220 @@
+//! The density-free test: sums of weights over cells of directions against the light that the BSDF scatters from there.
+//!
+//! For any right pair of values and samples, whatever the pdf, the mean of the weights of samples in a cell is ∫ f |cos θᵢ| over
+//! the cell. So the test also works where the pdf is unknown, approximate or stochastic.
+
+use super::light::{CellIntegrals, Pilot, integrate};
+use super::subject::Subject;
+use super::sums::{BATCH, CellSum, sums};
+use super::vector::sphere;
+use crate::chi_square::FEWEST;
+use crate::diagnosis::diagnose;
+use crate::domain::Domain;
+use crate::error::Result;
+use crate::examine::{SUSPECT, SampleCount};
+use crate::multiple::sidak;
+use crate::outcome::{Counts, Outcome};
+use crate::power::{chi_square_tail, noncentrality, samples_for};
+
+/// Cells of the test: fewer than of a test of counts, since weights vary.
+const CELLS: usize = 100;
+/// Fewest and most samples.
+const SAMPLES: [u64; 2] = [1 << 14, 1 << 24];
+/// A sample with a larger share of the squares of its cell makes their sum, and so the variance, uncertain.
+const LARGEST: f64 = 0.1;
+/// The share of light in such cells that makes the test inconclusive.
+const UNCONTROLLED: f64 = 0.05;
+/// The share of light that rounding may carry over an edge of the support.
+const ROUNDING: f64 = 1e-6;
+/// Cells that hold fewer effective samples are put together.
+const EFFECTIVE: f64 = 5.0 * FEWEST;
+
+/// A cell, or several: the weights found, the light expected, and the variance of the difference.
+#[derive(Clone, Copy, Default)]
+struct Term {
+    found: CellSum,
+    expected: f64,
+    /// The part of the variance that comes from `expected`.
+    uncertainty: f64,
+}
+
+impl Term {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            found: self.found.plus(other.found),
+            expected: self.expected + other.expected,
+            uncertainty: self.uncertainty + other.uncertainty,
+        }
+    }
+
+    /// The variance of the sum if its mean is as expected. With Poisson's number of samples it is N E\[w²\], estimated by the
+    /// ratio of the squares to the sum, or by that of all cells together where there are no samples; weights that are all equal
+    /// make it Pearson's.
+    fn variance(&self, all: f64) -> f64 {
+        let ratio = if self.found.sum > 0.0 { self.found.squares / self.found.sum } else { all };
+        ratio * self.expected + self.uncertainty
+    }
+
+    /// The number of samples of equal weights that would have this variance.
+    fn effective(&self, all: f64) -> f64 {
+        let variance = self.variance(all);
+        if variance > 0.0 { self.expected * self.expected / variance } else { 0.0 }
+    }
+}
+
+/// The cells of one channel.
+struct Cells {
+    terms: Vec<Term>,
+    /// Σ w² / Σ w over all of them.
+    ratio: f64,
+}
+
+/// What the test says of one channel.
+struct Tested {
+    statistic: f64,
+    dof: usize,
+    p: f64,
+    /// Σ of the effective numbers of samples.
+    effective: f64,
+    /// The share of light in cells whose variance is uncertain.
+    uncontrolled: f64,
+}
+
+impl Cells {
+    fn new(found: &[CellSum], integrals: &CellIntegrals, deltas: &[f64], count: f64) -> Self {
+        let spread = integrals.values.iter().zip(&integrals.errors).zip(&integrals.variances);
+        let spread = spread.map(|((value, error), variance)| (*value, error * error + variance));
+        let expected = spread.chain(deltas.iter().map(|&throughput| (throughput, 0.0))).chain([(0.0, 0.0)]);
+        let term = |((expected, variance), found): ((f64, f64), &CellSum)| Term {
+            found: *found,
+            expected: count * expected,
+            uncertainty: count * count * variance,
+        };
+        let terms: Vec<Term> = expected.zip(found).map(term).collect();
+        let all = terms.iter().fold(CellSum::default(), |sum, term| sum.plus(term.found));
+        Self { terms, ratio: if all.sum > 0.0 { all.squares / all.sum } else { 0.0 } }
+    }
+
+    fn test(&self) -> Option<Tested> {
+        let mut terms = self.terms.clone();
+        let light: f64 = terms.iter().map(|term| term.expected).sum();
+        let weights: f64 = terms.iter().map(|term| term.found.sum).sum();
+        // Put cells of few effective samples together.
+        terms.sort_by(|a, b| a.effective(self.ratio).total_cmp(&b.effective(self.ratio)));
+        let (mut groups, mut open) = (Vec::new(), Term::default());
+        for term in terms {
+            open = open.plus(term);
+            if open.effective(self.ratio) >= EFFECTIVE {
+                groups.push(std::mem::take(&mut open));
+            }
+        }
+        match groups.last_mut() {
+            Some(last) => *last = last.plus(open),
+            // Light is expected from nowhere: any weight is wrong.
+            None if light == 0.0 && weights > 0.0 => {
+                return Some(Tested { statistic: 0.0, dof: 0, p: 0.0, effective: 0.0, uncontrolled: 0.0 });
+            }
+            None => return None,
+        }
+        // Where a single sample decides, nothing is known of the variance.
+        let is_controlled = |term: &Term| term.found.largest <= LARGEST * term.found.squares;
+        let (controlled, others): (Vec<Term>, Vec<Term>) = groups.into_iter().partition(is_controlled);
+        let z2 = |term: &Term| (term.found.sum - term.expected).powi(2) / term.variance(self.ratio);
+        let (statistic, dof) = (controlled.iter().map(z2).sum::<f64>(), controlled.len());
+        // Weights where the BSDF scatters no light.
+        let dark = self.terms.iter().filter(|term| term.expected == 0.0).map(|term| term.found.sum).sum::<f64>();
+        let p = if dark > ROUNDING * weights { 0.0 } else { chi_square_tail(dof as f64, statistic) };
+        Some(Tested {
+            statistic,
+            dof,
+            p: if dof > 0 { p } else { 1.0 },
+            effective: controlled.iter().map(|term| term.effective(self.ratio)).sum(),
+            uncontrolled: others.iter().map(|term| term.expected).sum::<f64>() / light,
+        })
+    }
+
+    /// The same as counts: effective numbers of samples, observed and expected.
+    fn counts(&self, grid: crate::grid::Grid, atoms: usize) -> Counts {
+        let expected: Vec<f64> =
+            self.terms.iter().map(|term| term.effective(self.ratio).max(f64::MIN_POSITIVE)).collect();
+        let observed = |(term, expected): (&Term, &f64)| match term.expected > 0.0 {
+            true => (expected * term.found.sum / term.expected).round() as u64,
+            false => (term.found.sum / self.ratio.max(f64::MIN_POSITIVE)).round() as u64,
+        };
+        let observed = self.terms.iter().zip(&expected).map(observed).collect();
+        Counts { axes: sphere().axes(), grid, observed, expected, atoms }
+    }
+}
+
+/// Compares the sums of weights with the light of every cell, for each channel that differs from the others.
+pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
+    let pilot = Pilot::new(subject);
+    let (channels, own) = (pilot.channels(subject), subject.protocol.own_level());
+    let grid = pilot.grid(CELLS.min(subject.protocol.cells));
+    let dof = grid.len() + subject.deltas.len();
+    // As many samples as detect the error, if weights vary as much as in the pilot.
+    let level = sidak(own, channels.len());
+    let count = match subject.protocol.samples {
+        SampleCount::Fixed(n) => n,
+        SampleCount::Detect(w) => {
+            let equal = samples_for(dof, level, w);
+            let efficiency = sums(subject, &grid, &channels, 2 * BATCH, 5, false)?;
+            let of = |cells: &Vec<CellSum>| -> f64 {
+                let lit = cells.iter().filter(|cell| cell.squares > 0.0);
+                lit.map(|cell| cell.sum * cell.sum / cell.squares).sum::<f64>() / (2 * BATCH) as f64
+            };
+            let least = efficiency.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::min);
+            ((equal as f64 / least) as u64).clamp(SAMPLES[0], SAMPLES[1])
+        }
+    };
+    let found = sums(subject, &grid, &channels, count, 6, true)?;
+    let points = (count as usize / grid.len()).max(1 << 8);
+    let (mut worst, mut violation): (Option<(Tested, Cells)>, Option<String>) = (None, None);
+    let (mut detectable, mut uncontrolled, mut decided) = (0f64, 0f64, true);
+    for (&channel, found) in channels.iter().zip(&found) {
+        let integrals = integrate(subject, &pilot, &grid, [channel, points], false)?;
+        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
+        violation = violation.or(invalid);
+        let deltas: Vec<f64> = subject.deltas.iter().map(|lobe| lobe.throughput[channel]).collect();
+        let cells = Cells::new(found, &integrals, &deltas, count as f64);
+        let Some(tested) = cells.test() else {
+            // A black channel scatters nothing, and no sample carries anything.
+            decided &= found.iter().all(|cell| cell.sum == 0.0);
+            continue;
+        };
+        if tested.dof > 0 {
+            detectable = detectable.max((noncentrality(tested.dof, level) / tested.effective).sqrt());
+        }
+        uncontrolled = uncontrolled.max(tested.uncontrolled);
+        if worst.as_ref().is_none_or(|(worst, _)| tested.p < worst.p) {
+            worst = Some((tested, cells));
+        }
+    }
+    let p = worst.as_ref().map(|(worst, _)| (worst.p * channels.len() as f64).min(1.0));
+    let reason = if !decided {
+        Some("too few samples carry light".to_owned())
+    } else if uncontrolled > UNCONTROLLED {
+        let share = 100.0 * uncontrolled;
+        Some(format!("single weights decide on {share:.0} % of the light: their tail is not controlled"))
+    } else {
+        let coarse = Some(detectable).filter(|&w| w > subject.protocol.coarsest());
+        coarse.map(|w| {
+            format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w)
+        })
+    };
+    let counts = worst.as_ref().map(|(_, cells)| cells.counts(grid, subject.deltas.len()));
+    let diagnosis = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)).and_then(|c| diagnose(&sphere(), c));
+    Ok(Some(Outcome {
+        statistic: worst.as_ref().map_or(0.0, |(worst, _)| worst.statistic),
+        dof: worst.as_ref().map_or(0, |(worst, _)| worst.dof),
+        p,
+        detectable: Some(detectable),
+        cells: dof,
+        pooled: worst.as_ref().map_or(0, |(worst, _)| worst.dof),
+        violation,
+        inconclusive_reason: reason,
+        diagnosis,
+        counts,
+        ..Outcome::open(count)
+    }))
+}
