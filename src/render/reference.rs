@@ -78,8 +78,7 @@ impl<'a> Reference<'a> {
                 return;
             }
             // Add direct light, of which a delta BSDF scatters none.
-            path_class = path_class.then(vertex.shader.kind == Kind::Delta);
-            add(path_class, throughput * self.direct_light(&vertex, numbers, slot, scatterings));
+            add(path_class.then(false), throughput * self.direct_light(&vertex, numbers, slot, scatterings));
             // Sample the next direction.
             let dimensions = scene.dimensions(scatterings);
             let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
@@ -89,6 +88,7 @@ impl<'a> Reference<'a> {
             if !sample.is_delta() {
                 departure.light_samples = scene.light_samples(sample.pdf, vertex.frame.z, vertex.shader.kind);
             }
+            path_class = path_class.then(sample.is_delta());
             ray = [vertex.surface.ray_origin(wi), wi];
             throughput *= sample.weight;
             // Russian roulette

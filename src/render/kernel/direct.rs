@@ -105,7 +105,7 @@ pub fn light_general(
                 };
                 let share = power_heuristic(count as f32 * samples.pdf[i], [pdf, by_light_tracing]);
                 let ray = [vertex.surface.ray_origin(wi), wi];
-                shadows.push(ray, samples.limit[i], value * share, vertex.slot, vertex.path_class);
+                shadows.push(ray, samples.limit[i], value * share, vertex.slot, vertex.path_class.then(false));
             }
             add_light(step.scene, source, shadows, hits, radiance);
         }

@@ -33,7 +33,7 @@ pub fn collect(scene: &PreparedScene, paths: &Paths, hits: &Hits, i: usize) -> O
         throughput: at(&paths.throughput, i),
         light_tracing,
         slot: paths.slot[i],
-        path_class: paths.path_class[i].then(false),
+        path_class: paths.path_class[i],
         object,
     })
 }
@@ -148,6 +148,7 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
             }
         };
         let ray = [vertex.surface.ray_origin(wi), wi];
-        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, vertex.path_class);
+        let path_class = vertex.path_class.then(sample.is_delta());
+        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, path_class);
     }
 }

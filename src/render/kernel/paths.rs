@@ -58,7 +58,7 @@ pub struct Vertex {
     pub light_tracing: f32,
     /// The camera sample of the path.
     pub slot: u32,
-    /// Scatterings so far, this one included.
+    /// Scatterings before this one.
     pub path_class: PathClass,
     /// Number of the object.
     pub object: u32,

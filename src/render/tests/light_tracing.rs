@@ -98,7 +98,16 @@ fn mis_has_the_same_mean_without_light_tracing() {
     let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
     let upright = Rectangle::new(Vec3::new(1.0, 0.5, 0.0), 0.5 * Vec3::Y, 0.5 * Vec3::Z).unwrap();
     let white = Material::Diffuse { albedo: Rgb::splat(0.8) };
+    let rough = Material::Dielectric(Dielectric::rough(1.5, 0.2, Distribution::Ggx));
+    let coated = Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 };
+    let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
+    let multiple = Conductor { multiple_scattering: true, ..Conductor::new(eta, k, 0.8, Distribution::Ggx) };
+    let parts = [(0.5, glass.clone()), (0.4, white.clone())];
     for (name, objects, projection, spp) in [
+        ("rough glass", vec![sphere(rough)], WIDE, 1 << 14),
+        ("coated", vec![sphere(coated)], WIDE, 1 << 13),
+        ("multiple scattering", vec![sphere(Material::Conductor(multiple))], WIDE, 1 << 12),
+        ("mixture", vec![sphere(Material::Mixture(parts.into_iter().collect()))], WIDE, 1 << 14),
         ("glass", vec![sphere(glass)], WIDE, 1 << 14),
         ("mirror", vec![sphere(mirror.clone())], WIDE, 1 << 14),
         ("flat mirror", vec![Object::new(Shape::Rectangle(upright), mirror)], WIDE, 1 << 12),

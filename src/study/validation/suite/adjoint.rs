@@ -45,12 +45,15 @@ pub fn glass() -> Bsdf {
 /// The cases.
 pub fn cases() -> Vec<Case> {
     let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
+    let material = |material: Material| material.bsdf(ScatterModel::default());
     let bsdf = |distribution| metal(0.3, distribution).bsdf(ScatterModel::default());
     let bsdfs = [
         ("diffuse", diffuse),
         ("beckmann", bsdf(Distribution::Beckmann)),
         ("ggx", bsdf(Distribution::Ggx)),
         ("glass", glass()),
+        ("rough-glass", material(Material::Dielectric(Dielectric::rough(1.5, 0.3, Distribution::Ggx)))),
+        ("coated-diffuse", material(Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 })),
     ];
     let case = |(name, bsdf): (&str, Bsdf)| {
         [("flat", 0.0), ("smooth", 25.0)].map(|(normals, degrees)| {
