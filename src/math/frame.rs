@@ -42,8 +42,11 @@ impl Frame {
         if !(length > LEAST_SHARE * tangent.length() && length.is_finite()) {
             return Self::from_normal(normal);
         }
-        // Once more: a tangent near the normal leaves the rounding of the first difference.
-        let x = in_surface(x / length).normalize();
+        let mut x = x / length;
+        if length < 0.5 * tangent.length() {
+            // Once more: a tangent near the normal leaves the rounding of the first difference.
+            x = in_surface(x).normalize();
+        }
         Self { x, y: normal.cross(x), z: normal }
     }
 

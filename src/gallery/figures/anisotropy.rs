@@ -29,7 +29,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let environment = Environment::upright(inputs.map.map.clone(), &inputs.map.name, builtin::BRUSHED_METAL_SCALE);
     let (scene, request) = builtin::brushed_metal(environment);
     let request = Request { spp: 16, ..request };
-    let (scene, request) = scene.resized(request, inputs.effort.of([200, 100], [100, 50]));
+    let (scene, request) = scene.resized(request, inputs.effort.of([160, 80], [80, 40]));
     let mut renders = Vec::new();
     for alpha_y in ALPHAS {
         for alpha_x in ALPHAS {

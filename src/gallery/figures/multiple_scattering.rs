@@ -4,8 +4,6 @@ use crate::gallery::prelude::*;
 use crate::study::multiple_scattering::{ALPHAS, AlbedoRow, Spheres, albedos, spheres};
 use crate::view::multiple_scattering as view;
 
-/// Steps of α.
-const STEPS: u16 = 20;
 /// The error of the albedos: of the model's table, 10⁻³, and half of that for the sum.
 const ERROR: f64 = 1.5e-3;
 
@@ -18,14 +16,15 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "a white furnace for rough metals",
         shows: "A model of single scattering loses the light that meets a second facet, more of it the rougher the metal is; \
                 with multiple scattering a metal that reflects everything reflects everything, and vanishes before a uniform \
-                environment. Gold becomes brighter and more saturated.",
+                environment. Gold becomes brighter and more saturated. The spheres are of GGX, shown half a stop darker.",
         command: Some("etalon render furnace --alpha 1 --multiple-scattering".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {
-    let alphas: Vec<f32> = (1..=STEPS).map(|i| f32::from(i) / f32::from(STEPS)).collect();
+    let steps = inputs.effort.of(20, 10);
+    let alphas: Vec<f32> = (1..=steps).map(|i| i as f32 / steps as f32).collect();
     let rows = albedos(&alphas, inputs.effort.of(1 << 16, 1 << 15));
     let spheres = spheres(inputs.effort.of(32, 16), inputs.effort.of([320, 80], [160, 40]), &inputs.settings())?;
     let worst = rows.iter().map(|row| (row.multiple - 1.0).abs()).fold(0.0, f64::max);
