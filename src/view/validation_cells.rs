@@ -18,7 +18,7 @@ pub struct Row {
     observed: u64,
     expected: f64,
     /// (O − E)/√E.
-    residual: f64,
+    pub residual: f64,
 }
 
 pub fn rows(counts: &Counts) -> Vec<Row> {
@@ -61,23 +61,28 @@ pub fn drawing(tested: &Tested) -> Option<Drawing> {
     } else {
         maps(counts.axes, cells, &columns)
     };
-    Some(headed(plot.draw(), title, remainder(counts.atoms, beyond)))
+    // What the test says of a rejected sampler, a finding a line.
+    let diagnosis = tested.outcome.diagnosis.iter().flat_map(|text| text.split("; ")).map(str::to_owned);
+    let remarks = [remainder(counts.atoms, beyond)].into_iter().chain(diagnosis).filter(|line| !line.is_empty());
+    Some(headed(plot.draw(), title, remarks.collect()))
 }
 
-/// Puts two lines above a drawing.
-fn headed(drawing: Drawing, title: String, remark: String) -> Drawing {
+/// Puts a title and some lines above a drawing.
+fn headed(drawing: Drawing, title: String, remarks: Vec<String>) -> Drawing {
     const EDGE: f64 = 12.0;
-    let (first, second) = (EDGE + theme::TITLE_SIZE, EDGE + theme::TITLE_SIZE + 1.5 * theme::NOTE_SIZE);
-    let widest = text::width(&title, theme::TITLE_SIZE, true).max(text::width(&remark, theme::NOTE_SIZE, false));
+    let (first, pitch) = (EDGE + theme::TITLE_SIZE, 1.5 * theme::NOTE_SIZE);
+    let top = first + pitch * remarks.len().max(1) as f64;
+    let widest = remarks.iter().map(|line| text::width(line, theme::NOTE_SIZE, false));
+    let widest = widest.fold(text::width(&title, theme::TITLE_SIZE, true), f64::max);
     let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
     let left = 0.5 * (width - drawing.width);
-    let mut page = Drawing::new(width, (second + drawing.height).ceil(), drawing.scale);
-    page.append(drawing, left, second);
+    let mut page = Drawing::new(width, (top + drawing.height).ceil(), drawing.scale);
+    page.append(drawing, left, top);
     let centred =
         |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
     page.text(centred(first, theme::TITLE_SIZE, title).bold());
-    if !remark.is_empty() {
-        page.text(centred(second, theme::NOTE_SIZE, remark));
+    for (i, line) in remarks.into_iter().enumerate() {
+        page.text(centred(first + pitch * (i + 1) as f64, theme::NOTE_SIZE, line));
     }
     page
 }

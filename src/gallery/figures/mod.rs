@@ -4,6 +4,7 @@
 
 mod anisotropy;
 mod audit;
+mod bsdf_fault;
 mod claims;
 mod depth;
 mod envmap_samples;
@@ -43,6 +44,7 @@ pub fn registry() -> Vec<Figure> {
         anisotropy::figures(),
         multiple_scattering::figures(),
         validation::figures(),
+        bsdf_fault::figures(),
         audit::figures(),
         claims::figures(),
         error_time::figures(),

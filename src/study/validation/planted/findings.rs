@@ -1,7 +1,7 @@
 //! A run over planted faults: what detected each, and how large its error is.
 
 use super::super::case::Case;
-use super::super::run::run as run_cases;
+use super::super::run::{Validation, run as run_cases};
 use super::fault::PlantedFault;
 use crate::error::Result;
 use etalon_stats::multiple::sidak;
@@ -126,6 +126,12 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
         seconds: validation.seconds,
         tests,
     })
+}
+
+/// The test of one fault with the mistake, then without it, with their counts.
+pub fn run_pair(planted: PlantedFault, protocol: &Protocol) -> Result<Validation> {
+    let PlantedFault { faulty, sound, .. } = planted;
+    run_cases(&[faulty, sound], protocol, &|_| ())
 }
 
 /// Estimate of the error from the first round. The mean of its statistic is dof + λ with the noncentrality λ, which is

@@ -15,7 +15,7 @@ mod renders;
 mod tables;
 
 pub use fault::PlantedFault;
-pub use findings::{By, Finding, Findings, run};
+pub use findings::{By, Finding, Findings, run, run_pair};
 
 /// All planted faults, family by family.
 pub fn all() -> Vec<PlantedFault> {
