@@ -116,6 +116,23 @@ fn counts_are_drawn_where_asked_for() {
 }
 
 #[test]
+fn a_rejected_sampler_is_drawn_and_told_where_it_fails() {
+    let dir = folder();
+    // Squares of stratified numbers, said to be uniform: far too many near 0.
+    let samples: String =
+        (0..40_000).map(|i| format!("{}\n", ((f64::from(i * 7919 % 40_000) + 0.5) / 4e4).powi(2))).collect();
+    std::fs::write(dir.path().join("samples.csv"), format!("x\n{samples}")).unwrap();
+    std::fs::write(dir.path().join("pdf.csv"), "1\n1\n").unwrap();
+    let args = ["validate", "--samples", "samples.csv", "--pdf", "pdf.csv", "--domain", "line", "-o", "r"];
+    let ran = etalon(dir.path(), &args);
+    assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.contains("too many for x 0.0000") && ran.stdout.contains("too few for x"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("< 1e-300"), "{}", ran.stdout);
+    // The p-value, and the counts of the test.
+    assert_eq!(files(&dir.path().join("r")).len(), 8);
+}
+
+#[test]
 fn a_map_of_ones_own_is_tested() {
     let dir = folder();
     json(dir.path(), &["envmap", "make", "onehot", "-o", "mine.pfm"]);

@@ -14,6 +14,7 @@ use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
 use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
 use etalon_stats::bsdf::{Direction, Energy, same_light, same_values};
+use std::sync::Arc;
 
 /// A BSDF with its parameters.
 struct Configuration {
@@ -148,55 +149,56 @@ fn directions(degrees: &[f64]) -> Vec<Direction> {
     degrees.iter().map(turned).collect()
 }
 
-/// The cases, each with its BSDF's name in the registry.
-pub fn cases() -> Vec<(&'static str, Case)> {
+/// The cases. BSDFs are made when a case runs: some compute tables.
+pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for configuration in configurations() {
-        let scattering = std::sync::Arc::new(configuration.scattering());
-        let name = scattering.bsdf.name();
-        let exact = scattering.clone();
-        cases.push((
-            name,
-            Case::new(format!("whole/{}/exact", configuration.name), move |protocol, round| {
-                whole::exact(&*exact, &directions(&DEGREES), protocol, round)
-            }),
-        ));
+    for configuration in configurations().into_iter().map(Arc::new) {
+        let exact = Arc::clone(&configuration);
+        cases.push(Case::new(format!("whole/{}/exact", configuration.name), move |protocol, round| {
+            whole::exact(&exact.scattering(), &directions(&DEGREES), protocol, round)
+        }));
         if configuration.light {
             // Conductors are black from below.
             let is_metal = matches!(configuration.material, Material::Conductor(_));
             let few_degrees = if is_metal { &FEW_DEGREES[..2] } else { &FEW_DEGREES };
-            let case = Case::new(format!("whole/{}/light", configuration.name), move |protocol, round| {
-                whole::light(&*scattering, &directions(few_degrees), protocol, round)
-            });
-            cases.push((name, case));
+            cases.push(Case::new(format!("whole/{}/light", configuration.name), move |protocol, round| {
+                whole::light(&configuration.scattering(), &directions(few_degrees), protocol, round)
+            }));
         }
     }
     cases.extend(limits());
     cases
 }
 
+/// Names in the registry of the BSDFs that are tested.
+#[cfg(test)]
+pub fn tested() -> std::collections::HashSet<&'static str> {
+    configurations().iter().map(|configuration| configuration.scattering().bsdf.name()).collect()
+}
+
 /// Pairs that must agree: a rough boundary of α = 10⁻³ and a smooth one, to a few α; a lobe of weight 0 and none.
-fn limits() -> Vec<(&'static str, Case)> {
+fn limits() -> Vec<Case> {
     const ALPHA: f32 = 1e-3;
-    let pair = |a: Material, b: Material| [a, b].map(|material| Configuration::new("", material).scattering());
     let mut cases = Vec::new();
     for (name, distribution) in DISTRIBUTIONS {
-        let rough = Material::Dielectric(Dielectric::rough(1.5, ALPHA, distribution));
-        let [a, b] = pair(rough, Material::Dielectric(Dielectric::clear(1.5)));
-        cases.push((a.bsdf.name(), limit(format!("whole/limit/smooth-dielectric/{name}"), a, b, Some(5.0 * ALPHA))));
         let metal = |alpha| Material::Conductor(gold([alpha; 2], distribution));
-        let [a, b] = pair(metal(ALPHA), metal(0.0));
-        cases.push((a.bsdf.name(), limit(format!("whole/limit/smooth-conductor/{name}"), a, b, Some(5.0 * ALPHA))));
+        let rough = Material::Dielectric(Dielectric::rough(1.5, ALPHA, distribution));
+        let smooth = Material::Dielectric(Dielectric::clear(1.5));
         let paint = Material::Diffuse { albedo: Rgb::splat(0.5) };
-        let [a, b] = pair(Material::Mixture([(1.0, paint.clone()), (0.0, metal(0.3))].into()), paint);
-        cases.push((a.bsdf.name(), limit(format!("whole/limit/weight-of-zero/{name}"), a, b, None)));
+        let mixture = Material::Mixture([(1.0, paint.clone()), (0.0, metal(0.3))].into());
+        cases.extend([
+            limit(format!("whole/limit/smooth-dielectric/{name}"), [rough, smooth], Some(5.0 * ALPHA)),
+            limit(format!("whole/limit/smooth-conductor/{name}"), [metal(ALPHA), metal(0.0)], Some(5.0 * ALPHA)),
+            limit(format!("whole/limit/weight-of-zero/{name}"), [mixture, paint], None),
+        ]);
     }
     cases
 }
 
 /// Compares two BSDFs by what they do to smooth light, or value by value.
-fn limit(name: String, a: Scattering, b: Scattering, tolerance: Option<f32>) -> Case {
+fn limit(name: String, pair: [Material; 2], tolerance: Option<f32>) -> Case {
     Case::new(name, move |protocol, _| {
+        let [a, b] = pair.clone().map(|material| Configuration::new("", material).scattering());
         let compare = |wo: Direction| match tolerance {
             Some(tolerance) => same_light(&a, &b, wo, f64::from(tolerance), protocol),
             None => same_values(&a, &b, wo, protocol),
