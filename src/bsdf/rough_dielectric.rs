@@ -6,12 +6,12 @@
 //!
 //! * f = P D(m) G₂ |wo·m| |wi·m| / (cos θₒ cos θᵢ |h|²), which for reflection is F D G₂ / (4 cos θₒ cos θᵢ)
 //! * pdf = P D(m) G₁(wo)/cos θₒ |wo·m| s² |wi·m| / |h|²: the facet is sampled among those visible from `wo`, then P
-//! * f |cos θᵢ| / pdf = G₂/(G₁(wo) s²) ≤ 1/s²: radiance changes by 1/η² across the boundary
+//! * f |cos θᵢ| / pdf = G₂/(G₁(wo) s²) = G₁(wi)/s² ≤ 1/s²: radiance changes by 1/η² across the boundary
 //!
-//! G₂ is Smith's for correlated heights, 1/(1 + Λₒ + Λᵢ), for reflection, as of metals. For refraction it is
-//! G₁(wo) G₁(wi), as in the source. The Λ of directions on opposite sides are those of different parts of the surface; the
-//! exact G₂ is then the beta function B(1 + Λₒ, 1 + Λᵢ), which is less (Heitz et al., "Multiple-Scattering Microfacet BSDFs
-//! with the Smith Model", SIGGRAPH 2016). Light that meets a second facet is lost.
+//! G₂ is G₁(wo) G₁(wi), as in the source, so that values agree with renderers that follow it (Mitsuba). Of correlated heights it would
+//! be greater for reflection, 1/(1 + Λₒ + Λᵢ), as for the metals here, and less for refraction, the beta function
+//! B(1 + Λₒ, 1 + Λᵢ) (Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", SIGGRAPH 2016). Light that
+//! meets a second facet is lost.
 //!
 //! Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eq. 17, 20, 21 and 41.
 
@@ -76,17 +76,6 @@ impl<D: SampleNormals<f32>> RoughDielectric<D> {
     #[must_use]
     pub fn new(distribution: D, reflectance: Rgb, transmittance: Rgb, eta: f32) -> Self {
         Self { distribution, reflectance, transmittance, eta: f64::from(eta) }
-    }
-
-    /// G₂/G₁(wo) for the facet's kind of light, and G₂/(zₒ zᵢ).
-    #[inline(always)]
-    fn shadowing(&self, wo: Vec3, wi: Vec3, reflects: bool) -> (f32, f32) {
-        let (o, i) = (wo.z, wi.z.abs());
-        let (lo, li) = (self.distribution.cos_lambda(wo.to_array()), self.distribution.cos_lambda(wi.to_array()));
-        // zₒ zᵢ (1 + Λₒ)(1 + Λᵢ) of refraction has the term Λₒ Λᵢ more.
-        let a = i * (o + lo);
-        let whole = a + o * li + if reflects { 0.0 } else { lo * li };
-        (a / whole, whole.recip())
     }
 
     /// The pdf of `wi` by the facet between.
@@ -205,7 +194,7 @@ impl<D: SampleNormals<f32>> Vectorizable for RoughDielectric<D> {
         // Compute the weight and the pdf from the facet between the directions as they are rounded.
         let facet = Facet::between(&side, wi);
         let pdf = self.density(&side, &facet);
-        let (weight, _) = self.shadowing(side.wo, wi, reflects);
+        let weight = wi.z.abs() * self.distribution.g1_over_cos(wi.to_array());
         let eta = if reflects { 1.0 } else { side.eta as f32 };
         let tint = if reflects { self.reflectance } else { self.transmittance };
         let is_valid = facet.exists & (facet.reflects == reflects) & (pdf > 0.0);
@@ -224,12 +213,13 @@ impl<D: SampleNormals<f32>> Vectorizable for RoughDielectric<D> {
         let side = Side::of(wo, self.eta);
         let wi = Vec3::new(wi.x, wi.y, wi.z * side.sign);
         let facet = Facet::between(&side, wi);
-        let (_, g) = self.shadowing(side.wo, wi, facet.reflects);
+        let go = self.distribution.g1_over_cos(side.wo.to_array());
+        let gi = self.distribution.g1_over_cos(wi.to_array());
         let d = self.distribution.d(facet.wm);
         let tint = if facet.reflects { self.reflectance } else { self.transmittance };
         // Where D vanishes the other factors may be infinite.
         let exists = facet.exists & (d > 0.0);
-        let f = if exists { facet.share * d * (facet.cos * facet.spread) * g } else { 0.0 };
+        let f = if exists { facet.share * d * (facet.cos * facet.spread) * go * gi } else { 0.0 };
         (tint * f, if exists { self.density(&side, &facet) } else { 0.0 })
     }
 }

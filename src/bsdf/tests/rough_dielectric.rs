@@ -60,11 +60,11 @@ fn walter(alpha: [f64; 2], eta: f64, distribution: Distribution, o: DVec3, i: DV
     let [lo, li] = [o, i].map(|w| lambda(alpha, distribution, w));
     let d = facets(alpha, distribution, m);
     let visible = d * om.abs() / (o.z.abs() * (1.0 + lo));
+    let g = 1.0 / ((1.0 + lo) * (1.0 + li));
     if reflects {
-        (f * d / (1.0 + lo + li) / (4.0 * o.z * i.z).abs(), f * visible / (4.0 * om.abs()))
+        (f * d * g / (4.0 * o.z * i.z).abs(), f * visible / (4.0 * om.abs()))
     } else {
         let jacobian = ni * ni * im.abs() / (no * om + ni * im).powi(2);
-        let g = 1.0 / ((1.0 + lo) * (1.0 + li));
         // Their f is that of basic radiance L/n²: ours is of radiance.
         let value = (om * im / (o.z * i.z)).abs() * no * no * (1.0 - f) * g * d / (no * om + ni * im).powi(2);
         (value, (1.0 - f) * visible * jacobian)
