@@ -81,13 +81,15 @@ def microfacets(p):
 def material(kind, p):
     if kind == "dielectric":
         boundary = {"type": "dielectric", "int_ior": p["eta"][0], "ext_ior": 1.0}
-        return boundary | microfacets(p) | {"type": "roughdielectric"} if "roughness" in p else boundary
+        rough = any(name.endswith("roughness") for name in p)
+        return boundary | microfacets(p) | {"type": "roughdielectric"} if rough else boundary
     if kind == "diffuse":
         bsdf = {"type": "diffuse", "reflectance": rgb(p["reflectance"])}
     elif kind == "mirror":
         bsdf = {"type": "conductor", "material": "none", "specular_reflectance": rgb(p["Kr"])}
     elif kind == "conductor":
-        bsdf = {"type": "height-correlated", **microfacets(p), "eta": mi.ScalarColor3f(p["eta"]), "k": mi.ScalarColor3f(p["k"])}
+        bsdf = {"type": "height-correlated", **microfacets(p),
+                "eta": mi.ScalarColor3f(p["eta"]), "k": mi.ScalarColor3f(p["k"])}
     else:
         raise ValueError(f"material {kind} {p}")
     return {"type": "twosided", "bsdf": bsdf}
