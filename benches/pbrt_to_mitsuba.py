@@ -43,26 +43,21 @@ def transform(name, x):
 
 
 class HeightCorrelated(mi.BSDF):
-    """Mitsuba's rough conductor or dielectric, with 1 / (1 + Λ(wo) + Λ(wi)) in place of G₁(wo) G₁(wi) for reflection."""
+    """Mitsuba's rough conductor with pbrt's G(wo, wi) = 1 / (1 + Λ(wo) + Λ(wi)) in place of G₁(wo) G₁(wi)."""
 
     def __init__(self, props):
         super().__init__(props)
         self.alpha = [props["alpha_u"], props["alpha_v"]]
         self.kind = {"beckmann": mi.MicrofacetType.Beckmann, "ggx": mi.MicrofacetType.GGX}[props["distribution"]]
-        plugin = {"alpha_u": self.alpha[0], "alpha_v": self.alpha[1], "distribution": props["distribution"]}
-        if props.has_property("k"):
-            plugin |= {"type": "roughconductor", "eta": rgb(props["eta"]), "k": rgb(props["k"])}
-        else:
-            plugin |= {"type": "roughdielectric", "int_ior": props["eta"], "ext_ior": 1.0}
-        self.separable = mi.load_dict(plugin)
-        self.m_components = [self.separable.flags(i) for i in range(self.separable.component_count())]
-        self.m_flags = self.separable.flags()
+        self.separable = mi.load_dict({"type": "roughconductor", "distribution": props["distribution"],
+                                       "alpha_u": self.alpha[0], "alpha_v": self.alpha[1],
+                                       "eta": rgb(props["eta"]), "k": rgb(props["k"])})
+        self.m_components, self.m_flags = [self.separable.flags(0)], self.separable.flags()
 
     def correction(self, si, wo):
         distribution, wm = mi.MicrofacetDistribution(self.kind, *self.alpha), dr.normalize(si.wi + wo)
-        wm = dr.mulsign(wm, wm.z)
         a, b = distribution.smith_g1(si.wi, wm), distribution.smith_g1(wo, wm)
-        return dr.select(si.wi.z * wo.z < 0, 1, dr.select(a + b > 0, dr.rcp(a + b - a * b), 0))
+        return dr.select(a + b > 0, dr.rcp(a + b - a * b), 0)
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         sample, weight = self.separable.sample(ctx, si, sample1, sample2, active)
@@ -80,20 +75,21 @@ def microfacets(p):
     if p["remaproughness"] != [False]:
         raise ValueError("a roughness that is remapped")
     u, v = (p[name if name in p else "roughness"][0] for name in ("uroughness", "vroughness"))
-    return {"type": "height-correlated", "distribution": p.get("distribution", ["ggx"])[0], "alpha_u": u, "alpha_v": v}
+    return {"distribution": p.get("distribution", ["ggx"])[0], "alpha_u": u, "alpha_v": v}
 
 
 def material(kind, p):
     if kind == "dielectric":
-        rough = any("roughness" in name for name in p)
-        smooth = {"type": "dielectric", "int_ior": p["eta"][0], "ext_ior": 1.0}
-        return {**microfacets(p), "eta": p["eta"][0]} if rough else smooth
+        boundary = {"type": "dielectric", "int_ior": p["eta"][0], "ext_ior": 1.0}
+        rough = any(name.endswith("roughness") for name in p)
+        return boundary | microfacets(p) | {"type": "roughdielectric"} if rough else boundary
     if kind == "diffuse":
         bsdf = {"type": "diffuse", "reflectance": rgb(p["reflectance"])}
     elif kind == "mirror":
         bsdf = {"type": "conductor", "material": "none", "specular_reflectance": rgb(p["Kr"])}
     elif kind == "conductor":
-        bsdf = {**microfacets(p), "eta": mi.ScalarColor3f(p["eta"]), "k": mi.ScalarColor3f(p["k"])}
+        bsdf = {"type": "height-correlated", **microfacets(p),
+                "eta": mi.ScalarColor3f(p["eta"]), "k": mi.ScalarColor3f(p["k"])}
     else:
         raise ValueError(f"material {kind} {p}")
     return {"type": "twosided", "bsdf": bsdf}

@@ -61,16 +61,20 @@ impl SceneArgs {
             None => self.builtin(console)?,
         };
         if let Some(alpha) = alpha {
-            change(&mut loaded.scene, "alpha", "metal or glass", |material| match material {
-                Material::Conductor(metal) => Some(metal.alpha = alpha),
-                Material::Dielectric(glass) => Some(glass.alpha = alpha),
-                _ => None,
+            change(&mut loaded.scene, "alpha", "metal or glass", |material| {
+                match material {
+                    Material::Conductor(metal) => metal.alpha = alpha,
+                    Material::Dielectric(glass) => glass.alpha = alpha,
+                    _ => return false,
+                }
+                true
             })?;
         }
         if self.multiple_scattering {
-            change(&mut loaded.scene, "multiple_scattering", "metal", |material| match material {
-                Material::Conductor(metal) => Some(metal.multiple_scattering = true),
-                _ => None,
+            change(&mut loaded.scene, "multiple_scattering", "metal", |material| {
+                let Material::Conductor(metal) = material else { return false };
+                metal.multiple_scattering = true;
+                true
             })?;
         }
         Ok(loaded)
@@ -176,18 +180,13 @@ fn widths(values: &[f32]) -> Result<[f32; 2]> {
     }
 }
 
-/// Changes the materials of a scene, those inside mixtures, too. `set` returns `None` for those that it leaves alone; an
-/// error if these are all.
-fn change(
-    scene: &mut Scene,
-    parameter: &str,
-    what: &str,
-    set: impl Fn(&mut Material) -> Option<()> + Copy,
-) -> Result<()> {
-    fn count(material: &mut Material, set: impl Fn(&mut Material) -> Option<()> + Copy) -> usize {
+/// Changes the materials of a scene, those inside mixtures, too. `set` returns whether it changed one; an error if it
+/// changed none.
+fn change(scene: &mut Scene, parameter: &str, what: &str, set: impl Fn(&mut Material) -> bool + Copy) -> Result<()> {
+    fn count(material: &mut Material, set: impl Fn(&mut Material) -> bool + Copy) -> usize {
         match material {
             Material::Mixture(parts) => Arc::make_mut(parts).iter_mut().map(|(_, part)| count(part, set)).sum(),
-            plain => usize::from(set(plain).is_some()),
+            plain => usize::from(set(plain)),
         }
     }
     let changed: usize = scene.objects.iter_mut().map(|object| count(&mut object.material, set)).sum();

@@ -7,19 +7,19 @@ use crate::study::validation::planted::{all, run_pair};
 use crate::view::validation_cells::{drawing, rows};
 use etalon_stats::Verdict;
 
-/// A rough dielectric whose lobe is chosen by F at the surface's normal and weighted by F at the facet's: weights, pdf and
-/// energy are right, and samples alone are not.
-const FAULT: &str = "bsdf-dielectric/lobe-chosen-at-the-normal";
+/// A mixture of lobes that takes the random number of its choice again for the direction: values, weights and pdfs are right, and
+/// samples alone are not.
+const FAULT: &str = "bsdf-mixture/number-used-twice";
 
 pub fn figures() -> Vec<Figure> {
     vec![Figure {
         id: "bsdf-fault",
         title: "A BSDF with a planted fault",
         report: Report::Neither,
-        reproduces: "a mistake in sampling a rough dielectric, found",
-        shows: "Directions sampled from a rough dielectric, counted in cells of equal solid angle. Above, the lobe is chosen by \
-                Fresnel's reflectance at the surface's normal and weighted by that at the facet's: residuals have one sign \
-                over large regions, and the test says where. Below, the same test of the right BSDF.",
+        reproduces: "a mistake in sampling a mixture of lobes, found",
+        shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. Above, the random number that \
+                chooses the lobe is used again for the direction: residuals have one sign over large regions, and the test says \
+                where. Below, the same test of the right BSDF.",
         command: Some("etalon validate --planted".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]
