@@ -81,7 +81,7 @@ fn configurations() -> Vec<Configuration> {
     let (reflectance, transmittance, albedo) = (Rgb::splat(0.9), Rgb::splat(0.8), Rgb::new(0.2, 0.5, 1.0));
     let clear = |eta| Material::Dielectric(Dielectric::clear(eta));
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..ScatterModel::default() };
-    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
     let bounded = ScatterModel { normals: NormalSampling::Bounded, ..ScatterModel::default() };
     let lossy = Dielectric { reflectance, transmittance, ..Dielectric::clear(1.5) };
     let mixed = [(0.4, Material::Diffuse { albedo }), (0.6, Material::Conductor(metal([0.2; 2], Distribution::Ggx)))];
@@ -102,8 +102,8 @@ fn configurations() -> Vec<Configuration> {
         Configuration::new("mixture", Material::Mixture(mixed.into())),
         Configuration::new("mixture/mirror", Material::Mixture(polished.into())),
         Configuration {
-            model: report,
-            energy: Energy::MayExceedOne("the second report's formulas"),
+            model: erroneous,
+            energy: Energy::MayExceedOne("its conventions say so"),
             ..Configuration::new("errata-conductor", Material::Conductor(gold([0.3; 2], Distribution::Beckmann)))
         },
     ];

@@ -33,7 +33,7 @@ fn sampled_by(m: &Rough, other: &Rough, wo: Direction, u: &[f64]) -> Option<Bsdf
 
 pub fn faults() -> Vec<PlantedFault> {
     use Change::{Pdf, PdfAndWeight, Sample, Value, ValueAndWeight, Weight};
-    const WOS: &[f64] = &[20.0, 70.0];
+    const WOS: &[f64] = &[60.0];
     let fault = |name, change, mistake| planted(name, metal, WOS, change, mistake);
     vec![
         fault(

@@ -174,7 +174,7 @@ pub fn planted<M: Bsdf + Copy + 'static>(
             let wos: Vec<Direction> = degrees.iter().map(|&degrees| towards(degrees)).collect();
             // The mistakes are larger than what the tests of samplers look for.
             let samples = match protocol.samples {
-                SampleCount::Detect(error) => SampleCount::Detect((2.0 * error).min(1.0)),
+                SampleCount::Detect(error) => SampleCount::Detect((3.0 * error).min(1.0)),
                 fixed @ SampleCount::Fixed(_) => fixed,
             };
             whole::examine(&Faulty { right: right(), change }, &wos, &Protocol { samples, ..*protocol }, round)
