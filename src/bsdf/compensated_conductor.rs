@@ -17,7 +17,7 @@
 use super::energy::MissingEnergy;
 use super::rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
 use super::{BsdfSample, Lobe, Scatter, Vectorizable};
-use crate::math::{Rgb, circular::sin_cos_turns};
+use crate::math::{Rgb, circular::Circular};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -108,9 +108,9 @@ fn add_multiple(
 /// A direction of the upper hemisphere with pdf cos θ / π.
 #[inline(always)]
 fn cosine_direction(u: [f32; 2]) -> Vec3 {
-    let (sin_phi, cos_phi) = sin_cos_turns(f64::from(u[1]));
+    let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
     let r = u[0].sqrt();
-    Vec3::new(r * cos_phi as f32, r * sin_phi as f32, (1.0 - u[0]).sqrt())
+    Vec3::new(r * cos_phi, r * sin_phi, (1.0 - u[0]).sqrt())
 }
 
 impl<D: SampleNormals<f32>, const BOUNDED: bool, const ISOTROPIC: bool> Vectorizable

@@ -377,3 +377,73 @@ fn the_furnace_shows_what_its_description_says() {
         assert!((mean - expected).abs() < 3e-3, "{:?}: {mean}, not {expected}", object.material);
     }
 }
+
+#[test]
+fn zz_time_lanes() {
+    use crate::bsdf::{NormalSampling, Scatter};
+    use crate::render::kernel::{Scattered, eval_many, sample_many};
+    use crate::render::lanes::{LANES, ZERO3, at, set};
+    use crate::scene::{Distribution, ScatterModel};
+    let arch = pulp::Arch::new();
+    let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
+    for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+        let metal = Conductor::new(eta, k, 0.25, distribution);
+        for (name, material, normals) in [
+            ("metal", Material::Conductor(metal), NormalSampling::Vndf),
+            ("bounded", Material::Conductor(metal), NormalSampling::Bounded),
+            ("aniso", Material::Conductor(Conductor { alpha: [0.1, 0.4], ..metal }), NormalSampling::Vndf),
+            ("multiple", Material::Conductor(Conductor { multiple_scattering: true, ..metal }), NormalSampling::Vndf),
+            (
+                "multiple aniso",
+                Material::Conductor(Conductor { alpha: [0.1, 0.4], multiple_scattering: true, ..metal }),
+                NormalSampling::Vndf,
+            ),
+            ("glass", Material::Dielectric(Dielectric::rough(1.5, 0.25, distribution)), NormalSampling::Vndf),
+        ] {
+            let bsdf = material.bsdf(ScatterModel { normals, ..ScatterModel::default() });
+            let mut wo = ZERO3;
+            let mut u = [[0.0; LANES]; 2];
+            let mut choice = [0.0; LANES];
+            for i in 0..LANES {
+                let f = |k: f64| ((i as f64 + 0.5) * k).fract();
+                u[0][i] = f(0.618_033_988) as f32;
+                u[1][i] = f(0.754_877_666) as f32;
+                choice[i] = f(0.569_840_29) as f32;
+                set(&mut wo, i, crate::sampling::warp::cosine_hemisphere([f(0.23606), f(0.41421)]).as_vec3());
+            }
+            let mut out = Scattered::default();
+            let best = |work: &mut dyn FnMut()| {
+                (0..30)
+                    .map(|_| {
+                        let t = std::time::Instant::now();
+                        for _ in 0..40 {
+                            work();
+                        }
+                        t.elapsed().as_secs_f64()
+                    })
+                    .fold(f64::INFINITY, f64::min)
+                    / (40.0 * LANES as f64)
+                    * 1e9
+            };
+            let mut vectorized = false;
+            let lanes = best(&mut || {
+                vectorized = sample_many(arch, &bsdf, std::hint::black_box(&wo), (&choice, &u), LANES, &mut out)
+            });
+            let scalar = best(&mut || {
+                for i in 0..LANES {
+                    std::hint::black_box(bsdf.sample(at(&wo, i), choice[i], [u[0][i], u[1][i]]));
+                }
+            });
+            let eval = best(&mut || eval_many(arch, &bsdf, std::hint::black_box(&wo), LANES, &mut out));
+            let wi = out.wi;
+            let eval_scalar = best(&mut || {
+                for i in 0..LANES {
+                    std::hint::black_box(bsdf.eval_pdf(at(&wo, i), at(&wi, i)));
+                }
+            });
+            println!(
+                "TIME {distribution:?} {name}: vectorized {vectorized} sample {lanes:.1} ns (scalar {scalar:.1}), eval {eval:.1} (scalar {eval_scalar:.1})"
+            );
+        }
+    }
+}
