@@ -126,9 +126,10 @@ impl<D: SampleNormals<f32>, const BOUNDED: bool, const ISOTROPIC: bool> Vectoriz
         // Evaluate both at this direction.
         let (f, pdf) = self.eval_pdf_lane(wo, wi);
         let is_valid = (again | (single.pdf > 0.0)) & (wo.z > 0.0) & (wi.z > 0.0) & (pdf > 0.0);
+        let (cos, divisor) = if is_valid { (wi.z, pdf) } else { (0.0, 1.0) };
         BsdfSample {
             wi,
-            weight: if is_valid { f * wi.z / pdf } else { Rgb::ZERO },
+            weight: f * cos / divisor,
             pdf: if is_valid { pdf } else { 0.0 },
             lobe: if again { Lobe::DiffuseReflection } else { Lobe::GlossyReflection },
             probability: if again { probability } else { 1.0 - probability },
