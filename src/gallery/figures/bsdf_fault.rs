@@ -1,7 +1,6 @@
-//! A BSDF with a planted fault beside the right one: `bsdf-fault`.
+//! A BSDF with a planted fault, as a test sees it: `bsdf-fault`.
 
 use crate::error::Error;
-use crate::figure::Drawing;
 use crate::gallery::prelude::*;
 use crate::study::validation::planted::{all, run_pair};
 use crate::view::validation_cells::{drawing, rows};
@@ -17,9 +16,9 @@ pub fn figures() -> Vec<Figure> {
         title: "A BSDF with a planted fault",
         report: Report::Neither,
         reproduces: "a mistake in sampling a mixture of lobes, found",
-        shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. Above, the random number that \
-                chooses the lobe is used again for the direction: residuals have one sign over large regions, and the test says \
-                where. Below, the same test of the right BSDF.",
+        shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. The random number that chooses \
+                the lobe is used again for the direction: residuals have one sign over large regions, and the test says where. \
+                The same test accepts the right BSDF.",
         command: Some("etalon validate --planted".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]
@@ -31,16 +30,16 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let found = run_pair(fault, &inputs.protocol())?;
     let [faulty, right] = &found.tests[..] else { return Err(unknown()) };
     let is = |verdict| move |found: Verdict| f64::from(u8::from(found == verdict));
-    let counts = [faulty, right].map(|tested| tested.outcome.counts.as_ref().map(rows).unwrap_or_default());
-    // Residuals of right samples are about normal: beyond 5 standard deviations in one of 1.7 million cells.
-    let largest = counts.each_ref().map(|rows| rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max));
+    let uncounted = || Error::parameter("fault", format!("the test of {FAULT} has no counts"));
+    let counts = faulty.outcome.counts.as_ref().map(rows).ok_or_else(uncounted)?;
+    let largest = counts.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
+    let said = faulty.outcome.diagnosis.as_deref().unwrap_or_default();
     let checks = vec![
         Check::equal("the fault is rejected", 1.0, is(Verdict::Reject)(faulty.outcome.verdict)),
         Check::equal("the right BSDF is accepted", 1.0, is(Verdict::Accept)(right.outcome.verdict)),
-        Check::at_least("largest residual with the fault", largest[0], 10.0),
-        Check::at_most("largest residual without the fault", largest[1], 5.0),
+        // One of 1.7 million cells of a right sampler is that far off.
+        Check::at_least("largest residual with the fault", largest, 5.0),
+        Check::at_least("regions that the test names", said.matches(" % too ").count() as f64, 1.0),
     ];
-    let drawings = [faulty, right].into_iter().filter_map(drawing).collect();
-    let [faulty, _] = counts;
-    Content::new(Drawing::stacked(drawings, 0.5, 2.0), &faulty, checks)
+    Content::new(drawing(faulty).ok_or_else(uncounted)?, &counts, checks)
 }
