@@ -17,7 +17,7 @@
 use super::energy::MissingEnergy;
 use super::rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
 use super::{BsdfSample, Lobe, Scatter, Vectorizable};
-use crate::math::{Rgb, circular::sin_cos_turns};
+use crate::math::{Rgb, circular::Circular};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -108,9 +108,9 @@ fn add_multiple(
 /// A direction of the upper hemisphere with pdf cos θ / π.
 #[inline(always)]
 fn cosine_direction(u: [f32; 2]) -> Vec3 {
-    let (sin_phi, cos_phi) = sin_cos_turns(f64::from(u[1]));
+    let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
     let r = u[0].sqrt();
-    Vec3::new(r * cos_phi as f32, r * sin_phi as f32, (1.0 - u[0]).sqrt())
+    Vec3::new(r * cos_phi, r * sin_phi, (1.0 - u[0]).sqrt())
 }
 
 impl<D: SampleNormals<f32>, const BOUNDED: bool, const ISOTROPIC: bool> Vectorizable
@@ -126,9 +126,10 @@ impl<D: SampleNormals<f32>, const BOUNDED: bool, const ISOTROPIC: bool> Vectoriz
         // Evaluate both at this direction.
         let (f, pdf) = self.eval_pdf_lane(wo, wi);
         let is_valid = (again | (single.pdf > 0.0)) & (wo.z > 0.0) & (wi.z > 0.0) & (pdf > 0.0);
+        let (cos, divisor) = if is_valid { (wi.z, pdf) } else { (0.0, 1.0) };
         BsdfSample {
             wi,
-            weight: if is_valid { f * wi.z / pdf } else { Rgb::ZERO },
+            weight: f * cos / divisor,
             pdf: if is_valid { pdf } else { 0.0 },
             lobe: if again { Lobe::DiffuseReflection } else { Lobe::GlossyReflection },
             probability: if again { probability } else { 1.0 - probability },

@@ -95,10 +95,9 @@ impl MissingEnergy {
         let sin = (w.x * w.x + w.y * w.y).sqrt();
         let width = (q / sin.max(1e-10)).max(f32::MIN_POSITIVE);
         let y = ((width.logarithm() - self.azimuth[0]) * self.azimuth[1] - 1.0).clamp(-1.0, 1.0);
-        let mut rows = [0.0; ROWS];
-        for (row, coefficients) in rows.iter_mut().zip(&self.coefficients) {
-            *row = chebyshev(coefficients, x);
-        }
+        // Written out, so that loops over this vectorize.
+        let row = |k: usize| chebyshev(&self.coefficients[k], x);
+        let rows: [f32; ROWS] = [row(0), row(1), row(2), row(3), row(4), row(5)];
         (1.0 - chebyshev(&rows, y)).clamp(0.0, 1.0)
     }
 
