@@ -120,7 +120,7 @@ impl<T: Circular> SphericalTriangle<T> {
         let labels = Labels { is_second, is_third, is_swapped: false };
         let [nearest, p, q] = labels.ordered_vectors(corners);
         let [_, p_length, q_length] = labels.rotated(lengths);
-        let is_swapped = !(dot(nearest, p) / p_length < dot(nearest, q) / q_length);
+        let is_swapped = dot(nearest, p) / p_length >= dot(nearest, q) / q_length;
         let labels = Labels { is_swapped, ..labels };
         let [length, b_length, c_length] = labels.ordered(lengths);
         let unit = one / length;

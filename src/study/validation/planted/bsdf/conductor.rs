@@ -110,7 +110,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "bsdf-conductor/nan-at-wo",
             Value(|m, o, i| {
                 let apart = (0..3).map(|k| (o[k] - i[k]).powi(2)).sum::<f64>().sqrt();
-                value(m, o, i, apart / apart)
+                value(m, o, i, apart * apart.recip())
             }),
             "0/0 where wi = wo",
         ),
