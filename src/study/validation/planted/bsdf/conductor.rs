@@ -112,7 +112,7 @@ pub fn faults() -> Vec<PlantedFault> {
                 let apart = (0..3).map(|k| (o[k] - i[k]).powi(2)).sum::<f64>().sqrt();
                 value(m, o, i, apart * apart.recip())
             }),
-            "0/0 where wi = wo",
+            "a factor that is 0/0 where wi is wo",
         ),
         planted(
             "bsdf-anisotropic/alphas-swapped-in-pdf",
