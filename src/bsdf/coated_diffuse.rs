@@ -1,12 +1,12 @@
 //! A Lambertian surface under a smooth dielectric coat, with all reflections between the two.
 //!
-//! Light that enters the coat at θᵢ (share 1 − F(θᵢ)) is reflected by the base with albedo ρ. Of diffuse light from inside the
-//! coat's boundary sends the share Fᵢ back, which meets the base again: the series is 1/(1 − ρ Fᵢ). What leaves towards θₒ
-//! is refracted (share 1 − F(θₒ)), and its radiance changes by 1/η²:
+//! Light that enters the coat at θᵢ (share 1 − F(θᵢ)) is reflected by the base with albedo ρ. The coat's
+//! boundary reflects the share F̄_in of diffuse light from inside back to the base; the series of these reflections sums to
+//! 1/(1 − ρ F̄_in). The rest is refracted towards θₒ (share 1 − F(θₒ)), and its radiance is divided by η²:
 //!
-//! f = (1 − F(θᵢ)) (1 − F(θₒ)) ρ / (π η² (1 − ρ Fᵢ)), and the mirror direction with F(θₒ).
+//! f = (1 − F(θᵢ)) (1 − F(θₒ)) ρ / (π η² (1 − ρ F̄_in)), besides the mirror direction of reflectance F(θₒ).
 //!
-//! With F̄ = ∫ F(θ) 2 cos θ d cos θ from outside, 1 − Fᵢ = (1 − F̄)/η², since a boundary passes diffuse light equally in both
+//! With F̄_out = ∫₀¹ F(μ) 2μ dμ from outside, 1 − F̄_in = (1 − F̄_out)/η², since a boundary passes diffuse light equally in both
 //! directions. So a white base reflects everything, F + (1 − F) = 1. Source: Jakob et al., plastic of "Mitsuba", 2010; the
 //! relation of both means: Egan and Hilgeman, "Optical Properties of Inhomogeneous Materials", 1979.
 
@@ -24,7 +24,7 @@ use std::f32::consts::FRAC_1_PI;
 pub struct CoatedDiffuse {
     /// Index of refraction of the coat over that of the outside.
     eta: f32,
-    /// ρ / (π η² (1 − ρ Fᵢ)).
+    /// ρ / (π η² (1 − ρ F̄_in)).
     strength: Rgb,
     /// The largest albedo of the base under light that has entered the coat.
     entered: f32,

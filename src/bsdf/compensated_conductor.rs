@@ -1,6 +1,7 @@
 //! A rough conductor that also reflects the light which single scattering loses.
 //!
-//! Microfacet models of single scattering lose the light that meets a second facet: at α = 1 more than half of it. This model
+//! Single-scattering microfacet models lose the light that meets a second facet: at α = 1 most of it for GGX, a third for
+//! Beckmann, averaged over the cosine-weighted hemisphere. This model
 //! adds a diffuse lobe that returns it, f = F_ms (1 − E(wo)) (1 − E(wi)) / (π (1 − Ē)), with the albedo E of single
 //! scattering for F = 1, its mean Ē by the cosine, and the factor F_ms of coloured metals of [`MissingEnergy::colour`]. A
 //! metal that reflects everything then reflects everything, to the error of the table, 10⁻³, or 2·10⁻³ if it is
@@ -51,7 +52,7 @@ impl<D: SampleNormals<f32>> CompensatedConductor<D> {
         Self { single, multiple: Multiple { colour, power }, energy: Arc::new(energy) }
     }
 
-    /// How visible normals are sampled; `None` where other than visible normals are.
+    /// How single scattering samples its directions.
     pub(crate) fn normals(&self) -> NormalSampling {
         self.single.normals
     }

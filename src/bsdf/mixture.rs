@@ -48,7 +48,8 @@ impl<B: Scatter> Mixture<B> {
                 lobes.push(*lobe);
             }
         }
-        // One direction of two delta lobes would need the sum of their probabilities.
+        // Two delta lobes of one kind may share a direction, whose probability is then the sum of both. Light paths do not
+        // compute it, so that such a mixture counts as not reciprocal.
         let is_reciprocal = !twice && parts.iter().all(|part| part.bsdf.is_reciprocal());
         Self { parts, lobes: lobes.into(), is_reciprocal }
     }

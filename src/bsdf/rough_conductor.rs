@@ -1,7 +1,8 @@
 //! A rough conductor of microfacets, by Torrance and Sparrow's model: f = F D G₂ / (4 cos θₒ cos θᵢ).
 //!
-//! F is that at the angle between `wi` and the facet's normal; G₂ is Smith's for correlated heights. Source: Cook &
-//! Torrance, "A Reflectance Model for Computer Graphics", 1982; Walter et al., EGSR 2007; Heitz, JCGT 3(2), 2014.
+//! F is that at the angle between `wi` and the facet's normal; G₂ is Smith's for correlated heights. Source:
+//! Torrance & Sparrow, "Theory for Off-Specular Reflection from Roughened Surfaces", 1967; in this normalization Walter et al.,
+//! EGSR 2007, eq. 20; G₂: Heitz, JCGT 3(2), 2014.
 //!
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both return the same
 //! pdf to the last bit.

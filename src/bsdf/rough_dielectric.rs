@@ -1,19 +1,21 @@
 //! A rough dielectric boundary of microfacets: each reflects and refracts by Fresnel's equations.
 //!
-//! A facet of normal m lies between `wo` and `wi` if h = wo + s wi is along m, with s = 1 for reflection and s = η for
-//! refraction, η the index on the side of `wi` over that of `wo`. Then |h| = |wo·m + s wi·m|, and one formula holds for both,
-//! for the share P = F of what is reflected or 1 − F of what is refracted:
+//! A facet of normal m scatters `wi` to `wo` if m is parallel to the half vector h = wo + s wi, with s = 1 for reflection and
+//! s = η for refraction, η the index on the side of `wi` over that on the side of `wo`. Then |h| = |wo·m + s wi·m|, and one
+//! formula holds for both, for the share P = F of what is reflected or 1 − F of what is refracted:
 //!
 //! * f = P D(m) G₂ |wo·m| |wi·m| / (cos θₒ cos θᵢ |h|²), which for reflection is F D G₂ / (4 cos θₒ cos θᵢ)
 //! * pdf = P D(m) G₁(wo)/cos θₒ |wo·m| s² |wi·m| / |h|²: the facet is sampled among those visible from `wo`, then P
 //! * f |cos θᵢ| / pdf = G₂/(G₁(wo) s²) = G₁(wi)/s² ≤ 1/s²: radiance changes by 1/η² across the boundary
 //!
-//! G₂ is G₁(wo) G₁(wi), as in the source, so that values agree with renderers that follow it (Mitsuba). Of correlated heights it would
-//! be greater for reflection, 1/(1 + Λₒ + Λᵢ), as for the metals here, and less for refraction, the beta function
-//! B(1 + Λₒ, 1 + Λᵢ) (Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", SIGGRAPH 2016). Light that
-//! meets a second facet is lost.
+//! G₂ is G₁(wo) G₁(wi), as in the source, so that values agree with renderers that follow it (Mitsuba). Height-correlated
+//! masking and shadowing would be greater for reflection, 1/(1 + Λₒ + Λᵢ), as the metals here have, and less for refraction,
+//! the beta function B(1 + Λₒ, 1 + Λᵢ) (Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", SIGGRAPH
+//! 2016). Light that meets a second facet is lost.
 //!
-//! Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eq. 17, 20, 21 and 41.
+//! Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eq. 17, 20 and 21; sampling of
+//! visible normals: Heitz & d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals",
+//! EGSR 2014.
 
 use super::{BsdfSample, Lobe, Scatter, Vectorizable};
 use crate::math::{Rgb, map_array};

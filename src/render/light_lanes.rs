@@ -1,4 +1,4 @@
-//! Directions towards lights for many places at once: all towards one light, or each towards one of its own.
+//! Light samples for many shading points at once: of one light for all points, or of one chosen light for each.
 
 use super::lanes::{BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, ZERO_BLOCK3, at, block, blocks, put, set};
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};

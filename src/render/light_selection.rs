@@ -116,8 +116,9 @@ impl Selection<'_> {
         Some((self.lights[number], probability))
     }
 
-    /// [`sample`](Self::sample) for many places, whose random numbers the probabilities replace; [`NOTHING`] where no light can
-    /// arrive. All places go down the tree together.
+    /// [`sample`](Self::sample) for a block of shading points. On entry `probability` holds their random numbers, on return the
+    /// probability of the chosen light; `light` is [`NOTHING`] where no light can contribute. All points descend the light tree
+    /// together.
     #[inline(always)]
     pub fn sample_each(places: &[Self; BLOCK], light: &mut [u32], probability: &mut [f32]) {
         let mut count = light.len().min(probability.len()).min(BLOCK);

@@ -76,7 +76,7 @@ impl Material {
     }
 }
 
-/// Below this α the lobe of a rough surface is narrower than the resolution of f32 directions.
+/// Surfaces with a smaller α along either axis are treated as perfectly smooth.
 pub const SMOOTH_ALPHA: f32 = 1e-4;
 
 /// A dielectric boundary, smooth or of microfacets.

@@ -8,7 +8,7 @@ use etalon_stats::Verdict;
 
 /// A mixture of lobes that takes the random number of its choice again for the direction: values, weights and pdfs are right, and
 /// samples alone are not.
-const FAULT: &str = "bsdf-mixture/number-used-twice";
+const FAULT: &str = "bsdf-mixture/random-number-reused";
 
 pub fn figures() -> Vec<Figure> {
     vec![Figure {

@@ -1,8 +1,8 @@
 //! The scene's shapes laid out for many rays at once: which one a ray meets first, and whether any is in its way.
 //!
-//! A few rectangles and spheres are tried one after the other, each against all rays in one vectorized loop, which is
-//! faster than any tree; of many, the large ones are. All others stand in one bounding volume hierarchy with the triangles
-//! of all meshes, which is built only where something stands in it.
+//! Up to [`MOST_SOLIDS`] rectangles and spheres are intersected one by one, each with all rays in one vectorized loop, which is
+//! faster than any tree. If a scene has more, only the large ones are. All others, and the triangles of all meshes, are in one
+//! bounding volume hierarchy (BVH), built only if it holds anything.
 
 mod loops;
 #[cfg(test)]
@@ -95,12 +95,13 @@ struct Tree {
     object: Vec<u32>,
 }
 
-/// Of more rectangles and spheres those are tried one by one whose box has at least this share of the surface of the box
-/// around the scene. By the surface area heuristic that is the share of rays that would test them in the tree.
+/// If a scene has more rectangles and spheres than that, those are intersected one by one whose bounding box has at least this
+/// share of the surface area of the scene's bounding box: by the surface area heuristic, the share of rays that would test them
+/// in the BVH.
 const LARGE: f32 = 1.0 / 16.0;
 
-/// Which objects are tried one by one.
-fn tried_alone(scene: &Scene) -> Vec<bool> {
+/// Which objects are outside the BVH.
+fn is_outside_bvh(scene: &Scene) -> Vec<bool> {
     let is_solid = |&i: &usize| !matches!(scene.objects[i].shape, Shape::Mesh(_));
     let mut solids: Vec<usize> = (0..scene.objects.len()).filter(is_solid).collect();
     if solids.len() > MOST_SOLIDS {
@@ -119,15 +120,15 @@ fn tried_alone(scene: &Scene) -> Vec<bool> {
 impl<'a> Geometry<'a> {
     /// Whether a scene has anything that stands in the tree.
     pub fn needs_tree(scene: &Scene) -> bool {
-        tried_alone(scene).contains(&false)
+        is_outside_bvh(scene).contains(&false)
     }
 
     /// Prepares the shapes; `with_tree` says whether to build the tree if nothing stands in it.
     pub fn new(scene: &'a Scene, with_tree: bool) -> Self {
-        Self::prepare(scene, with_tree, &tried_alone(scene))
+        Self::prepare(scene, with_tree, &is_outside_bvh(scene))
     }
 
-    fn prepare(scene: &'a Scene, with_tree: bool, alone: &[bool]) -> Self {
+    fn prepare(scene: &'a Scene, with_tree: bool, outside_bvh: &[bool]) -> Self {
         let objects = &scene.objects;
         let (mut walls, mut spheres) = (Vec::new(), Vec::new());
         let (mut shapes, mut shape_objects) = (Vec::new(), Vec::new());
@@ -138,7 +139,7 @@ impl<'a> Geometry<'a> {
             offsets.push(bounds.map_or(0.0, |b| 16.0 * f32::EPSILON * b[0].abs().max(b[1].abs()).max_element()));
             let bounds = bounds.unwrap_or(EMPTY);
             whole = union(whole, bounds);
-            let is_alone = alone[i as usize];
+            let is_alone = outside_bvh[i as usize];
             match &object.shape {
                 Shape::Rectangle(rectangle) if is_alone => walls.push(Wall::new(rectangle, i)),
                 Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),

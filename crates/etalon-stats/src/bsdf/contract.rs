@@ -28,7 +28,7 @@ pub struct BsdfSample {
     pub density: Density,
     /// The number of its lobe.
     pub lobe: usize,
-    /// The probability that random numbers other than those of [`Properties::map`] choose this lobe.
+    /// The probability of choosing this lobe, given the two random numbers of [`Properties::map`].
     pub lobe_probability: f64,
 }
 
@@ -52,7 +52,7 @@ impl BsdfSample {
     }
 }
 
-/// One direction that scatters a finite share of light.
+/// A delta lobe: perfect specular reflection or transmission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaLobe {
     /// The direction.
@@ -63,7 +63,7 @@ pub struct DeltaLobe {
     pub throughput: Spectrum,
 }
 
-/// Whether f(wo, wi) = f(wi, wo), apart from refraction: radiance has n² of its medium as a factor.
+/// Whether η² f(wo, wi) = f(wi, wo), η the index of refraction on the side of `wi` over that on the side of `wo` (1 for reflection).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reciprocity {
     /// It is.
@@ -75,7 +75,7 @@ pub enum Reciprocity {
 /// How much of the incident power is scattered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Energy {
-    /// All of it, but for this share.
+    /// All of it, within this error of the albedo.
     Conserved(f64),
     /// All of it at most.
     AtMostOne,
@@ -130,7 +130,7 @@ pub struct Properties {
     pub map: Option<[usize; 2]>,
     /// Random numbers for one value; 0 for a deterministic BSDF.
     pub eval_dimension: usize,
-    /// The distance from 1 to the next number of its arithmetic.
+    /// Machine epsilon of its arithmetic: `f64::EPSILON` or `f32::EPSILON`.
     pub precision: f64,
     /// Its parameters.
     pub parameters: Vec<Parameter>,

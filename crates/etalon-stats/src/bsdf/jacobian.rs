@@ -1,4 +1,5 @@
-//! The Jacobian by finite differences: what a lobe's map does to the area of the unit square, times its pdf, is 1.
+//! The Jacobian by finite differences: the pdf of a lobe times the Jacobian determinant of its map from random numbers to
+//! directions is the probability of choosing the lobe.
 
 use super::contract::{BsdfSample, Direction, PdfKind};
 use super::subject::{Comparison, Subject};

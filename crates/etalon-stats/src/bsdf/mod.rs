@@ -95,7 +95,7 @@ pub const ALL: [Check; 10] = [
     },
     Check {
         name: "jacobian",
-        finds: "pdfs of a lobe that are not the reciprocal of what its map does to areas",
+        finds: "pdfs of a lobe that are not its probability over the Jacobian of its map from random numbers to directions",
         is_statistical: false,
         run: |subject| Ok(jacobian::check(subject)),
     },

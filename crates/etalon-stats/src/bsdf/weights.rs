@@ -1,4 +1,4 @@
-//! The density-free test: sums of weights over cells of directions against the light that the BSDF scatters from there.
+//! The test of weights, which needs no pdf: sums of weights over cells of directions against the light that the BSDF scatters from there.
 //!
 //! For any right pair of values and samples, whatever the pdf, the mean of the weights of samples in a cell is ∫ f |cos θᵢ| over
 //! the cell. So the test also works where the pdf is unknown, approximate or stochastic.

@@ -1,6 +1,6 @@
 //! Mistakes in a smooth dielectric coating over a Lambertian base.
 //!
-//! f = (1 − F(θₒ)) (1 − F(θᵢ)) ρ / (π η² (1 − ρ Fᵢ)) with the mean reflectance Fᵢ from inside, and a mirror of share F(θₒ).
+//! f = (1 − F(θₒ)) (1 − F(θᵢ)) ρ / (π η² (1 − ρ F̄_in)) with the mean reflectance F̄_in from inside, and a mirror of share F(θₒ).
 
 use super::super::fault::PlantedFault;
 use super::faulty::{Change, planted};

@@ -116,12 +116,12 @@ pub fn faults() -> Vec<PlantedFault> {
             "the mean albedo without 2 cos θ",
         ),
         fault(
-            "bsdf-compensated/not-symmetric",
+            "bsdf-compensated/not-reciprocal",
             ValueAndWeight(|m, o, i| {
                 let lost = 1.0 - m.single(o[2], 0.0);
                 if o[2] > 0.0 && i[2] > 0.0 { m.rough.eval(o, i, &[])[0] + lost * FRAC_1_PI } else { 0.0 }
             }),
-            "what is lost at wo spread evenly: conserves energy, and is not reciprocal",
+            "what is lost at wo returned as a uniform lobe: conserves energy, and is not reciprocal",
         ),
         fault(
             "bsdf-compensated/left-out",

@@ -42,17 +42,17 @@ pub fn faults() -> Vec<PlantedFault> {
             "the pdf of the normal for that of the direction: 1/(4 wo·m) forgotten, weights with it",
         ),
         fault(
-            "bsdf-conductor/jacobian-of-the-surface",
+            "bsdf-conductor/jacobian-with-surface-normal",
             PdfAndWeight(|m, o, i| m.pair(o, i).map_or(0.0, |p| 0.25 * m.visible(o, &p) / o[2])),
             "1/(4 wo·n) for 1/(4 wo·m)",
         ),
         fault(
-            "bsdf-conductor/masking-for-both",
+            "bsdf-conductor/masking-without-shadowing",
             ValueAndWeight(|m, o, i| value(m, o, i, m.g1(o) / m.g2(o, i))),
             "G₁(wo) for G₂: shadowing is left out, so that wo and wi differ",
         ),
         fault(
-            "bsdf-conductor/separable-masking-in-values",
+            "bsdf-conductor/separable-g2-in-values",
             Value(|m, o, i| value(m, o, i, m.g1(o) * m.g1(i) / m.g2(o, i))),
             "G₁ G₁ in values, and Smith's G₂ for correlated heights in weights",
         ),
@@ -62,12 +62,12 @@ pub fn faults() -> Vec<PlantedFault> {
             "the pdf of visible normals without G₁",
         ),
         fault(
-            "bsdf-conductor/pdf-of-wi",
+            "bsdf-conductor/wo-and-wi-exchanged-in-pdf",
             PdfAndWeight(|m, o, i| m.pdf(i, o)),
             "wo and wi exchanged in the pdf, weights divided by it",
         ),
         fault(
-            "bsdf-conductor/pdf-of-all-normals",
+            "bsdf-conductor/ndf-pdf-for-vndf-samples",
             PdfAndWeight(|m, o, i| m.pair(o, i).map_or(0.0, |p| m.d(p.m) * p.m.z / (4.0 * p.cos_o))),
             "the pdf of the full distribution of normals with samples of the visible ones",
         ),
@@ -95,7 +95,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "α² in values and α in samples: the remapping of a roughness applied in one place",
         ),
         fault(
-            "bsdf-conductor/four-left-out",
+            "bsdf-conductor/factor-4-missing",
             ValueAndWeight(|m, o, i| value(m, o, i, 4.0)),
             "1/4 left out of the Torrance–Sparrow formula: more light than arrives",
         ),

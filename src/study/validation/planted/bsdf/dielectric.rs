@@ -90,7 +90,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the lobe chosen by F at the surface's normal, and weighted by F at the facet's",
         ),
         fault(
-            "bsdf-dielectric/lobe-chosen-evenly",
+            "bsdf-dielectric/lobes-chosen-with-equal-probability",
             OUTSIDE,
             Sample(|m, o, u| {
                 let wi = m.scatter(o, m.sample_normal(o, [u[1], u[2]]), u[0] < 0.5)?;
@@ -184,7 +184,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the same weights for importance as for radiance",
         ),
         fault(
-            "bsdf-dielectric/pdf-of-the-other-random-walk",
+            "bsdf-dielectric/reverse-pdf",
             OUTSIDE,
             CarriedPdf(|m, o, i| m.pdf(i, o)),
             "a sample carries the pdf of the reverse direction",

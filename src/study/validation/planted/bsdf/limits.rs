@@ -47,7 +47,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "a lobe of weight 0 that still reflects 0.1 %",
         ),
         limit(
-            "bsdf-limit/compensation-of-a-mirror",
+            "bsdf-limit/compensation-not-switched-off",
             |faulty, protocol| {
                 let rough = Rough { alpha: [0.8; 2], facets: Facets::Conductor(1.0) };
                 let compensated = Compensated::new();

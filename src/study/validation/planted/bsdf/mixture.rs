@@ -71,7 +71,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "pdfs of the lobes added without the probabilities of choosing them",
         ),
         fault(
-            "bsdf-mixture/pdf-of-the-mean",
+            "bsdf-mixture/pdf-of-equal-probabilities",
             PdfAndWeight(|m, o, i| 0.5 * (m.diffuse.pdf(o, i) + m.glossy.pdf(o, i))),
             "the pdf of lobes chosen with probability ½, which are chosen with 0.3 and 0.7",
         ),
@@ -84,12 +84,12 @@ pub fn faults() -> Vec<PlantedFault> {
             "f of all lobes over the pdf of the chosen one: light counted for every lobe",
         ),
         fault(
-            "bsdf-mixture/probability-not-divided-by",
+            "bsdf-mixture/lobe-probability-missing-in-weight",
             Weight(|m, o, s| 0.5 * m.lobe(s.lobe).0.eval(o, s.wi, &[])[0] * s.wi[2] / m.lobe(s.lobe).0.pdf(o, s.wi)),
             "the chosen lobe's weight, not divided by the probability of choosing it",
         ),
         fault(
-            "bsdf-mixture/number-used-twice",
+            "bsdf-mixture/random-number-reused",
             Sample(|m, o, u| m.sample(o, &[u[0], u[0], u[2]])),
             "the random number that chooses the lobe is used again for the direction",
         ),

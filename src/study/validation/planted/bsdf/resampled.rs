@@ -87,7 +87,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the chosen candidate's contribution as if it had been sampled alone",
         ),
         planted(
-            "bsdf-resampled/chosen-evenly",
+            "bsdf-resampled/candidates-chosen-uniformly",
             resampled,
             &[40.0],
             Sample(|m, o, u| {
