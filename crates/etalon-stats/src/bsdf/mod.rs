@@ -1,7 +1,7 @@
 //! The test of a whole BSDF: what it evaluates, what it samples, and what it declares, each against the others.
 //!
 //! Most errors of BSDFs lie between evaluation, sample weights, pdf and energy, where a test of samples against the pdf does not
-//! look. Implement [`Bsdf`], and give [`assert_bsdf`] the directions `wo` to test it for, or [`test`] for a [`Report`]. Each
+//! look. Implement [`Bsdf`], and give [`assert_bsdf`] the directions `wo` to test it for, or [`test()`] for a [`Report`]. Each
 //! [`Check`] says what it finds; those in [`ALL`] need one BSDF, [`same_values`] and [`same_light`] compare two.
 //!
 //! An exact check compares numbers that must be equal up to rounding: 64 units of the last place of the BSDF's arithmetic
