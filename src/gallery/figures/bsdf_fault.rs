@@ -25,12 +25,12 @@ pub fn figures() -> Vec<Figure> {
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {
-    let unknown = || Error::parameter("fault", format!("there is no planted fault {FAULT}"));
+    let unknown = || Error::parameter("names", format!("there is no planted fault {FAULT}"));
     let fault = all().into_iter().find(|fault| fault.name == FAULT).ok_or_else(unknown)?;
     let found = run_pair(fault, &inputs.protocol())?;
     let [faulty, right] = &found.tests[..] else { return Err(unknown()) };
     let is = |verdict| move |found: Verdict| f64::from(u8::from(found == verdict));
-    let uncounted = || Error::parameter("fault", format!("the test of {FAULT} has no counts"));
+    let uncounted = || Error::parameter("names", format!("the test of {FAULT} has no counts"));
     let counts = faulty.outcome.counts.as_ref().map(rows).ok_or_else(uncounted)?;
     let largest = counts.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let said = faulty.outcome.diagnosis.as_deref().unwrap_or_default();
