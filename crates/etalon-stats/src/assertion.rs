@@ -124,12 +124,12 @@ mod tests {
         assert!(text.contains("errors of the pdf of 2.0"), "{text}");
         let accepted = message(&half, &uniform, &density(|_: [f64; 3]| 1.0 / TAU));
         assert!(accepted.starts_with("verdict: accept") && !accepted.contains("region"), "{accepted}");
-        // An error in one spot is not blamed on its whole row.
+        // An error in one spot, at phi from 77° to 103°, is blamed on the cells around it and not on their whole row.
         let spot = |w: [f64; 3]| w[2] > 0.5 && w[2] < 0.6 && w[0].abs() < 0.2 && w[1] > 0.0;
         let holey = sampler(2, |u| Some(uniform_hemisphere(u)).filter(|w| !spot(*w)).map(Sample::new));
         let text = message(&half, &holey, &density(|_: [f64; 3]| 1.0 / TAU));
         let worst: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("theta")).collect();
-        assert!(worst[0].contains("phi 72.00°..90.00°") || worst[0].contains("phi 90.00°..108.00°"), "{text}");
+        assert!(worst[0].contains("phi 72.00°..108.00°"), "{text}");
     }
 
     #[test]
