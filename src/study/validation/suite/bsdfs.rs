@@ -201,26 +201,10 @@ fn layered() -> Vec<(&'static str, Case)> {
 /// A BSDF that reflects diffusely, and into the mirror direction with a probability which is that of a coat on a base of
 /// this albedo for light of `ETA`, or a third for an albedo of 1.
 fn with_mirror(name: String, bsdf: Bsdf, wo: DVec3, albedo: f64) -> (&'static str, Case) {
-    let wo: Vec3 = wo.as_vec3();
-    let registered = bsdf.name();
-    let case = Case::of(name, Directions::sphere(Pole::Z), move || {
-        let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
-        let draw = move |u: &[f64]| {
-            let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
-            let wi = sample.wi.as_dvec3().to_array();
-            Some(if sample.is_delta() {
-                Sample { atom: true, ..Sample::new(wi) }
-            } else {
-                Sample::with_pdf(wi, f64::from(sample.pdf))
-            })
-        };
-        let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
-        let exact = wo.as_dvec3();
+    with_atoms(name, bsdf, wo, move |exact| {
         let probability = if albedo < 1.0 { coat_probability(exact.z.abs(), albedo) } else { 1.0 / 3.0 };
-        let atoms = vec![reflected(exact, probability)];
-        (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(1.0)).with_atoms(atoms))
-    });
-    (registered, case)
+        (vec![reflected(exact, probability)], 1.0)
+    })
 }
 
 /// F over F and what the base reflects through the coat, by sums over angles in f64.
@@ -362,17 +346,35 @@ fn fresnel(wo: DVec3) -> f64 {
 
 /// The directions that `bsdf` samples for `wo`: must be the `atoms` for the direction rounded to f32.
 fn in_atoms(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> (&'static str, Case) {
+    with_atoms(name, bsdf, wo, move |exact| {
+        let atoms = atoms(exact);
+        let mass = atoms.iter().map(|atom| atom.probability).sum();
+        (atoms, mass)
+    })
+}
+
+/// The directions that `bsdf` samples for `wo`, with the atoms and the mass that `law` has for the direction rounded to f32.
+fn with_atoms(
+    name: String,
+    bsdf: Bsdf,
+    wo: DVec3,
+    law: impl Fn(DVec3) -> (Vec<Atom<[f64; 3]>>, f64) + Send + Sync + 'static,
+) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
     let registered = bsdf.name();
     let case = Case::of(name, Directions::sphere(Pole::Z), move || {
         let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
         let draw = move |u: &[f64]| {
             let sample = bsdf.sample(wo, short(u[0]), [short(u[1]), short(u[2])])?;
-            Some(Sample { atom: sample.is_delta(), ..Sample::new(sample.wi.as_dvec3().to_array()) })
+            let wi = sample.wi.as_dvec3().to_array();
+            Some(if sample.is_delta() {
+                Sample { atom: true, ..Sample::new(wi) }
+            } else {
+                Sample::with_pdf(wi, f64::from(sample.pdf))
+            })
         };
         let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
-        let atoms = atoms(wo.as_dvec3());
-        let mass = atoms.iter().map(|atom| atom.probability).sum();
+        let (atoms, mass) = law(wo.as_dvec3());
         (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
     });
     (registered, case)
