@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod case;
+pub mod families;
 pub mod planted;
 mod run;
 mod scattering;

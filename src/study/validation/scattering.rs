@@ -3,7 +3,8 @@
 use super::suite::inputs::short;
 use crate::bsdf::{Bsdf, BsdfSample, Lobe, Scatter};
 use crate::math::Rgb;
-use etalon_stats::bsdf::{self, DeltaLobe, Density, Direction, Energy, Properties, Reciprocity, Spectrum};
+use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
+use etalon_stats::bsdf::{self, DeltaLobe, Density, Direction, Energy, Parameter, Properties, Reciprocity, Spectrum};
 use glam::Vec3;
 
 /// A BSDF with what its own methods do not say.
@@ -16,7 +17,12 @@ pub struct Scattering {
     pub energy: Energy,
     /// Whether its lobes are wide enough for derivatives of directions in single precision.
     pub is_wide: bool,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
 }
+
+/// Lobes at least as wide have directions whose derivatives single precision resolves.
+const WIDE: f32 = 0.025;
 
 fn vec3(w: Direction) -> Vec3 {
     Vec3::from_array(w.map(|x| x as f32))
@@ -27,6 +33,21 @@ fn spectrum(rgb: Rgb) -> Spectrum {
 }
 
 impl Scattering {
+    /// The BSDF of a material, without named parameters.
+    pub fn new(material: &Material, model: ScatterModel, energy: Energy) -> Self {
+        let eta = match material {
+            Material::Refraction { eta, .. } | Material::Dielectric(Dielectric { eta, .. }) => *eta,
+            _ => 1.0,
+        };
+        let is_wide = match material {
+            Material::Conductor(Conductor { alpha, .. }) => alpha[0].min(alpha[1]) >= WIDE,
+            // Refraction turns directions by the index minus 1 of what the facets are turned.
+            Material::Dielectric(Dielectric { alpha, eta, .. }) => alpha[0].min(alpha[1]) * (eta - 1.0).abs() >= WIDE,
+            _ => true,
+        };
+        Self { bsdf: material.bsdf(model), eta, energy, is_wide, parameters: Vec::new() }
+    }
+
     fn lobe_index(&self, lobe: Lobe) -> usize {
         self.bsdf.lobes().iter().position(|&other| other == lobe).unwrap_or(usize::MAX)
     }
@@ -63,6 +84,7 @@ impl bsdf::Bsdf for Scattering {
             energy: self.energy,
             map: self.is_wide.then_some([1, 2]),
             precision: f64::from(f32::EPSILON),
+            parameters: self.parameters.clone(),
             ..Properties::default()
         }
     }

@@ -98,11 +98,43 @@ pub enum PdfKind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// Its value.
     pub value: f64,
     /// The range.
     pub range: [f64; 2],
+}
+
+impl Parameter {
+    /// A parameter of this name.
+    #[must_use]
+    pub fn new(name: impl Into<String>, value: f64, range: [f64; 2]) -> Self {
+        Self { name: name.into(), value, range }
+    }
+
+    /// The value at a share of the range from 0 to 1: on a logarithmic scale where the range spans more than a factor of ten.
+    #[must_use]
+    pub fn at(&self, share: f64) -> f64 {
+        let [from, to] = self.range;
+        let value =
+            if from > 0.0 && to > 10.0 * from { from * (to / from).powf(share) } else { from + (to - from) * share };
+        value.clamp(from, to)
+    }
+}
+
+/// BSDFs of one kind over their parameters: what sweeps and furnace tests visit.
+pub trait Family: Sync {
+    /// Its name.
+    fn name(&self) -> &str;
+
+    /// Its parameters with their ranges; the values are the usual ones.
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// The BSDF whose parameters have these values, in the order of [`parameters`](Self::parameters).
+    ///
+    /// # Errors
+    /// [`Error::External`](crate::Error::External) from a BSDF that another program makes.
+    fn with(&self, values: &[f64]) -> crate::Result<Box<dyn Bsdf + '_>>;
 }
 
 /// What a BSDF declares of itself. [`Properties::default`] is an opaque surface without delta lobes, in f64.

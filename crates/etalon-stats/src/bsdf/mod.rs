@@ -26,7 +26,8 @@ mod vector;
 mod weights;
 
 pub use contract::{
-    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Parameter, PdfKind, Properties, Reciprocity, Spectrum,
+    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Family, Parameter, PdfKind, Properties, Reciprocity,
+    Spectrum,
 };
 pub use limits::{same_light, same_values};
 pub use report::{Checked, Report, assert_bsdf, test};

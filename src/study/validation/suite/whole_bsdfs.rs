@@ -32,21 +32,8 @@ impl Configuration {
         Self { name: name.into(), material, model, energy: Energy::AtMostOne, light: true }
     }
 
-    fn eta(&self) -> f32 {
-        match &self.material {
-            Material::Refraction { eta, .. } | Material::Dielectric(Dielectric { eta, .. }) => *eta,
-            _ => 1.0,
-        }
-    }
-
     fn scattering(&self) -> Scattering {
-        let is_wide = match self.material {
-            Material::Conductor(Conductor { alpha, .. }) => alpha[0] >= WIDE,
-            // Refraction turns directions by the index minus 1 of what the facets are turned.
-            Material::Dielectric(Dielectric { alpha, eta, .. }) => alpha[0] * (eta - 1.0).abs() >= WIDE,
-            _ => true,
-        };
-        Scattering { bsdf: self.material.bsdf(self.model), eta: self.eta(), energy: self.energy, is_wide }
+        Scattering::new(&self.material, self.model, self.energy)
     }
 }
 
@@ -54,9 +41,6 @@ impl Configuration {
 const DEGREES: [f64; 12] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99, 90.01, 91.0, 100.0, 120.0, 150.0, 180.0];
 /// Those at which BSDFs are sampled and integrated.
 const FEW_DEGREES: [f64; 3] = [25.0, 75.0, 140.0];
-
-/// Lobes at least as wide have directions whose derivatives single precision resolves.
-const WIDE: f32 = 0.025;
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0];
 const ETAS: [f32; 5] = [1.0 / 2.4, 1.0 / 1.5, 1.05, 1.5, 2.4];

@@ -177,7 +177,7 @@ impl Rough {
 impl Bsdf for Rough {
     fn properties(&self) -> Properties {
         let transmission = matches!(self.facets, Facets::Dielectric(_));
-        let alpha = |name, value| Parameter { name, value, range: [1e-4, 1.0] };
+        let alpha = |name, value| Parameter::new(name, value, [1e-4, 1.0]);
         Properties {
             transmission,
             eta: self.index(),
