@@ -7,6 +7,7 @@ mod converge;
 mod envmap;
 mod flags;
 mod fresnel;
+mod furnace;
 mod global;
 mod map_file;
 mod merge;
@@ -47,6 +48,7 @@ Examples:
   etalon render sphere-env -s 64        a white sphere under the built-in map
   etalon render cornell-spheres         a mirror and a glass sphere in a Cornell box
   etalon converge cornell-spheres       error against run time
+  etalon furnace ggx                    the albedo of a BSDF over angle and width
   etalon stability fresnel              errors against 256-bit arithmetic
   etalon validate                       every sampler against its pdf
   etalon scenes                         what else can be rendered";
@@ -62,6 +64,7 @@ enum Command {
     Compare(compare::Compare),
     Converge(converge::Converge),
     Merge(merge::Merge),
+    Furnace(furnace::Furnace),
     Stability(stability::Stability),
     Validate(validate::Validate),
     Reproduce(reproduce::Reproduce),
@@ -108,6 +111,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Compare(args) => args.run(&cli.global, console),
         Command::Converge(args) => args.run(&cli.global, console),
         Command::Merge(args) => args.run(&cli.global, console),
+        Command::Furnace(args) => args.run(&cli.global, console),
         Command::Stability(args) => args.run(&cli.global, console),
         Command::Validate(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),

@@ -47,3 +47,10 @@ pub fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
 pub fn stops(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
 }
+
+/// A parameter with its value, `NAME=VALUE`.
+pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
+    let parsed =
+        text.split_once('=').and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?)));
+    parsed.filter(|(_, value): &(String, f64)| value.is_finite()).ok_or("not NAME=VALUE with a number".into())
+}

@@ -1,5 +1,6 @@
 //! One file per experiment: each computes a plain result and neither plots nor prints.
 
+pub mod albedo;
 pub mod anisotropy;
 pub mod audit;
 pub mod claims;

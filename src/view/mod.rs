@@ -8,6 +8,7 @@ pub mod converge;
 pub mod converge_series;
 pub mod depth;
 pub mod fresnel;
+pub mod furnace;
 pub mod junit;
 pub mod map;
 pub mod metals;

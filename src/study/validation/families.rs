@@ -4,7 +4,7 @@ use super::scattering::Scattering;
 use crate::bsdf::NormalSampling;
 use crate::errata::Conventions;
 use crate::math::Rgb;
-use crate::scene::{Conductor, Dielectric, Distribution, Material, ScatterModel};
+use crate::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA, ScatterModel};
 use etalon_stats::bsdf::{self, Energy, Parameter};
 
 /// One family: a name, parameters, and what material they make.
@@ -17,6 +17,39 @@ pub struct Family {
     energy: Energy,
 }
 
+/// The microfacets of a BSDF.
+pub struct Facets {
+    /// The distribution of their normals.
+    pub distribution: Distribution,
+    /// Its widths along x and y.
+    pub alpha: [f64; 2],
+    /// The same surface with a Fresnel reflectance of 1, if it is a metal.
+    pub lossless: Option<Scattering>,
+}
+
+impl Family {
+    fn material(&self, values: &[f64]) -> Material {
+        (self.material)(&values.iter().map(|&value| value as f32).collect::<Vec<f32>>())
+    }
+
+    /// The microfacets of the BSDF with these parameters, if it is a rough metal or dielectric.
+    #[must_use]
+    pub fn facets(&self, values: &[f64]) -> Option<Facets> {
+        let wide = |alpha: [f32; 2]| alpha.map(f64::from);
+        match self.material(values) {
+            Material::Conductor(metal) if metal.alpha[0].min(metal.alpha[1]) >= SMOOTH_ALPHA => {
+                let lossless = Material::Conductor(Conductor { eta: Rgb::ZERO, k: Rgb::ONE, ..metal });
+                let lossless = Some(Scattering::new(&lossless, self.model, self.energy));
+                Some(Facets { distribution: metal.distribution, alpha: wide(metal.alpha), lossless })
+            }
+            Material::Dielectric(glass) if !glass.is_smooth() => {
+                Some(Facets { distribution: glass.distribution, alpha: wide(glass.alpha), lossless: None })
+            }
+            _ => None,
+        }
+    }
+}
+
 impl bsdf::Family for Family {
     fn name(&self) -> &str {
         self.name
@@ -27,8 +60,7 @@ impl bsdf::Family for Family {
     }
 
     fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn bsdf::Bsdf + '_>> {
-        let short: Vec<f32> = values.iter().map(|&value| value as f32).collect();
-        let scattering = Scattering::new(&(self.material)(&short), self.model, self.energy);
+        let scattering = Scattering::new(&self.material(values), self.model, self.energy);
         let valued = |(parameter, &value): (Parameter, &f64)| Parameter { value, ..parameter };
         let parameters = bsdf::Family::parameters(self).into_iter().zip(values).map(valued).collect();
         Ok(Box::new(Scattering { parameters, ..scattering }))

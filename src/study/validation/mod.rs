@@ -5,7 +5,7 @@ mod case;
 pub mod families;
 pub mod planted;
 mod run;
-mod scattering;
+pub mod scattering;
 mod select;
 mod shared;
 pub mod suite;

@@ -112,12 +112,18 @@ impl Parameter {
         Self { name: name.into(), value, range }
     }
 
-    /// The value at a share of the range from 0 to 1: on a logarithmic scale where the range spans more than a factor of ten.
+    /// Whether its values are compared by their ratios: where the range spans more than a factor of ten.
+    #[must_use]
+    pub fn is_logarithmic(&self) -> bool {
+        let [from, to] = self.range;
+        from > 0.0 && to > 10.0 * from
+    }
+
+    /// The value at a share of the range from 0 to 1, in equal factors or in equal steps.
     #[must_use]
     pub fn at(&self, share: f64) -> f64 {
         let [from, to] = self.range;
-        let value =
-            if from > 0.0 && to > 10.0 * from { from * (to / from).powf(share) } else { from + (to - from) * share };
+        let value = if self.is_logarithmic() { from * (to / from).powf(share) } else { from + (to - from) * share };
         value.clamp(from, to)
     }
 }
@@ -158,10 +164,16 @@ pub struct Properties {
     pub pdf: PdfKind,
     /// Random numbers for one sample.
     pub dimension: usize,
-    /// The two of them that a lobe maps to directions one to one, if there are any.
+    /// The two of them that a lobe maps to directions one to one, if there are any. Of the others the first chooses the lobe:
+    /// each has an interval of it.
     pub map: Option<[usize; 2]>,
+    /// Whether its lobes are so narrow that its arithmetic does not resolve how directions change with random numbers.
+    pub narrow: bool,
     /// Random numbers for one value; 0 for a deterministic BSDF.
     pub eval_dimension: usize,
+    /// A bound of the weights of samples times η² in the mean over the lobes that the same two numbers of [`map`](Self::map)
+    /// may be mapped by, if one is known from theory.
+    pub largest_weight: Option<f64>,
     /// Machine epsilon of its arithmetic: `f64::EPSILON` or `f32::EPSILON`.
     pub precision: f64,
     /// Its parameters.
@@ -181,7 +193,9 @@ impl Default for Properties {
             pdf: PdfKind::Exact,
             dimension: 3,
             map: Some([1, 2]),
+            narrow: false,
             eval_dimension: 0,
+            largest_weight: None,
             precision: f64::EPSILON,
             parameters: Vec::new(),
         }

@@ -28,7 +28,7 @@ const FEWEST: u64 = 8;
 /// values of the next steps.
 pub fn check(subject: &Subject) -> Option<Outcome> {
     let Subject { bsdf, properties, wo, .. } = subject;
-    let axes = properties.map.filter(|_| properties.pdf == PdfKind::Exact)?;
+    let axes = properties.map.filter(|_| properties.pdf == PdfKind::Exact && !properties.narrow)?;
     let (mut found, mut used) = (Comparison::default(), 0);
     let mut rng = subject.random(2, 0);
     let mut points = 0;

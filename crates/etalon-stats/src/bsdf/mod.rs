@@ -12,6 +12,7 @@ mod adjoint;
 mod albedo;
 mod contract;
 mod formula;
+mod furnace;
 mod jacobian;
 mod light;
 mod limits;
@@ -29,6 +30,7 @@ pub use contract::{
     Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Family, Parameter, PdfKind, Properties, Reciprocity,
     Spectrum,
 };
+pub use furnace::{Albedo, Basis, RISK, directional_albedo};
 pub use limits::{same_light, same_values};
 pub use report::{Checked, Report, assert_bsdf, test};
 

@@ -1,0 +1,264 @@
+//! The directional albedo of a BSDF with a bound of its error: one cell of a furnace test.
+
+use super::contract::{Bsdf, Direction, Properties, Spectrum};
+use super::subject::Subject;
+use crate::bounded::mean_interval;
+use crate::cubature::{Integration, Refinement};
+use crate::density::density;
+use crate::domain::Square;
+use crate::error::{Result, poll};
+use crate::examine::Protocol;
+use crate::fixed::Share;
+use crate::grid::Grid;
+use crate::stream::{Sobol, Stream};
+use crate::tally::BATCH;
+use rand::RngExt;
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// The probability with which the error of an albedo may exceed its bound.
+pub const RISK: f64 = 0.01;
+/// Cells that the cubature starts from, along each axis.
+const CELLS: usize = 4;
+/// Points at which the largest weight is looked for where none is declared.
+const PILOT: u64 = 1 << 12;
+/// It may be so many times the largest that is found.
+const LARGEST: f64 = 2.0;
+/// Most random points that measure the error.
+const POINTS: u64 = 1 << 22;
+/// The shares of [`RISK`] of two attempts to reach an error: if the first shows that more points are needed, the second has them.
+const ATTEMPTS: [f64; 2] = [0.9 * RISK, 0.1 * RISK];
+/// Randomizations of a low-discrepancy sequence, and the quantile of Student's distribution for their mean: P(|t₁₅| > 2.947) = [`RISK`].
+const REPLICATES: u64 = 16;
+const STUDENT: f64 = 2.947;
+/// The smallest and the largest number of points of a replicate, as powers of 2.
+const SEQUENCE: std::ops::RangeInclusive<u32> = 8..=18;
+
+/// What the bound of an albedo's error rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Basis {
+    /// On Hoeffding's inequality for weights that are declared to be at most this.
+    Certified(f64),
+    /// On the same, if no weight is larger than this, which is twice the largest of 4096.
+    LargestWeight(f64),
+    /// On the assumption that means over a randomized sequence are normally distributed.
+    Normal,
+}
+
+/// A directional albedo: the share of the power of uniform light that is scattered to `wo`, per channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Albedo {
+    /// The estimate.
+    pub value: Spectrum,
+    /// The error of a channel exceeds this with a probability of [`RISK`] at most.
+    pub error: Spectrum,
+    /// What that rests on.
+    pub basis: Basis,
+}
+
+impl Albedo {
+    /// A bound of a channel's error that holds for all of `tests` albedos, except with the probability [`RISK`].
+    #[must_use]
+    pub fn error_of(&self, channel: usize, tests: usize) -> f64 {
+        match self.basis {
+            // Hoeffding's bound grows with the logarithm of the number, as long as nothing is seen.
+            Basis::Certified(_) | Basis::LargestWeight(_) => {
+                self.error[channel] * (1.0 + (tests as f64).ln() / (4.0 / RISK).ln())
+            }
+            Basis::Normal => {
+                let freedom = (REPLICATES - 1) as f64;
+                let quantile = |risk: f64| {
+                    StudentsT::new(0.0, 1.0, freedom)
+                        .map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - 0.5 * risk))
+                };
+                self.error[channel] * quantile(RISK / tests as f64) / STUDENT
+            }
+        }
+    }
+}
+
+/// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice.
+///
+/// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
+/// It is integrated over the unit square by adaptive cubature. The mean difference between the weight and the polynomials that
+/// the rules integrate is measured at independent random points and added. Weights lie between 0 and a bound, so that
+/// [Hoeffding's inequality](mean_interval) bounds the error of this mean without an assumption on their distribution: a lobe that hides
+/// between the nodes is found by the points as often as it is sampled.
+///
+/// Other BSDFs are averaged over a randomized Sobol' sequence, 16 times.
+///
+/// That weights are f |cos θᵢ| over the pdf of the samples is what the checks `formula`, `sampling` and `weights` test.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn directional_albedo(bsdf: &dyn Bsdf, wo: Direction, error: f64, protocol: &Protocol) -> Result<Albedo> {
+    let subject = Subject::new(bsdf, wo, protocol, 0);
+    match subject.properties {
+        Properties { map: Some(map), dimension: 2 | 3, .. } => by_cubature(&subject, map, error),
+        _ => by_sequence(&subject, error),
+    }
+}
+
+/// A BSDF as a function of the two random numbers that it maps to directions.
+struct Mapped<'a> {
+    subject: &'a Subject<'a>,
+    map: [usize; 2],
+}
+
+impl Mapped<'_> {
+    /// The weight at two random numbers in the mean over the third, which chooses the lobe, delta lobes left out.
+    ///
+    /// Each lobe has an interval of the third number. From either end of \[0, 1) the intervals are passed one by one by the
+    /// probabilities of their lobes. Where neither end has a sample, there is none between them.
+    fn weight(&self, at: [f64; 2]) -> Spectrum {
+        const STEP: f64 = 1e-6;
+        let Subject { bsdf, properties, wo, .. } = self.subject;
+        let mut u = [0.5; 3];
+        self.map.iter().zip(at).for_each(|(&axis, at)| u[axis] = at);
+        let choice = (0..3).find(|axis| !self.map.contains(axis)).unwrap_or(2);
+        let mut sum = [0.0; 3];
+        let mut add = |lobe_number: f64| {
+            u[choice] = lobe_number;
+            let sample = bsdf.sample(*wo, &u[..properties.dimension])?;
+            if !sample.is_delta() {
+                let eta2 = self.subject.eta2(sample.wi);
+                (0..3).for_each(|i| sum[i] += sample.lobe_probability * sample.weight[i] * eta2);
+            }
+            Some(sample.lobe_probability)
+        };
+        let (mut from, mut to) = (0.0, 1.0);
+        while to - from > 2.0 * STEP {
+            match add(if from == 0.0 { 0.0 } else { from + STEP }) {
+                Some(probability) => from += probability,
+                None => match add(to - STEP) {
+                    Some(probability) => to -= probability,
+                    None => break,
+                },
+            }
+        }
+        sum
+    }
+}
+
+/// The light of the delta lobes.
+fn of_deltas(subject: &Subject, channel: usize) -> f64 {
+    subject.deltas.iter().map(|lobe| lobe.throughput[channel] * subject.eta2(lobe.wi)).sum()
+}
+
+fn by_cubature(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
+    let mapped = Mapped { subject, map };
+    let declared = subject.properties.largest_weight;
+    let mut rng = subject.random(0x10, 0);
+    let pilot: Vec<Spectrum> = (0..PILOT).map(|_| mapped.weight(rng.random())).collect();
+    let seen = pilot.iter().flatten().copied().fold(0.0, f64::max);
+    let largest = declared.unwrap_or(LARGEST * seen);
+    let basis = declared.map_or(Basis::LargestWeight(largest), Basis::Certified);
+    let mut albedo = Albedo { value: [0.0; 3], error: [0.0; 3], basis };
+    for channel in 0..subject.properties.channels {
+        // Channels that are equal are integrated once.
+        let same = (0..channel).find(|&other| pilot.iter().all(|weight| weight[channel] == weight[other]));
+        let [value, bound] = match same {
+            Some(other) => [albedo.value[other] - of_deltas(subject, other), albedo.error[other]],
+            None => integral(&mapped, channel, largest, error)?,
+        };
+        (albedo.value[channel], albedo.error[channel]) = (value + of_deltas(subject, channel), bound);
+    }
+    Ok(albedo)
+}
+
+/// The integral of the weight of one channel over the unit square, and the bound of its error.
+fn integral(mapped: &Mapped, channel: usize, largest: f64, error: f64) -> Result<[f64; 2]> {
+    if largest == 0.0 {
+        return Ok([0.0; 2]);
+    }
+    let subject = mapped.subject;
+    let weight = density(|at| mapped.weight(at)[channel]);
+    let grid = Grid::equal([CELLS; 2], None);
+    let mut integration = Integration::new(&Square, &weight, &grid, &[], subject.protocol.cancelled)?;
+    let Integration::Refined(refinement) = &mut integration else { return Ok([0.0, f64::INFINITY]) };
+    // Learn where the nodes missed something.
+    let found = refinement.check(PILOT, subject.protocol.seed, 0xf0)?.found;
+    refinement.learn(&found)?;
+    let polynomials: f64 = refinement.integrals().values.iter().sum();
+    // A few points say how large the differences are, and so how many points the bound takes.
+    let (mut seen, mut points) = (differences(mapped, channel, largest, refinement, PILOT, 0x11)?, PILOT);
+    let mut result = [polynomials, f64::INFINITY];
+    for (attempt, risk) in ATTEMPTS.into_iter().enumerate() {
+        while points < POINTS && bound(seen, points, risk)[1] * largest > 0.95 * error {
+            points += points / 8;
+        }
+        seen = differences(mapped, channel, largest, refinement, points, 0x12 + attempt as u64)?;
+        let [correction, bound] = bound(seen, points, risk);
+        result = [polynomials + largest * correction, largest * bound];
+        if result[1] <= error {
+            break;
+        }
+    }
+    Ok(result)
+}
+
+/// The means of the positive and of the negative differences between the weight and the polynomials of the rules, in units of the
+/// largest weight, at independent random points.
+fn differences(
+    mapped: &Mapped,
+    channel: usize,
+    largest: f64,
+    refinement: &Refinement<Square>,
+    points: u64,
+    purpose: u64,
+) -> Result<[f64; 2]> {
+    let subject = mapped.subject;
+    let of_batch = |batch: u64| -> Result<[Share; 2]> {
+        poll(subject.protocol.cancelled)?;
+        let (mut rng, mut sums) = (subject.random(purpose, batch), [Share::default(); 2]);
+        for _ in 0..BATCH.min(points - batch * BATCH) {
+            let at: [f64; 2] = rng.random();
+            let difference = mapped.weight(at)[channel] - refinement.polynomial(at);
+            sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs() / largest));
+        }
+        Ok(sums)
+    };
+    let sums = (0..points.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
+    Ok([0, 1].map(|sign| Share::total(sums.iter().map(|sums| sums[sign])) / points as f64))
+}
+
+/// The difference of two means of so many numbers between 0 and 1, and the bound of its error, which may fail with
+/// probability `risk`.
+fn bound(means: [f64; 2], points: u64, risk: f64) -> [f64; 2] {
+    let [above, below] = means.map(|mean| mean_interval(mean, points, 0.5 * risk));
+    let difference = means[0] - means[1];
+    [difference, (above[1] - below[0] - difference).max(difference - above[0] + below[1])]
+}
+
+/// The mean weight over a randomized sequence, replicated until the error of the mean is at most `error`.
+fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
+    let Subject { bsdf, properties, wo, protocol, .. } = subject;
+    let mut albedo = Albedo { value: [0.0; 3], error: [f64::INFINITY; 3], basis: Basis::Normal };
+    for power in SEQUENCE {
+        let mean = |replicate: u64| -> Result<Spectrum> {
+            poll(protocol.cancelled)?;
+            let mut sum = [0.0; 3];
+            for i in 0..1 << power {
+                let stream = Sobol::new(protocol.seed, replicate, i);
+                let mut u: Vec<f64> =
+                    (0..properties.dimension.div_ceil(2)).flat_map(|pair| stream.pair(pair as u32)).collect();
+                u.truncate(properties.dimension);
+                let Some(sample) = bsdf.sample(*wo, &u) else { continue };
+                let eta2 = subject.eta2(sample.wi);
+                (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
+            }
+            Ok(sum.map(|sum| sum / f64::from(1u32 << power)))
+        };
+        let means = (0..REPLICATES).into_par_iter().map(mean).collect::<Result<Vec<_>>>()?;
+        let n = REPLICATES as f64;
+        for channel in 0..properties.channels {
+            let mean = means.iter().map(|mean| mean[channel]).sum::<f64>() / n;
+            let variance = means.iter().map(|other| (other[channel] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            (albedo.value[channel], albedo.error[channel]) = (mean, STUDENT * (variance / n).sqrt());
+        }
+        if albedo.error[..properties.channels].iter().all(|&bound| bound <= error) {
+            break;
+        }
+    }
+    Ok(albedo)
+}

@@ -1,0 +1,168 @@
+//! `etalon furnace`: directional albedos over the angle and parameters.
+
+use super::console::Console;
+use super::global::{Global, Verdict};
+use super::values::setting;
+use crate::error::{Error, Result};
+use crate::output;
+use crate::study::albedo::{Request, Table, WEAK, albedo_table};
+use crate::study::validation::families;
+use crate::view::furnace as view;
+use clap::Args;
+use etalon_stats::bsdf::Family;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
+#[derive(Args)]
+#[command(
+    after_help = "The directional albedo is the share of the power of uniform light that a surface scatters to the viewer; above 1 it \
+                  creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if an albedo is impossible, 3 if errors \
+                  are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx-dielectric \
+                  --over eta --set alpha_x=0.5 --set alpha_y=0.5\n  etalon furnace compensated-ggx --size 16x16"
+)]
+pub struct Furnace {
+    /// BSDFs (see --list)
+    #[arg(value_name = "NAME", required_unless_present = "list")]
+    names: Vec<String>,
+    /// List the BSDFs with their parameters and stop
+    #[arg(long)]
+    list: bool,
+    /// The parameter that varies, or several that vary together (default: the first; with NAME_x also NAME_y)
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    over: Vec<String>,
+    /// The value of another parameter (repeatable)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    set: Vec<(String, f64)>,
+    /// Number of angles, and of values of the parameter
+    #[arg(long, value_name = "AxV", default_value = "32x32")]
+    size: String,
+    /// The largest error of an albedo
+    #[arg(long, value_name = "E", default_value_t = 1e-4, allow_negative_numbers = true)]
+    error: f64,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    bsdf: String,
+    parameters: BTreeMap<String, [f64; 3]>,
+}
+
+impl Furnace {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let all = families::all();
+        if self.list {
+            list(&all, console);
+            return Ok(Verdict::Good);
+        }
+        let cells = self.cells()?;
+        let request =
+            Request { over: self.over.clone(), set: self.set.clone(), cells, error: self.error, seed: global.seed };
+        let chosen = self.names.iter().map(|name| {
+            all.iter().find(|family| Family::name(*family) == name).ok_or_else(|| {
+                Error::parameter("names", format!("there is no BSDF \"{name}\"")).with_hint("`list` shows all")
+            })
+        });
+        let chosen = chosen.collect::<Result<Vec<_>>>()?;
+        let target = global.target(&["names"]);
+        let bar = console.progress(chosen.len() as u64, "furnace");
+        let (mut tables, mut files) = (Vec::new(), Vec::new());
+        for family in chosen {
+            let stem = target.stem("furnace", &format!("-{}", Family::name(family)), &output::STUDY)?;
+            bar.set_message(Family::name(family).to_owned());
+            let table = albedo_table(family, &|values| family.facets(values), &request)?;
+            files.extend(output::write(&stem, &view::drawing(&table), &output::table(&table.rows)?)?);
+            tables.push(table);
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let written = target.written(files);
+        console.saved(&tables, &written, || tables.iter().map(text).collect());
+        let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(|weak| weak > WEAK);
+        let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > self.error);
+        Ok(if tables.iter().any(is_bad) {
+            Verdict::Rejected
+        } else if tables.iter().any(is_coarse) {
+            Verdict::Inconclusive
+        } else {
+            Verdict::Good
+        })
+    }
+
+    fn cells(&self) -> Result<[usize; 2]> {
+        let parsed =
+            self.size.split_once(['x', 'X']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+        parsed.ok_or_else(|| Error::parameter("size", format!("\"{}\" is no size", self.size)).with_hint("use 32x32"))
+    }
+}
+
+fn list(all: &[families::Family], console: &Console) {
+    let listed = all.iter().map(|family| Listed {
+        bsdf: Family::name(family).to_owned(),
+        parameters: family.parameters().into_iter().map(|p| (p.name, [p.range[0], p.value, p.range[1]])).collect(),
+    });
+    let listed: Vec<Listed> = listed.collect();
+    console.result(&BTreeMap::from([("bsdfs", &listed)]), || {
+        let lines = all.iter().map(|family| {
+            let parameters = family.parameters().into_iter().map(|p| {
+                let [from, to] = p.range;
+                format!("{} = {} ({from:.4} to {to:.4})", p.name, p.value)
+            });
+            format!("{:<22} {}\n", Family::name(family), parameters.collect::<Vec<_>>().join(", "))
+        });
+        lines.collect()
+    });
+}
+
+/// What a table says, in a few lines.
+fn text(table: &Table) -> String {
+    let Some([least, most]) = table.extremes() else { return String::new() };
+    let over = table.over.join(" = ");
+    let at = |row: &crate::study::albedo::Row| match over.is_empty() {
+        true => format!("at {:.2}°", row.theta_deg),
+        false => format!("at {:.2}°, {over} = {:.4}", row.theta_deg, row.parameter),
+    };
+    let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    let mut text = format!(
+        "{}{}\n",
+        table.family,
+        if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
+    );
+    for (name, row) in [("smallest", least), ("largest", most)] {
+        text += &format!("  {name} albedo   {:.5} ± {:.0e} {}\n", row.albedo, row.error, at(row));
+    }
+    if let Some(row) = table.least_certain() {
+        let basis = match (row.basis, row.largest_weight) {
+            ("certified", _) => "99 % confidence for each cell, without assumptions".to_owned(),
+            ("largest weight", Some(weight)) => {
+                format!("99 % confidence for each cell, if no mean weight exceeds {weight:.2}")
+            }
+            _ => "99 % confidence for each cell, if means over the randomized sequence are normally distributed"
+                .to_owned(),
+        };
+        text += &format!("  largest error    {:.1e} {}; {basis}\n", row.error, at(row));
+    }
+    let lost = table.rows.iter().filter(|row| row.lost_by_single_scattering.is_some());
+    if let Some(row) = lost.max_by(|a, b| {
+        a.lost_by_single_scattering.partial_cmp(&b.lost_by_single_scattering).unwrap_or(std::cmp::Ordering::Equal)
+    }) {
+        let share = 100.0 * row.lost_by_single_scattering.unwrap_or(0.0);
+        text += &format!(
+            "  most light lost  {share:.1} % {}: for a metal that absorbs nothing, because light that facets reflect again is not added\n",
+            at(row)
+        );
+    }
+    if let Some(weak) = table.weak_deviation() {
+        let verdict = if weak > WEAK {
+            "an ERROR of the distribution or of its masking"
+        } else {
+            "so masking belongs to the distribution"
+        };
+        text += &format!("  weak furnace     1 within {weak:.0e}: {verdict}\n");
+    }
+    text += &match table.violations() {
+        0 => "  no albedo is impossible".to_owned(),
+        n => format!("  {n} IMPOSSIBLE albedos: more light than arrives, or less from a BSDF that conserves energy"),
+    };
+    text + &format!("; {:.1} s\n", table.seconds)
+}

@@ -1,0 +1,370 @@
+//! A furnace test with numbers: the directional albedo of BSDFs over the angle and parameters.
+
+use super::validation::families::Facets;
+use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
+use etalon_stats::bsdf::{Albedo, Basis, Bsdf, Energy, Family, Parameter, directional_albedo};
+use etalon_stats::cubature::integrate;
+use etalon_stats::{Grid, Protocol, Square, density};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// What is tabulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// The parameters that vary together; by default the first one, and for `NAME_x` also `NAME_y`.
+    pub over: Vec<String>,
+    /// Values of other parameters than their usual ones.
+    pub set: Vec<(String, f64)>,
+    /// Angles, and values of the parameters.
+    pub cells: [usize; 2],
+    /// The error that every albedo should have at most.
+    pub error: f64,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+/// A directional albedo, the share of the power of uniform light that is scattered to `wo`. Field names are the CSV columns.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Row {
+    /// The angle of `wo` with the normal.
+    pub theta_deg: f64,
+    /// The value of the parameters that vary, or 0 if none does.
+    pub parameter: f64,
+    /// 0 for all channels if they are equal.
+    pub channel: usize,
+    /// The albedo.
+    pub albedo: f64,
+    /// The bound of its error.
+    pub error: f64,
+    /// What the bound rests on.
+    pub basis: &'static str,
+    /// The largest mean weight that the bound allows for.
+    pub largest_weight: Option<f64>,
+    /// Whether the albedo is impossible: above 1, or other than 1 if the BSDF conserves energy.
+    pub is_violation: bool,
+    /// The share that a metal loses because light which facets reflect more than once is not added: 1 minus the albedo
+    /// for a Fresnel reflectance of 1.
+    pub lost_by_single_scattering: Option<f64>,
+    /// The weak furnace test: ∫ G₁(wo) D(m) max(0, wo·m)/cos θₒ dωₘ, which is 1 for any masking function that belongs to its
+    /// distribution. Source: Heitz, JCGT 3(2), 2014, section 5.1.
+    pub weak_furnace: Option<f64>,
+}
+
+/// The albedos of one family.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table {
+    /// Name of the family.
+    pub family: String,
+    /// The parameters that vary together.
+    pub over: Vec<String>,
+    /// Whether their values are in equal factors.
+    pub is_logarithmic: bool,
+    /// The other parameters.
+    pub fixed: Vec<(String, f64)>,
+    /// The angles.
+    pub thetas_deg: Vec<f64>,
+    /// The values of the parameters that vary.
+    pub parameters: Vec<f64>,
+    /// By value of the parameters, angle, and channel.
+    pub rows: Vec<Row>,
+    /// Wall-clock time.
+    pub seconds: f64,
+}
+
+impl Table {
+    /// The rows of the smallest and of the largest albedo.
+    #[must_use]
+    pub fn extremes(&self) -> Option<[&Row; 2]> {
+        let by = |a: &&Row, b: &&Row| a.albedo.total_cmp(&b.albedo);
+        Some([self.rows.iter().min_by(by)?, self.rows.iter().max_by(by)?])
+    }
+
+    /// The row with the largest error.
+    #[must_use]
+    pub fn least_certain(&self) -> Option<&Row> {
+        self.rows.iter().max_by(|a, b| a.error.total_cmp(&b.error))
+    }
+
+    /// The largest deviation of the weak furnace test from 1.
+    #[must_use]
+    pub fn weak_deviation(&self) -> Option<f64> {
+        self.rows.iter().filter_map(|row| row.weak_furnace).map(|weak| (weak - 1.0).abs()).max_by(f64::total_cmp)
+    }
+
+    /// The number of impossible albedos.
+    #[must_use]
+    pub fn violations(&self) -> usize {
+        self.rows.iter().filter(|row| row.is_violation).count()
+    }
+
+    /// The largest albedo over the channels, by value of the parameters and angle.
+    #[must_use]
+    pub fn brightest(&self) -> Vec<f64> {
+        let channels = self.rows.len() / (self.parameters.len() * self.thetas_deg.len()).max(1);
+        let largest = |rows: &[Row]| rows.iter().map(|row| row.albedo).fold(f64::MIN, f64::max);
+        self.rows.chunks(channels.max(1)).map(largest).collect()
+    }
+}
+
+/// Grazing directions are this far from the horizon, in degrees.
+const GRAZING: f64 = 0.01;
+/// Rounding of single precision may change an albedo by so much.
+const ROUNDING: f64 = 1e-5;
+/// A weak furnace test further from 1 is an error of the distribution or of its masking.
+pub const WEAK: f64 = 1e-4;
+/// The loss by single scattering has this error: it explains an albedo, it does not judge it.
+const EXPLAINED: f64 = 1e-3;
+
+/// Tabulates the albedo of a family. `facets` describes the microfacets of a BSDF with given parameters, where that is known.
+///
+/// # Errors
+/// [`Error::Parameter`] for unknown parameters and values out of range; [`Error::Interrupted`]; those of the family.
+pub fn albedo_table(
+    family: &dyn Family,
+    facets: &(dyn Fn(&[f64]) -> Option<Facets> + Sync),
+    request: &Request,
+) -> Result<Table> {
+    let start = Instant::now();
+    let parameters = family.parameters();
+    let fixed = settings(&parameters, &request.set)?;
+    let over = varied(&parameters, &request.over)?;
+    if let Some(name) = request.set.iter().map(|(name, _)| name).find(|name| over.contains(&index(&parameters, name))) {
+        return Err(Error::parameter("set", format!("{name} cannot be set: the table goes over it")));
+    }
+    let [angles, values] = request.cells;
+    if !(1..=4096).contains(&angles) || !(1..=4096).contains(&values) {
+        return Err(Error::parameter("size", format!("{angles} x {values} cells")).with_hint("use 1 to 4096 of each"));
+    }
+    if !(request.error > 0.0 && request.error < 1.0) {
+        return Err(Error::parameter("error", format!("an error of {}", request.error)).with_hint("use 0.0001"));
+    }
+    let values = if over.is_empty() { 1 } else { values };
+    let share = |i: usize, n: usize| if n > 1 { i as f64 / (n - 1) as f64 } else { 0.5 };
+    let configurations: Vec<Vec<f64>> = (0..values)
+        .map(|i| {
+            let mut configuration = fixed.clone();
+            over.iter().for_each(|&k| configuration[k] = parameters[k].at(share(i, values)));
+            configuration
+        })
+        .collect();
+    let bsdfs = configurations.iter().map(|c| Ok(family.with(c)?)).collect::<Result<Vec<_>>>()?;
+    // Directions from above, and from below if light passes.
+    let transmits = bsdfs.iter().any(|bsdf| bsdf.properties().transmission);
+    let theta = |i: usize| match (transmits, i < angles.div_ceil(2)) {
+        (false, _) => (90.0 - GRAZING) * share(i, angles),
+        (true, true) => (90.0 - GRAZING) * share(i, angles.div_ceil(2)),
+        (true, false) => {
+            let half = angles / 2;
+            90.0 + GRAZING + (90.0 - GRAZING) * share(i - angles.div_ceil(2), half)
+        }
+    };
+    let thetas_deg: Vec<f64> = (0..angles).map(theta).collect();
+    let tests = angles * values;
+    let one = |k: usize| -> Result<Vec<Row>> {
+        let (i, theta_deg) = (k / angles, thetas_deg[k % angles]);
+        let parameter = over.first().map_or(0.0, |&k| configurations[i][k]);
+        cell(&*bsdfs[i], facets(&configurations[i]), request, tests, [theta_deg, parameter])
+    };
+    let rows = (0..tests).into_par_iter().map(one).collect::<Result<Vec<_>>>()?.concat();
+    Ok(Table {
+        family: family.name().to_owned(),
+        is_logarithmic: over.first().is_some_and(|&k| parameters[k].is_logarithmic()),
+        parameters: configurations.iter().map(|c| over.first().map_or(0.0, |&k| c[k])).collect(),
+        fixed: (0..parameters.len())
+            .filter(|k| !over.contains(k))
+            .map(|k| (parameters[k].name.clone(), fixed[k]))
+            .collect(),
+        over: over.iter().map(|&k| parameters[k].name.clone()).collect(),
+        thetas_deg,
+        rows,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+fn index(parameters: &[Parameter], name: &str) -> usize {
+    parameters.iter().position(|parameter| parameter.name == name).unwrap_or(usize::MAX)
+}
+
+/// The usual values with those that are set.
+fn settings(parameters: &[Parameter], set: &[(String, f64)]) -> Result<Vec<f64>> {
+    let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+    for (name, value) in set {
+        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == *name) else {
+            return Err(Error::parameter("set", unknown(parameters, name)));
+        };
+        let [from, to] = parameter.range;
+        if !(from..=to).contains(value) {
+            return Err(Error::parameter("set", format!("{name} = {value} is not from {from} to {to}")));
+        }
+        values[index(parameters, name)] = *value;
+    }
+    Ok(values)
+}
+
+/// The numbers of the parameters that vary.
+fn varied(parameters: &[Parameter], over: &[String]) -> Result<Vec<usize>> {
+    if let Some(name) = over.iter().find(|name| index(parameters, name) == usize::MAX) {
+        return Err(Error::parameter("over", unknown(parameters, name)));
+    }
+    if !over.is_empty() {
+        return Ok(over.iter().map(|name| index(parameters, name)).collect());
+    }
+    let first = parameters.first().map(|parameter| parameter.name.as_str());
+    let partner = first.and_then(|name| name.strip_suffix("_x")).map(|stem| format!("{stem}_y"));
+    let both = first.into_iter().chain(partner.as_deref());
+    Ok(both.map(|name| index(parameters, name)).filter(|&k| k < parameters.len()).collect())
+}
+
+fn unknown(parameters: &[Parameter], name: &str) -> String {
+    let known: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    match known[..] {
+        [] => format!("there is no parameter \"{name}\": the BSDF has none"),
+        _ => format!("there is no parameter \"{name}\"; there are: {}", known.join(", ")),
+    }
+}
+
+/// The direction at an angle with the normal, in degrees.
+fn towards(theta_deg: f64) -> [f64; 3] {
+    let (sin, cos) = theta_deg.to_radians().sin_cos();
+    [sin, 0.0, cos]
+}
+
+/// The rows of one cell, a row for each channel that differs from the first.
+fn cell(
+    bsdf: &dyn Bsdf,
+    facets: Option<Facets>,
+    request: &Request,
+    tests: usize,
+    [theta_deg, parameter]: [f64; 2],
+) -> Result<Vec<Row>> {
+    let wo = towards(theta_deg);
+    let protocol = Protocol { seed: request.seed, cancelled: interrupt::requested, ..Protocol::default() };
+    let found = directional_albedo(bsdf, wo, request.error, &protocol)?;
+    let properties = bsdf.properties();
+    let lossless = facets.as_ref().and_then(|facets| facets.lossless.as_ref());
+    let lost = lossless.map(|bsdf| directional_albedo(bsdf, wo, EXPLAINED, &protocol)).transpose()?;
+    let lost_by_single_scattering = lost.map(|albedo| 1.0 - albedo.value[0]);
+    // From below, the facets that are seen are those from above, turned over.
+    let weak_furnace = facets.map(|facets| weak_furnace(&facets, [wo[0], wo[1], wo[2].abs()])).transpose()?;
+    let channels = if found.value[..properties.channels].iter().all(|v| *v == found.value[0]) { 1 } else { 3 };
+    let row = |channel: usize| Row {
+        theta_deg,
+        parameter,
+        channel,
+        albedo: found.value[channel],
+        error: found.error[channel],
+        basis: match found.basis {
+            Basis::Certified(_) => "certified",
+            Basis::LargestWeight(_) => "largest weight",
+            Basis::Normal => "normal",
+        },
+        largest_weight: match found.basis {
+            Basis::Certified(weight) | Basis::LargestWeight(weight) => Some(weight),
+            Basis::Normal => None,
+        },
+        is_violation: is_violation(&found, channel, properties.energy, tests),
+        lost_by_single_scattering,
+        weak_furnace,
+    };
+    Ok((0..channels).map(row).collect())
+}
+
+/// Whether an albedo is impossible for what the BSDF declares of its energy.
+fn is_violation(albedo: &Albedo, channel: usize, energy: Energy, tests: usize) -> bool {
+    let excess = albedo.value[channel] - 1.0;
+    let error = albedo.error_of(channel, tests) + ROUNDING;
+    match energy {
+        _ if !albedo.value[channel].is_finite() => true,
+        Energy::Conserved(known) => excess.abs() > error + known,
+        Energy::AtMostOne => excess > error,
+        Energy::MayExceedOne(_) => false,
+    }
+}
+
+/// The weak furnace test of the functions D and G₁ that render, in f64.
+fn weak_furnace(facets: &Facets, wo: [f64; 3]) -> Result<f64> {
+    match facets.distribution {
+        Distribution::Beckmann => masked(Beckmann::anisotropic(facets.alpha), facets.alpha, wo),
+        Distribution::Ggx => masked(Ggx::anisotropic(facets.alpha), facets.alpha, wo),
+    }
+}
+
+/// ∫ G₁(wo) D(m) max(0, wo·m)/cos θₒ dωₘ over slopes (αx r cos φ, αy r sin φ), in ln r and φ.
+fn masked<D: Microfacet<f64> + Sync>(facets: D, alpha: [f64; 2], wo: [f64; 3]) -> Result<f64> {
+    // Beyond, the tails of GGX hold less than 10⁻⁵.
+    const LOG_R: [f64; 2] = [-9.0, 12.5];
+    let width = LOG_R[1] - LOG_R[0];
+    let visible = facets.g1_over_cos(wo);
+    let integrand = density(move |[x, y]: [f64; 2]| {
+        let r = (LOG_R[0] + width * x).exp();
+        let (sin_phi, cos_phi) = (std::f64::consts::TAU * y).sin_cos();
+        let [sx, sy] = [alpha[0] * r * cos_phi, alpha[1] * r * sin_phi];
+        let z = 1.0 / (1.0 + sx * sx + sy * sy).sqrt();
+        let m = [-sx * z, -sy * z, z];
+        let facing = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
+        // dωₘ = z³ dsx dsy = z³ αx αy r² d(ln r) dφ.
+        let area = z.powi(3) * alpha[0] * alpha[1] * r * r * width * std::f64::consts::TAU;
+        visible * facets.d(m) * facing.max(0.0) * area
+    });
+    Ok(integrate(&Square, &integrand, &Grid::equal([6, 4], None))?.values.iter().sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::validation::families;
+    use super::*;
+
+    fn request(cells: [usize; 2]) -> Request {
+        Request { over: Vec::new(), set: Vec::new(), cells, error: 1e-3, seed: 1 }
+    }
+
+    fn table(name: &str, request: &Request) -> Result<Table> {
+        let all = families::all();
+        let family = all.iter().find(|family| Family::name(*family) == name).unwrap();
+        albedo_table(family, &|values| family.facets(values), request)
+    }
+
+    #[test]
+    fn white_surfaces_and_known_losses() {
+        // A Lambertian surface, and a lossless dielectric from both sides.
+        let diffuse = table("diffuse", &request([3, 3])).unwrap();
+        for row in &diffuse.rows {
+            assert!((row.albedo - row.parameter).abs() <= row.error + 1e-6 && row.error <= 1e-3, "{row:?}");
+        }
+        let glass = table("dielectric", &request([6, 3])).unwrap();
+        assert!(glass.rows.iter().all(|row| (row.albedo - 1.0).abs() < 1e-5 && !row.is_violation));
+        assert!(glass.thetas_deg.iter().any(|theta| *theta > 90.0));
+        // The values of GGX at α = 1 and normal incidence, F = 1: 1 − E(0°) = 0.3137 (Kulla & Conty's table has two digits).
+        let ggx = table("ggx", &request([2, 2])).unwrap();
+        let rough = ggx.rows.iter().find(|row| row.theta_deg == 0.0 && row.parameter == 1.0).unwrap();
+        assert!((0.25..0.75).contains(&rough.lost_by_single_scattering.unwrap()), "{rough:?}");
+        assert!(ggx.weak_deviation().unwrap() < WEAK, "{:?}", ggx.weak_deviation());
+    }
+
+    #[test]
+    fn a_wrong_masking_function_fails_the_weak_test() {
+        // G₁ of another width.
+        let facets = Facets { distribution: Distribution::Ggx, alpha: [0.5; 2], lossless: None };
+        let wo = towards(60.0);
+        let right = weak_furnace(&facets, wo).unwrap();
+        let wrong = right * Ggx::new(0.45f64).g1(wo) / Ggx::new(0.5f64).g1(wo);
+        assert!((right - 1.0).abs() < WEAK && (wrong - 1.0).abs() > 10.0 * WEAK, "{right} {wrong}");
+    }
+
+    #[test]
+    fn requests_that_mean_nothing_are_refused() {
+        let refused = |request: Request, name: &str| {
+            let error = table("ggx", &request).unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
+        };
+        let usual = request([2, 2]);
+        refused(Request { over: vec!["beta".into()], ..usual.clone() }, "there is no parameter \"beta\"");
+        refused(Request { set: vec![("eta".into(), 1e9)], ..usual.clone() }, "is not from");
+        refused(Request { set: vec![("alpha_x".into(), 0.5)], ..usual.clone() }, "goes over it");
+        refused(Request { cells: [0, 3], ..usual.clone() }, "0 x 3");
+        refused(Request { error: f64::NAN, ..usual }, "NaN");
+    }
+}

@@ -1,0 +1,86 @@
+//! A furnace test: the directional albedo over the angle and parameters, and spheres in uniform light.
+
+use super::renders::grid;
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::math::Rgb;
+use crate::raster::Image;
+use crate::study::albedo::Table;
+
+/// Pixels across a sphere's image.
+const PIXELS: usize = 160;
+/// Spheres beside the map.
+const SPHERES: usize = 4;
+
+/// The table as a map, and below it spheres for some values of the parameters.
+pub fn drawing(table: &Table) -> Drawing {
+    let spheres = spheres(table);
+    let cells: Vec<(String, &Image)> = spheres.iter().map(|(caption, image)| (caption.clone(), image)).collect();
+    // Darker, so that radiance above 1 shows, too.
+    let title = "Spheres in light of radiance 1 from everywhere";
+    Drawing::stacked(vec![map(table), grid(title, SPHERES, -0.5, &cells)], 0.5, 2.0)
+}
+
+fn map(table: &Table) -> Drawing {
+    let (columns, rows) = (table.thetas_deg.len(), table.parameters.len());
+    // The first row of a heat map is at the top.
+    let values: Vec<f64> = table.brightest().chunks(columns).rev().flatten().copied().collect();
+    let (low, high) = values.iter().fold((1.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
+    let low = if high - low < 1e-3 { high - 1e-3 } else { low };
+    let map = Heatmap::new(columns, values, Shading::Linear, "directional albedo").range(low, high.max(1.0));
+    let name = if table.over.is_empty() { "BSDF".to_owned() } else { table.over.join(" = ") };
+    // Each cell is drawn around its value.
+    let [across, up] = [ends(&table.thetas_deg, false), ends(&table.parameters, table.is_logarithmic)];
+    let axis = if table.is_logarithmic { Axis::log(name) } else { Axis::linear(name) };
+    let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    let title = format!("{}, {columns} /{{×}} {rows} cells", [&[table.family.clone()], &fixed[..]].concat().join(", "));
+    let panel = Panel::new(
+        Axis::linear("angle of /{ω}o with the normal (degrees)").range(across[0], across[1]),
+        axis.range(up[0], up[1]),
+    )
+    .title(title)
+    .heatmap(map);
+    Plot::new([panel]).draw()
+}
+
+/// Where the first cell begins and the last ends.
+fn ends(values: &[f64], is_logarithmic: bool) -> [f64; 2] {
+    let scaled = |v: f64| if is_logarithmic { v.ln() } else { v };
+    let (first, last) = (scaled(values[0]), scaled(values[values.len() - 1]));
+    let half = if values.len() > 1 { 0.5 * (last - first) / (values.len() - 1) as f64 } else { 0.5 };
+    [first - half, last + half].map(|v| if is_logarithmic { v.exp() } else { v })
+}
+
+/// Spheres seen from far away. A point of a convex body in uniform light of radiance 1 has the radiance of its directional albedo.
+fn spheres(table: &Table) -> Vec<(String, Image)> {
+    let (angles, rows) = (table.thetas_deg.len(), table.parameters.len());
+    let albedos = table.brightest();
+    let count = SPHERES.min(rows);
+    let numbers = (0..count).map(|i| if count > 1 { i * (rows - 1) / (count - 1) } else { 0 });
+    let sphere = |row: usize| {
+        let albedos = &albedos[row * angles..(row + 1) * angles];
+        let radiance =
+            |r: f64| if r < 1.0 { interpolate(&table.thetas_deg, albedos, r.asin().to_degrees()) } else { 1.0 };
+        // A pixel's mean over points in it smooths the edge.
+        const POINTS: usize = 4;
+        let at = |i: usize, k: usize| (i as f64 + (k as f64 + 0.5) / POINTS as f64) / PIXELS as f64 * 2.2 - 1.1;
+        let pixel = |x: usize, y: usize| {
+            let points = (0..POINTS * POINTS).map(|k| radiance(at(x, k % POINTS).hypot(at(y, k / POINTS))));
+            Rgb::splat((points.sum::<f64>() / (POINTS * POINTS) as f64) as f32)
+        };
+        let caption = if table.over.is_empty() {
+            String::new()
+        } else {
+            format!("{} = {:.3}", table.over.join(" = "), table.parameters[row])
+        };
+        (caption, Image::from_fn(PIXELS, PIXELS, pixel))
+    };
+    numbers.map(sphere).collect()
+}
+
+/// The value at `x` between ascending places.
+fn interpolate(places: &[f64], values: &[f64], x: f64) -> f64 {
+    let next = places.partition_point(|&place| place < x).clamp(1, places.len().max(2) - 1);
+    let Some((&high, &to)) = places.get(next).zip(values.get(next)) else { return values[0] };
+    let (low, from) = (places[next - 1], values[next - 1]);
+    from + (to - from) * ((x - low) / (high - low)).clamp(0.0, 1.0)
+}
