@@ -4,7 +4,7 @@ use super::validation::families::Facets;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
-use etalon_stats::bsdf::{Albedo, Basis, Bsdf, Energy, Family, Parameter, directional_albedo};
+use etalon_stats::bsdf::{Albedo, Basis, BatchBsdf, Energy, Family, Parameter, directional_albedo};
 use etalon_stats::cubature::integrate;
 use etalon_stats::{Grid, Protocol, Square, density};
 use rayon::prelude::*;
@@ -234,7 +234,7 @@ fn towards(theta_deg: f64) -> [f64; 3] {
 
 /// The rows of one cell, a row for each channel that differs from the first.
 fn cell(
-    bsdf: &dyn Bsdf,
+    bsdf: &dyn BatchBsdf,
     facets: Option<Facets>,
     request: &Request,
     tests: usize,

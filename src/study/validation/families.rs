@@ -59,7 +59,7 @@ impl bsdf::Family for Family {
         self.parameters.iter().map(|&(name, value, range)| Parameter::new(name, value, range)).collect()
     }
 
-    fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn bsdf::Bsdf + '_>> {
+    fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn bsdf::BatchBsdf + '_>> {
         let scattering = Scattering::new(&self.material(values), self.model, self.energy);
         let valued = |(parameter, &value): (Parameter, &f64)| Parameter { value, ..parameter };
         let parameters = bsdf::Family::parameters(self).into_iter().zip(values).map(valued).collect();

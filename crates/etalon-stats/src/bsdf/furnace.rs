@@ -1,10 +1,11 @@
 //! The directional albedo of a BSDF with a bound of its error: one cell of a furnace test.
 
-use super::contract::{Bsdf, Direction, Properties, Spectrum};
-use super::subject::Subject;
+use super::batch::BatchBsdf;
+use super::contract::{Direction, Properties, Spectrum};
+use super::subject::{Subject, channel_of};
 use crate::bounded::mean_interval;
 use crate::cubature::{Integration, Refinement};
-use crate::density::density;
+use crate::density::Density;
 use crate::domain::Square;
 use crate::error::{Result, poll};
 use crate::examine::Protocol;
@@ -20,6 +21,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub const RISK: f64 = 0.01;
 /// Cells that the cubature starts from, along each axis.
 const CELLS: usize = 4;
+/// Most lobes that are told apart at one point.
+const PASSES: usize = 16;
 /// Points at which the largest weight is looked for where none is declared.
 const PILOT: u64 = 1 << 12;
 /// It may be so many times the largest that is found.
@@ -90,9 +93,9 @@ impl Albedo {
 /// That weights are f |cos θᵢ| over the pdf of the samples is what the checks `formula`, `sampling` and `weights` test.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled).
-pub fn directional_albedo(bsdf: &dyn Bsdf, wo: Direction, error: f64, protocol: &Protocol) -> Result<Albedo> {
-    let subject = Subject::new(bsdf, wo, protocol, 0);
+/// [`Error::Cancelled`](crate::Error::Cancelled); those of the BSDF.
+pub fn directional_albedo(bsdf: &dyn BatchBsdf, wo: Direction, error: f64, protocol: &Protocol) -> Result<Albedo> {
+    let subject = Subject::new(bsdf, wo, protocol, 0)?;
     match subject.properties {
         Properties { map: Some(map), dimension: 2 | 3, .. } => by_cubature(&subject, map, error),
         _ => by_sequence(&subject, error),
@@ -105,38 +108,77 @@ struct Mapped<'a> {
     map: [usize; 2],
 }
 
+/// The part \[from, to) of the third number that is not known yet, and whether its lower end has no sample.
+struct Unknown {
+    point: usize,
+    from: f64,
+    to: f64,
+    none_below: bool,
+}
+
 impl Mapped<'_> {
-    /// The weight at two random numbers in the mean over the third, which chooses the lobe, delta lobes left out.
+    /// The weights at pairs of random numbers in the mean over the third, which chooses the lobe, delta lobes left out.
     ///
     /// Each lobe has an interval of the third number. From either end of \[0, 1) the intervals are passed one by one by the
     /// probabilities of their lobes. Where neither end has a sample, there is none between them.
-    fn weight(&self, at: [f64; 2]) -> Spectrum {
+    fn weights(&self, points: &[[f64; 2]]) -> Result<Vec<Spectrum>> {
         const STEP: f64 = 1e-6;
-        let Subject { bsdf, properties, wo, .. } = self.subject;
-        let mut u = [0.5; 3];
-        self.map.iter().zip(at).for_each(|(&axis, at)| u[axis] = at);
+        let dimension = self.subject.properties.dimension;
         let choice = (0..3).find(|axis| !self.map.contains(axis)).unwrap_or(2);
-        let mut sum = [0.0; 3];
-        let mut add = |lobe_number: f64| {
-            u[choice] = lobe_number;
-            let sample = bsdf.sample(*wo, &u[..properties.dimension])?;
-            if !sample.is_delta() {
-                let eta2 = self.subject.eta2(sample.wi);
-                (0..3).for_each(|i| sum[i] += sample.lobe_probability * sample.weight[i] * eta2);
+        let mut sums = vec![[0.0; 3]; points.len()];
+        let unknown = |point| Unknown { point, from: 0.0, to: 1.0, none_below: false };
+        let mut rest: Vec<Unknown> = (0..points.len()).map(unknown).collect();
+        for _ in 0..PASSES {
+            if rest.is_empty() {
+                break;
             }
-            Some(sample.lobe_probability)
-        };
-        let (mut from, mut to) = (0.0, 1.0);
-        while to - from > 2.0 * STEP {
-            match add(if from == 0.0 { 0.0 } else { from + STEP }) {
-                Some(probability) => from += probability,
-                None => match add(to - STEP) {
-                    Some(probability) => to -= probability,
-                    None => break,
-                },
+            let mut numbers = Vec::with_capacity(rest.len() * dimension);
+            for &Unknown { point, from, to, none_below } in &rest {
+                let mut u = [0.0; 3];
+                self.map.iter().zip(points[point]).for_each(|(&axis, at)| u[axis] = at);
+                u[choice] = match none_below {
+                    true => to - STEP,
+                    false if from > 0.0 => from + STEP,
+                    false => 0.0,
+                };
+                numbers.extend_from_slice(&u[..dimension]);
             }
+            let samples = self.subject.sample(&numbers)?;
+            let mut next = Vec::new();
+            for (mut unknown, sample) in rest.into_iter().zip(samples) {
+                match sample {
+                    Some(sample) => {
+                        if !sample.is_delta() {
+                            let eta2 = self.subject.eta2(sample.wi);
+                            let sum = &mut sums[unknown.point];
+                            (0..3).for_each(|i| sum[i] += sample.lobe_probability * sample.weight[i] * eta2);
+                        }
+                        let passed = sample.lobe_probability;
+                        if unknown.none_below { unknown.to -= passed } else { unknown.from += passed }
+                    }
+                    None if unknown.none_below => continue,
+                    None => unknown.none_below = true,
+                }
+                if unknown.to - unknown.from > 2.0 * STEP {
+                    next.push(unknown);
+                }
+            }
+            rest = next;
         }
-        sum
+        Ok(sums)
+    }
+}
+
+/// The mean weight of one channel as what the cubature integrates.
+struct Weight<'a> {
+    mapped: &'a Mapped<'a>,
+    channel: usize,
+}
+
+impl Density<[f64; 2]> for Weight<'_> {
+    fn pdf(&self, points: &[[f64; 2]], out: &mut Vec<f64>) -> Result<()> {
+        out.extend(channel_of(&self.mapped.weights(points)?, self.channel));
+        Ok(())
     }
 }
 
@@ -149,7 +191,8 @@ fn by_cubature(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo>
     let mapped = Mapped { subject, map };
     let declared = subject.properties.largest_weight;
     let mut rng = subject.random(0x10, 0);
-    let pilot: Vec<Spectrum> = (0..PILOT).map(|_| mapped.weight(rng.random())).collect();
+    let points: Vec<[f64; 2]> = (0..PILOT).map(|_| rng.random()).collect();
+    let pilot = mapped.weights(&points)?;
     let seen = pilot.iter().flatten().copied().fold(0.0, f64::max);
     let largest = declared.unwrap_or(LARGEST * seen);
     let basis = declared.map_or(Basis::LargestWeight(largest), Basis::Certified);
@@ -172,7 +215,7 @@ fn integral(mapped: &Mapped, channel: usize, largest: f64, error: f64) -> Result
         return Ok([0.0; 2]);
     }
     let subject = mapped.subject;
-    let weight = density(|at| mapped.weight(at)[channel]);
+    let weight = Weight { mapped, channel };
     let grid = Grid::equal([CELLS; 2], None);
     let mut integration = Integration::new(&Square, &weight, &grid, &[], subject.protocol.cancelled)?;
     let Integration::Refined(refinement) = &mut integration else { return Ok([0.0, f64::INFINITY]) };
@@ -211,9 +254,9 @@ fn differences(
     let of_batch = |batch: u64| -> Result<[Share; 2]> {
         poll(subject.protocol.cancelled)?;
         let (mut rng, mut sums) = (subject.random(purpose, batch), [Share::default(); 2]);
-        for _ in 0..BATCH.min(points - batch * BATCH) {
-            let at: [f64; 2] = rng.random();
-            let difference = mapped.weight(at)[channel] - refinement.polynomial(at);
+        let places: Vec<[f64; 2]> = (0..BATCH.min(points - batch * BATCH)).map(|_| rng.random()).collect();
+        for (&at, weight) in places.iter().zip(mapped.weights(&places)?) {
+            let difference = weight[channel] - refinement.polynomial(at);
             sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs() / largest));
         }
         Ok(sums)
@@ -232,18 +275,19 @@ fn bound(means: [f64; 2], points: u64, risk: f64) -> [f64; 2] {
 
 /// The mean weight over a randomized sequence, replicated until the error of the mean is at most `error`.
 fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
-    let Subject { bsdf, properties, wo, protocol, .. } = subject;
+    let Subject { properties, protocol, .. } = subject;
     let mut albedo = Albedo { value: [0.0; 3], error: [f64::INFINITY; 3], basis: Basis::Normal };
     for power in SEQUENCE {
         let mean = |replicate: u64| -> Result<Spectrum> {
             poll(protocol.cancelled)?;
-            let mut sum = [0.0; 3];
-            for i in 0..1 << power {
+            let numbers = |i: u32| {
                 let stream = Sobol::new(protocol.seed, replicate, i);
-                let mut u: Vec<f64> =
-                    (0..properties.dimension.div_ceil(2)).flat_map(|pair| stream.pair(pair as u32)).collect();
-                u.truncate(properties.dimension);
-                let Some(sample) = bsdf.sample(*wo, &u) else { continue };
+                let pairs = (0..properties.dimension.div_ceil(2)).flat_map(move |pair| stream.pair(pair as u32));
+                pairs.take(properties.dimension)
+            };
+            let u: Vec<f64> = (0..1 << power).flat_map(numbers).collect();
+            let mut sum = [0.0; 3];
+            for sample in subject.sample(&u)?.into_iter().flatten() {
                 let eta2 = subject.eta2(sample.wi);
                 (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
             }
