@@ -67,10 +67,11 @@ fn spheres(table: &Table) -> Vec<(String, Image)> {
             let points = (0..POINTS * POINTS).map(|k| radiance(at(x, k % POINTS).hypot(at(y, k / POINTS))));
             Rgb::splat((points.sum::<f64>() / (POINTS * POINTS) as f64) as f32)
         };
-        let caption = if table.over.is_empty() {
-            String::new()
-        } else {
-            format!("{} = {:.3}", table.over.join(" = "), table.parameters[row])
+        let value = table.parameters[row];
+        let value = if value >= 0.1 { format!("{value:.3}") } else { format!("{value:.1e}") };
+        let caption = match table.over.is_empty() {
+            true => String::new(),
+            false => format!("{} = {value}", table.over.join(" = ")),
         };
         (caption, Image::from_fn(PIXELS, PIXELS, pixel))
     };
