@@ -77,7 +77,7 @@ impl Furnace {
         }
         bar.finish_and_clear();
         let written = target.written(files);
-        console.saved(&tables, &written, || tables.iter().map(text).collect());
+        console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(text).collect());
         let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(|weak| weak > WEAK);
         let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > self.error);
         Ok(if tables.iter().any(is_bad) {

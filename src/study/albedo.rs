@@ -346,6 +346,19 @@ mod tests {
     }
 
     #[test]
+    fn impossible_albedos_are_violations() {
+        let of = |value: f64, energy| {
+            let albedo = Albedo { value: [value; 3], error: [1e-3; 3], basis: Basis::Certified(1.0) };
+            is_violation(&albedo, 0, energy, 1)
+        };
+        assert!(!of(1.0009, Energy::AtMostOne) && of(1.002, Energy::AtMostOne) && of(f64::NAN, Energy::AtMostOne));
+        assert!(
+            !of(0.5, Energy::AtMostOne) && of(0.5, Energy::Conserved(1e-3)) && !of(0.9985, Energy::Conserved(1e-3))
+        );
+        assert!(!of(1.5, Energy::MayExceedOne("for a test")));
+    }
+
+    #[test]
     fn a_wrong_masking_function_fails_the_weak_test() {
         // G₁ of another width.
         let facets = Facets { distribution: Distribution::Ggx, alpha: [0.5; 2], lossless: None };

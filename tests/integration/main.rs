@@ -9,6 +9,7 @@ mod command_line;
 mod converge;
 mod exec;
 mod exr_layers;
+mod furnace;
 #[cfg(unix)]
 mod kill;
 mod limits;
