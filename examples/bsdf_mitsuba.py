@@ -50,6 +50,11 @@ def load(values):
     return mi.load_dict({"type": PLUGIN, **distribution, **own})
 
 
+def array(values, like):
+    """An array as long as another: Mitsuba may return one number for all."""
+    return np.broadcast_to(np.array(values), len(like))
+
+
 def surface(wo):
     si = mi.SurfaceInteraction3f()
     si.wi = mi.Vector3f(wo.T)
@@ -59,17 +64,17 @@ def surface(wo):
 def evaluate(wo, wi):
     f, pdf = bsdf.eval_pdf(CONTEXT, surface(wo), mi.Vector3f(wi.T))
     cos = np.abs(wi[:, 2])
-    return np.where(cos > 0, np.array(f)[0] / np.where(cos > 0, cos, 1), 0), np.array(pdf)
+    return np.where(cos > 0, array(f[0], wo) / np.where(cos > 0, cos, 1), 0), array(pdf, wo)
 
 
 def sample(wo, u):
     """wi, weight, pdf or probability, whether it is a delta lobe, and whether there is a sample."""
     u = np.minimum(u, 1 - 2**-24)  # a number next to 1 must not become 1 in single precision
     bs, weight = bsdf.sample(CONTEXT, surface(wo), mi.Float(u[:, 0]), mi.Point2f(u[:, 1:].T))
-    wi, weight, pdf = np.array(bs.wo).T, np.array(weight)[0], np.array(bs.pdf)
-    delta = np.array(mi.has_flag(bs.sampled_type, FLAGS.Delta))
+    wi, weight, pdf = np.array(bs.wo).T, array(weight[0], wo), array(bs.pdf, wo)
+    delta = array(mi.has_flag(bs.sampled_type, FLAGS.Delta), wo)
     # A pdf is sent as `pdf` returns it if it differs by rounding alone.
-    asked = np.array(bsdf.pdf(CONTEXT, surface(wo), bs.wo))
+    asked = array(bsdf.pdf(CONTEXT, surface(wo), bs.wo), wo)
     pdf = np.where(~delta & np.isclose(pdf, asked, 1e-3, 0), asked, pdf)
     return wi, weight, pdf, delta, weight != 0
 

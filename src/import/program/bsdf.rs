@@ -237,3 +237,103 @@ impl BatchBsdf for Configured<'_> {
         Ok(self.ask(["lobes", expected], lines, |words| self.read_lobes(words))?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{External, connect};
+    use super::*;
+    use etalon_stats::bsdf::Energy;
+    use std::sync::Arc;
+
+    /// A program that remembers what it was asked and answers by `answers`.
+    struct Recorded {
+        asked: Arc<Mutex<Vec<String>>>,
+        answers: fn(&str) -> String,
+    }
+
+    impl Connection for Recorded {
+        fn name(&self) -> &str {
+            "recorded"
+        }
+
+        fn ask(&mut self, request: String, _: usize) -> Result<String> {
+            let answer = (self.answers)(&request);
+            self.asked.lock().unwrap().push(request);
+            Ok(answer)
+        }
+    }
+
+    fn program(answers: fn(&str) -> String) -> (Result<Program>, Arc<Mutex<Vec<String>>>) {
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let recorded = Recorded { asked: Arc::clone(&asked), answers };
+        let program = connect(recorded, None).map(|external| match external {
+            External::Bsdf(program) => program,
+            External::Sampler(_) => panic!("it has a BSDF"),
+        });
+        (program, asked)
+    }
+
+    fn glass(request: &str) -> String {
+        match request.split_whitespace().next() {
+            Some("etalon") => "etalon 1 kind=bsdf name=glass delta=yes scatters=both\neta 1.5 1 3\n".to_owned(),
+            Some("set") => format!("eta={} energy=conserved:1e-3\n", &request[4..request.len() - 1]),
+            Some("sample") => "delta 0 0 1 0x1p-1 0.25\n0 0 1 0.5 2\n0 0 1 0.5\nnone\n".to_owned(),
+            Some("lobes") => "0 0 1 0.25 0.5 0 0 -1 0.75 1\nnone\n".to_owned(),
+            _ => "0.5\n".to_owned(),
+        }
+    }
+
+    #[test]
+    fn parameters_are_set_when_they_change() {
+        let (program, asked) = program(glass);
+        let program = program.unwrap();
+        let (one, other) = (program.with(&[1.5]).unwrap(), program.with(&[2.0]).unwrap());
+        assert_eq!([one.properties().eta, other.properties().eta], [1.5, 2.0]);
+        assert_eq!(one.properties().energy, Energy::Conserved(1e-3));
+        assert_eq!(other.properties().parameters, [Parameter::new("eta", 2.0, [1.0, 3.0])]);
+        let up = [0.0, 0.0, 1.0];
+        assert_eq!(other.eval(&[[up, up]], &[]).unwrap(), [[0.5; 3]]);
+        assert_eq!((one.pdf(&[[up, up]]).unwrap(), one.pdf(&[]).unwrap()), (vec![0.5], Vec::new()));
+        let verbs: Vec<String> =
+            asked.lock().unwrap().iter().map(|request| request.lines().next().unwrap_or_default().to_owned()).collect();
+        assert_eq!(verbs, ["etalon 1", "set 1.5e0", "set 2e0", "eval 1", "set 1.5e0", "pdf 1"]);
+    }
+
+    #[test]
+    fn samples_and_lobes_are_read() {
+        let program = program(glass).0.unwrap();
+        let bsdf = program.with(&[1.5]).unwrap();
+        let up = [0.0, 0.0, 1.0];
+        let sample = |density| Some(BsdfSample::new(up, [0.5; 3], density));
+        let expected = [sample(Density::Delta(0.25)), sample(Density::Pdf(2.0)), sample(Density::Unknown), None];
+        assert_eq!(bsdf.sample(&[up; 4], &[0.5; 12]).unwrap(), expected);
+        let lobes = bsdf.delta_lobes(&[up; 2]).unwrap();
+        assert_eq!((lobes[0].len(), lobes[1].len()), (2, 0));
+        assert_eq!(lobes[0][1], DeltaLobe { wi: [0.0, 0.0, -1.0], probability: 0.75, throughput: [1.0; 3] });
+    }
+
+    #[test]
+    fn values_are_chosen_by_name() {
+        let program = program(glass).0.unwrap();
+        let chosen = |name: &str, value| program.values(&[(name.to_owned(), value)]);
+        assert_eq!((program.values(&[]).unwrap(), chosen("eta", 2.0).unwrap()), (vec![1.5], vec![2.0]));
+        assert!(chosen("alpha", 2.0).unwrap_err().hint().unwrap().contains("eta"));
+        assert!(chosen("eta", 4.0).unwrap_err().to_string().contains("from 1 to 3"));
+        assert!(chosen("eta", f64::NAN).is_err());
+    }
+
+    #[test]
+    fn greetings_that_make_no_sense_are_refused() {
+        let refused = |answers: fn(&str) -> String, why: &str| {
+            let error = program(answers).0.err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(error.contains(why) && error.contains("recorded"), "{error}");
+        };
+        refused(|_| "etalon 1 kind=light\n".to_owned(), "\"kind=light\", which has no meaning");
+        refused(|_| "etalon 1 kind=bsdf channels=2\n".to_owned(), "\"channels=2\", which has no meaning");
+        refused(|_| "etalon 1 kind=bsdf energy=much\n".to_owned(), "energy=much");
+        refused(|_| "etalon 1 kind=bsdf map=1,7\n".to_owned(), "has a map");
+        refused(|_| "etalon 1 kind=bsdf dimension=65\n".to_owned(), "dimension=65");
+        refused(|_| "etalon 1 kind=bsdf\nalpha 2 0 1\n".to_owned(), "\"alpha 2 0 1\" is not");
+        refused(|_| "etalon 1 kind=bsdf\nalpha 0.5\n".to_owned(), "is not \"NAME VALUE FROM TO\"");
+    }
+}
