@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict};
+use super::program::ExternalBsdf;
 use super::values::setting;
 use crate::error::{Error, Result};
 use crate::output;
@@ -19,11 +20,11 @@ use std::collections::BTreeMap;
     after_help = "The directional albedo is the share of the power of uniform light that a surface scatters to the viewer; above 1 it \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if an albedo is impossible, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx-dielectric \
-                  --over eta --set alpha_x=0.5 --set alpha_y=0.5\n  etalon furnace compensated-ggx --size 16x16"
+                  --over eta --set alpha_x=0.5 --set alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
 pub struct Furnace {
     /// BSDFs (see --list)
-    #[arg(value_name = "NAME", required_unless_present = "list")]
+    #[arg(value_name = "NAME", required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
     #[arg(long)]
@@ -37,9 +38,11 @@ pub struct Furnace {
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "AxV", default_value = "32x32")]
     size: String,
-    /// The largest error of an albedo
-    #[arg(long, value_name = "E", default_value_t = 1e-4, allow_negative_numbers = true)]
-    error: f64,
+    /// The largest error of an albedo (default: 0.0001; 0.001 with --exec)
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    error: Option<f64>,
+    #[command(flatten)]
+    external: ExternalBsdf,
 }
 
 #[derive(Serialize)]
@@ -56,21 +59,25 @@ impl Furnace {
             return Ok(Verdict::Good);
         }
         let cells = self.cells()?;
-        let request =
-            Request { over: self.over.clone(), set: self.set.clone(), cells, error: self.error, seed: global.seed };
-        let chosen = self.names.iter().map(|name| {
-            all.iter().find(|family| Family::name(*family) == name).ok_or_else(|| {
-                Error::parameter("names", format!("there is no BSDF \"{name}\"")).with_hint("`list` shows all")
-            })
-        });
-        let chosen = chosen.collect::<Result<Vec<_>>>()?;
-        let target = global.target(&["names"]);
-        let bar = console.progress(chosen.len() as u64, "furnace");
+        let program = self.external.start()?;
+        let error = self.error.unwrap_or(if program.is_some() { 1e-3 } else { 1e-4 });
+        let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };
+        // A program's BSDFs, or ours with what is known of their microfacets.
+        let subjects: Vec<(&dyn Family, Option<&families::Family>)> = match &program {
+            Some(program) => vec![(program, None)],
+            None => {
+                let own = self.names.iter().map(|name| find(&all, name).map(|own| (own as &dyn Family, Some(own))));
+                own.collect::<Result<_>>()?
+            }
+        };
+        let target = global.target(&["names", "exec"]);
+        let bar = console.progress(subjects.len() as u64, "furnace");
         let (mut tables, mut files) = (Vec::new(), Vec::new());
-        for family in chosen {
-            let stem = target.stem("furnace", &format!("-{}", Family::name(family)), &output::STUDY)?;
-            bar.set_message(Family::name(family).to_owned());
-            let table = albedo_table(family, &|values| family.facets(values), &request)?;
+        for (family, own) in subjects {
+            let stem = target.stem("furnace", &format!("-{}", output::file_name(family.name())), &output::STUDY)?;
+            bar.set_message(family.name().to_owned());
+            let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
+            let table = albedo_table(family, &facets, &request)?;
             files.extend(output::write(&stem, &view::drawing(&table), &output::table(&table.rows)?)?);
             tables.push(table);
             bar.inc(1);
@@ -79,7 +86,7 @@ impl Furnace {
         let written = target.written(files);
         console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(text).collect());
         let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(|weak| weak > WEAK);
-        let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > self.error);
+        let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > error);
         Ok(if tables.iter().any(is_bad) {
             Verdict::Rejected
         } else if tables.iter().any(is_coarse) {
@@ -94,6 +101,12 @@ impl Furnace {
             self.size.split_once(['x', 'X']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
         parsed.ok_or_else(|| Error::parameter("size", format!("\"{}\" is no size", self.size)).with_hint("use 32x32"))
     }
+}
+
+fn find<'a>(all: &'a [families::Family], name: &str) -> Result<&'a families::Family> {
+    all.iter()
+        .find(|family| Family::name(*family) == name)
+        .ok_or_else(|| Error::parameter("names", format!("there is no BSDF \"{name}\"")).with_hint("`list` shows all"))
 }
 
 fn list(all: &[families::Family], console: &Console) {

@@ -11,6 +11,7 @@ mod furnace;
 mod global;
 mod map_file;
 mod merge;
+mod program;
 mod render;
 mod reproduce;
 mod scene_file;
