@@ -101,3 +101,28 @@ fn programs_that_misbehave_are_named() {
     let ran = validate("sh -c 'read l; echo etalon 1 domain=line; echo end'", &["--set", "alpha=1"]);
     assert!(ran.code == 2 && ran.stderr.contains("--set"), "{}", ran.stderr);
 }
+
+#[test]
+fn a_furnace_tests_a_client() {
+    if !has("python3", &["--version"]) {
+        return;
+    }
+    let command = format!("python3 '{}'", example("bsdf.py"));
+    let folder = tempdir().unwrap();
+    let furnace = |command: &str| {
+        let args = ["furnace", "--exec", command, "--over", "exponent", "--size", "3x2", "--error", "0.01"];
+        etalon(folder.path(), &args)
+    };
+    let right = furnace(&command);
+    assert!(
+        right.code == 0 && right.stdout.contains("phong-python (diffuse = 0.5)"),
+        "{} {}",
+        right.stdout,
+        right.stderr
+    );
+    // Weights without the cosine create energy.
+    let wrong = furnace(&format!("{command} wrong"));
+    assert!(wrong.code == 1 && wrong.stdout.contains("IMPOSSIBLE"), "{} {}", wrong.stdout, wrong.stderr);
+    let sampler = furnace(&format!("python3 '{}'", example("sampler.py")));
+    assert!(sampler.code == 2 && sampler.stderr.contains("not BSDFs"), "{}", sampler.stderr);
+}
