@@ -1,7 +1,7 @@
 """Mitsuba 3's BSDFs for `etalon validate --exec 'python3 examples/bsdf_mitsuba.py PLUGIN [DISTRIBUTION]'`.
 
 PLUGIN is a key of PLUGINS; DISTRIBUTION of microfacets is ggx or beckmann. Needs `pip install mitsuba numpy`, and LLVM.
-Mitsuba's `wi` is etalon's `wo`, its values include the cosine, and a sample of weight 0 is none.
+Mitsuba's `wi` is etalon's `wo`, its values include the cosine, and a weight of 0 says that sampling failed.
 """
 import sys
 from itertools import islice
@@ -69,13 +69,14 @@ def evaluate(wo, wi):
 
 def sample(wo, u):
     """wi, weight, pdf or probability, whether it is a delta lobe, and whether there is a sample."""
-    u = np.minimum(u, 1 - 2**-24)  # a number next to 1 must not become 1 in single precision
+    # A number next to 1 must not become 1 in single precision; next to 0, visible normals of GGX can be NaN.
+    u = np.clip(u, 2**-23, 1 - 2**-24)
     bs, weight = bsdf.sample(CONTEXT, surface(wo), mi.Float(u[:, 0]), mi.Point2f(u[:, 1:].T))
-    wi, weight, pdf = np.array(bs.wo).T, array(weight[0], wo), array(bs.pdf, wo)
+    wi, weight = np.array(bs.wo).T, array(weight[0], wo)
     delta = array(mi.has_flag(bs.sampled_type, FLAGS.Delta), wo)
-    # A pdf is sent as `pdf` returns it if it differs by rounding alone.
+    # The pdf of a sample must be what `pdf` returns, to the last bit; the weight says if Mitsuba used another one.
     asked = array(bsdf.pdf(CONTEXT, surface(wo), bs.wo), wo)
-    pdf = np.where(~delta & np.isclose(pdf, asked, 1e-3, 0), asked, pdf)
+    pdf = np.where(delta, array(bs.pdf, wo), asked)
     return wi, weight, pdf, delta, weight != 0
 
 

@@ -55,7 +55,7 @@ pub enum Subject {
     /// Samplers.
     Cases(Vec<Case>),
     /// A program's BSDF.
-    Bsdf(WholeBsdf<Program>),
+    Bsdf(Box<WholeBsdf<Program>>),
 }
 
 impl Subject {
@@ -99,7 +99,7 @@ impl Arguments {
         match program::start(command, space, self.limit()?)? {
             External::Bsdf(program) => {
                 let values = program.values(&chosen)?;
-                Ok(Subject::Bsdf(WholeBsdf::new(program, values)))
+                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
             }
             External::Sampler(_) if !chosen.is_empty() => {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))

@@ -27,6 +27,7 @@ use std::path::PathBuf;
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
+                        etalon validate --exec 'python3 examples/bsdf.py' --set exponent=100\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
 )]
 pub struct Validate {
