@@ -3,6 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
+use crate::scales::Scale;
 use crate::text::{count, p_value};
 use std::fmt;
 
@@ -54,13 +55,17 @@ pub struct Outcome {
     pub statistic: f64,
     /// Degrees of freedom of `statistic`.
     pub dof: usize,
-    /// Probability of findings at least this bad if the sampler is right; of both rounds together after a repetition.
-    /// `None` where nothing could be tested.
+    /// Probability of findings at least this bad if the sampler is right: of `statistic` and all `scales` together, and of both
+    /// rounds after a repetition. `None` where nothing could be tested.
     pub p: Option<f64>,
     /// Samples taken, those of a repetition included.
     pub samples: u64,
     /// The smallest relative error of the pdf (root mean square over the cells) that is detected with 90 % probability.
     pub detectable: Option<f64>,
+    /// Structure finer than the cells, scale by scale; the ends of the axes; the order of the samples. Of the first round.
+    pub scales: Vec<Scale>,
+    /// What users should know though it does not decide.
+    pub remarks: Vec<String>,
     /// Wall-clock time of the test.
     pub seconds: f64,
     /// The integral of the density and its atoms.
