@@ -114,15 +114,15 @@ pub fn discrete<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
     if domain.outcomes().is_some() || probes.len() < FEWEST {
         return None;
     }
-    let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
-    points.sort_unstable();
-    points.dedup();
-    let (points, samples) = (points.len(), probes.len());
-    if 4 * points < samples {
-        return Some(format!("this sampler is discrete: only {points} distinct points in {samples} samples"));
-    }
     let axes = if domain.is_plane() { 2 } else { 1 };
-    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure()))
+    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure())).or_else(|| {
+        let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
+        points.sort_unstable();
+        points.dedup();
+        let (points, samples) = (points.len(), probes.len());
+        (4 * points < samples)
+            .then(|| format!("this sampler is discrete: only {points} distinct points in {samples} samples"))
+    })
 }
 
 /// Finds a coordinate with few values, or with one value that many samples have.

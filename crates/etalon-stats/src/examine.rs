@@ -243,7 +243,7 @@ pub fn examine<D: Domain>(
     let violations = [pdf_violation, mass_violation, corner_violation, tally.violation.clone()];
     let violation = violations.into_iter().flatten().next();
     let violation =
-        violation.or_else(|| exact::discrete(domain, &pilot)).or_else(|| exact::same_batches(domain, &tally.order));
+        violation.or_else(|| exact::same_batches(domain, &tally.order)).or_else(|| exact::discrete(domain, &pilot));
     let none = tally.none;
     let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
     let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
