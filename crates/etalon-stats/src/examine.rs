@@ -181,6 +181,7 @@ pub fn examine<D: Domain>(
     let risk = RISK * protocol.own_level();
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
     let fine = Fine::new(&grid, domain.is_plane(), &charts, samples);
+    let fine = if domain.outcomes().is_some() { fine.of_finite_set() } else { fine };
     let labels = Labels::new(&fine, samples);
     let counting = Counting { source: &source, fine: &fine, labels, atoms: &atoms, samples, whole, risk };
     let Counted { values, shares, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;

@@ -145,13 +145,17 @@ impl Scales {
     pub fn new(fine: &Fine, axes: [&str; 2], observed: &Parts<u64>, shares: &Shares, found: f64, samples: u64) -> Self {
         let mut scales = Self::default();
         let [n, of_cells] = [samples as f64, fine.grid.len() as f64];
-        let is_good = |halves: &Halves| halves.is_testable(n * found * found * halves.parts as f64);
+        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V.
+        let is_good = |halves: &Halves, values: f64| {
+            let missed = n * found * found * halves.parts as f64;
+            halves.is_testable(missed + n / (values * values))
+        };
         for (axis, name) in (0..fine.axes.len()).zip(axes) {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..fine.axes[axis].bits() {
                 let (halves, ends) = halve(name, &mut observed, &mut values, &mut errors);
-                if is_good(&halves) {
+                if is_good(&halves, 1.0 / (fine.axes[axis].coincidence * halves.parts as f64)) {
                     scales.halves.push(halves);
                     scales.ends.extend(ends);
                 }
@@ -164,7 +168,9 @@ impl Scales {
             let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
             let halves = Halves { parts, ..columns.plus(&rows) };
-            if is_good(&halves) {
+            // Columns are about twice as many as rows.
+            let coincidence = fine.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
+            if is_good(&halves, 1.0 / (coincidence * (2.0 * parts as f64).sqrt())) {
                 scales.halves.push(halves);
             }
         }
