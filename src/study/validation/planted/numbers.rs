@@ -60,16 +60,6 @@ pub fn faults() -> Vec<PlantedFault> {
             .mistake("random numbers above 0.999 set to 0.999: one in a thousand in one plane"),
         azimuth("numbers/not-to-the-end", |u| 0.999 * u)
             .mistake("azimuths up to 0.999 · 2π: a gap of a third of a degree"),
-        PlantedFault::of("numbers/table-of-64", Line::UNIT, |faulty| {
-            // The inverse of the cdf in a table of 64 entries; the samples within an entry are as if it were straight.
-            let at = |i: f64| (i / 64.0).powf(1.0 / 3.0);
-            let draw = move |u: &[f64]| {
-                let (i, within) = ((64.0 * u[0]).floor(), (64.0 * u[0]).fract());
-                Some(Sample::new(if faulty { at(i) + within * (at(i + 1.0) - at(i)) } else { u[0].cbrt() }))
-            };
-            (sampler(1, draw), density(|x: f64| 3.0 * x * x))
-        })
-        .mistake("the inverse of a cdf interpolated in a table of 64 entries"),
         generator("numbers/randu", |seed, numbers| {
             let mut x = u64::from(seed | 1);
             numbers.iter_mut().for_each(|u| {
