@@ -98,8 +98,8 @@ impl Order {
             self.table[labels.past([a, b]) << labels.bits | labels.next(parts)] += 1;
         }
         past.parts = if labels.is_plane() { parts.map(Some) } else { [past.parts[1], Some(parts[0])] };
-        for axis in 0..2 {
-            past.lower[axis] += u64::from(labels.of_axes[axis] > 0 && labels.first(axis, parts[axis], 1) == 0);
+        for (axis, (part, lower)) in parts.into_iter().zip(&mut past.lower).enumerate() {
+            *lower += u64::from(labels.of_axes[axis] > 0 && labels.first(axis, part, 1) == 0);
         }
         past.count += 1;
         if past.head.len() < 2 * HEAD {

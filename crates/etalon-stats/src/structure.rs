@@ -13,6 +13,8 @@ use crate::text::p_value;
 
 /// The share of a test's level that the counts of the cells have; scales, ends and order share the rest equally.
 pub const CELLS: f64 = 0.5;
+/// Samples are called too even where so few tests of independent samples would be as even.
+const EVEN: f64 = 1e-6;
 /// Scales in words.
 const NAMED: usize = 2;
 
@@ -57,7 +59,7 @@ impl Counted<'_> {
         let even: Vec<f64> =
             even.chain(scales.halves.iter().map(|halves| halves.below())).chain(tally.order.evenness()).collect();
         let least = even.iter().copied().fold(1.0, f64::min) * even.len() as f64;
-        let is_even = least < self.level;
+        let is_even = least < EVEN;
 
         let dependence = tally.order.dependence(&labels);
         let (ends, order) = (scales.ends(), dependence.map(dependent));
