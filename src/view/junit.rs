@@ -27,7 +27,10 @@ pub fn document(validation: &Validation) -> String {
             format!("{case}>\n<{kind} message=\"{message}\">{all}</{kind}>\n</testcase>\n")
         };
         text += &match outcome.verdict {
-            Verdict::Accept => format!("{case}/>\n"),
+            Verdict::Accept if outcome.remarks.is_empty() => format!("{case}/>\n"),
+            Verdict::Accept => {
+                format!("{case}>\n<system-out>{}</system-out>\n</testcase>\n", escape(&outcome.remarks.join("\n")))
+            }
             Verdict::Reject => body("failure"),
             Verdict::Inconclusive => body("error"),
         };

@@ -32,6 +32,10 @@ pub struct Row<'a> {
     remark: &'a str,
     /// Where samples and pdf differ most, of a rejected test.
     diagnosis: &'a str,
+    /// What users should know though it does not decide.
+    remarks: String,
+    /// What is detected between the cells.
+    finer: String,
 }
 
 pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
@@ -55,6 +59,8 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
             seconds: outcome.seconds,
             remark: outcome.remark().unwrap_or_default(),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
+            remarks: outcome.remarks.join("; "),
+            finer: outcome.finer().unwrap_or_default(),
         })
         .collect()
 }

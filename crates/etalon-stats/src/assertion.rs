@@ -63,7 +63,7 @@ pub fn assert_samples_follow_pdf_by<D: Domain>(
 
 /// What a test found, over several lines: verdict and statistic; the violation of an exact check or the reason for an
 /// inconclusive verdict; unless it accepted, the regions in which observed and expected counts differ most; the detectable
-/// error; the seed.
+/// error, and that of ripples finer than the cells; remarks; the seed.
 #[must_use]
 pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) -> String {
     // Writing to a string cannot fail.
@@ -71,10 +71,10 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
     if let Some(p) = outcome.continuous_p() {
         let _ = write!(
             text,
-            ", chi-square = {:.1} with {}, {}",
+            ", {}, chi-square = {:.1} with {}",
+            p_value(p),
             outcome.statistic,
-            count(outcome.dof, "degree of freedom", "degrees of freedom"),
-            p_value(p)
+            count(outcome.dof, "degree of freedom", "degrees of freedom")
         );
     }
     let _ = writeln!(text, ", {}", count(outcome.samples, "sample", "samples"));
@@ -93,6 +93,12 @@ pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) ->
             text,
             "power: relative errors of the pdf of {error:.2} % (RMS over the cells) are detected with {power:.0} % probability"
         );
+    }
+    if let Some(finer) = outcome.finer() {
+        let _ = writeln!(text, "ripples: {finer}");
+    }
+    for remark in &outcome.remarks {
+        let _ = writeln!(text, "remark: {remark}");
     }
     let _ = writeln!(text, "seed: {} (the same seed gives the same samples)", protocol.seed);
     text
@@ -120,7 +126,7 @@ mod tests {
         let text = message(&half, &uniform, &density(|w: [f64; 3]| w[2] / PI));
         let worst = text.lines().find(|line| line.trim_start().starts_with("theta")).unwrap();
         assert!(worst.contains("..90.00°") && worst.contains("+9"), "{text}");
-        assert!(text.starts_with("verdict: reject, chi-square = ") && text.contains("seed: 7"), "{text}");
+        assert!(text.starts_with("verdict: reject, p ") && text.contains("seed: 7"), "{text}");
         assert!(text.contains("errors of the pdf of 2.0"), "{text}");
         let accepted = message(&half, &uniform, &density(|_: [f64; 3]| 1.0 / TAU));
         assert!(accepted.starts_with("verdict: accept") && !accepted.contains("region"), "{accepted}");

@@ -1,14 +1,15 @@
 //! Samples counted in cells against the integrals of the pdf, which are refined until their errors do not show.
 
 use crate::chi_square::FEWEST;
-use crate::cubature::{Integration, InvalidPdf, Probe};
+use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
 use crate::density::Atom;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::fine::Fine;
 use crate::fixed::Share;
-use crate::grid::Grid;
 use crate::mass::Integral;
-use crate::tally::{Source, Tally};
+use crate::order::Labels;
+use crate::tally::{Counters, Source, Tally};
 
 /// Random points at which integrals are checked: one for so many samples, between a least and a largest number.
 const SAMPLES_PER_CHECK: u64 = 4;
@@ -32,7 +33,9 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 /// What is to be counted.
 pub struct Counting<'a, D: Domain> {
     pub source: &'a Source<'a, D>,
-    pub grid: &'a Grid,
+    /// The cells and their parts.
+    pub fine: &'a Fine<'a>,
+    pub labels: Labels,
     /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
     pub samples: u64,
@@ -45,6 +48,9 @@ pub struct Counting<'a, D: Domain> {
 /// Counts and integrals.
 pub struct Counted<P> {
     pub values: Vec<f64>,
+    /// The integrals over the parts of the cells and of the axes, and the share of samples that they are known to miss; `None`
+    /// where the cells' integrals were corrected by samples, which do not tell the parts.
+    pub shares: Option<(Shares, f64)>,
     pub integral: Integral,
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
@@ -63,7 +69,8 @@ impl<D: Domain> Counting<'_, D> {
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
     pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted<D::Point>> {
         let Source { domain, sampler, density, seed, cancelled } = *self.source;
-        let mut integration = Integration::new(domain, density, self.grid, pilot, cancelled)?;
+        let Self { fine, labels, atoms, .. } = *self;
+        let mut integration = Integration::with_parts(domain, density, fine, pilot, cancelled)?;
         if let Integration::Refined(refinement) = &mut integration {
             let [_, checks] = streams(round, 0);
             let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
@@ -75,11 +82,13 @@ impl<D: Domain> Counting<'_, D> {
         let mut attempt = 1;
         loop {
             let [stream, checks] = streams(round, attempt);
-            let tally = self.source.tally(stream, self.samples, self.grid, self.atoms, &integration)?;
+            let counters = Counters { fine, labels, atoms, integration: &integration };
+            let tally = self.source.tally(stream, self.samples, &counters)?;
             let mut integrals = integration.integrals();
             let Integration::Refined(refinement) = &mut integration else {
-                let (integral, values) = (Integral::exact(&integrals), integrals.values);
-                return Ok(Counted { values, integral, uncertain: false, invalid: integrals.invalid, tally });
+                let (integral, shares) = (Integral::exact(&integrals), Some((integration.shares(fine), 0.0)));
+                let (values, invalid) = (integrals.values, integrals.invalid);
+                return Ok(Counted { values, shares, integral, uncertain: false, invalid, tally });
             };
             let check = refinement.check(probes, seed, checks)?;
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
@@ -101,10 +110,12 @@ impl<D: Domain> Counting<'_, D> {
                 && (corrections.is_some()
                     || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
+                let all_found: f64 = (0..fine.grid.len()).map(found).sum();
+                let shares = corrections.is_none().then(|| (refinement.shares(fine), all_found));
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
                 }
-                return Ok(Counted { values: integrals.values, integral, uncertain, invalid, tally });
+                return Ok(Counted { values: integrals.values, shares, integral, uncertain, invalid, tally });
             }
             // Learn where the density is not what the nodes predict; before the last attempt estimate what is missing.
             attempt += 1;
@@ -115,7 +126,7 @@ impl<D: Domain> Counting<'_, D> {
                     let ([within_reach, error], missed) = (check.difference(cell), missed(cell));
                     [within_reach + missed, error.hypot((missed / self.samples as f64).sqrt())]
                 };
-                corrections = Some((0..self.grid.len()).map(correction).collect());
+                corrections = Some((0..fine.grid.len()).map(correction).collect());
             }
         }
     }

@@ -4,8 +4,10 @@ use crate::cubature::Probe;
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::order::Order;
+use crate::power::chi_square_below;
 use crate::sampler::{Sample, Sampler};
-use crate::text::tuple;
+use crate::text::{count, tuple};
 use std::fmt::Debug;
 
 /// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
@@ -79,17 +81,92 @@ pub fn repeatable<D: Domain>(domain: &D, density: &dyn Density<D::Point>, probes
     }))
 }
 
-/// Finds a sampler of a continuous domain that returns the same few points again and again.
-///
-/// One distinct point in four samples is enough: coordinates of 13 bits, or of four digits, still count as continuous.
-pub fn discrete<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
-    if domain.outcomes().is_some() || probes.len() < 1000 {
+/// Fewest samples of a pilot in which values are compared.
+const FEWEST: usize = 1000;
+/// Values of an axis that are fewer than this and further apart than that share of themselves are no rounding of f32, whose
+/// values are 2⁻²⁴ apart, also where a projection magnifies it a thousand times.
+pub const VALUES: f64 = 16_384.0;
+const SPACING: f64 = 1.0 / (1 << 18) as f64;
+/// Chance explains what is less likely than this for no sampler.
+const IMPOSSIBLE: f64 = 1e-9;
+/// Probability, at most, that two independent samples of f32 numbers are equal.
+const COINCIDENCE: f64 = 1.0 / (1 << 20) as f64;
+
+/// Finds samples that repeat the one before, more often than two samples of the pilot are equal otherwise.
+pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
+    if domain.outcomes().is_some() || probes.len() < FEWEST {
         return None;
     }
     let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
-    points.sort_unstable();
+    let samples = points.len();
     points.dedup();
-    let (points, samples) = (points.len(), probes.len());
-    (4 * points < samples)
-        .then(|| format!("this sampler is discrete: only {points} distinct points in {samples} samples"))
+    let (runs, repeats) = (points.len() as f64, samples - points.len());
+    points.sort_unstable();
+    let pairs: f64 = points.chunk_by(|a, b| a == b).map(|same| (same.len() * (same.len() - 1)) as f64).sum();
+    let expected = samples as f64 * (pairs / (runs * (runs - 1.0)).max(1.0)).max(COINCIDENCE);
+    let p = if repeats > 0 { chi_square_below(2.0 * repeats as f64, 2.0 * expected) } else { 1.0 };
+    let percent = 100.0 * repeats as f64 / samples as f64;
+    (p < IMPOSSIBLE).then(|| format!("samples depend on those before them: {percent:.2} % repeat the one before"))
+}
+
+/// Finds a sampler of a continuous domain that returns the same few points or coordinates again and again.
+pub fn discrete<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
+    if domain.outcomes().is_some() || probes.len() < FEWEST {
+        return None;
+    }
+    let axes = if domain.is_plane() { 2 } else { 1 };
+    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure())).or_else(|| {
+        let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
+        points.sort_unstable();
+        points.dedup();
+        let (points, samples) = (points.len(), probes.len());
+        (4 * points < samples)
+            .then(|| format!("this sampler is discrete: only {points} distinct points in {samples} samples"))
+    })
+}
+
+/// Finds a coordinate with few values, or with one value that many samples have.
+fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option<String> {
+    let mut values: Vec<(f64, f64)> = probes.iter().map(|probe| (probe.at[axis], probe.pdf)).collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let groups: Vec<&[(f64, f64)]> = values.chunk_by(|a, b| a.0 == b.0).collect();
+    let (samples, distinct) = (values.len() as f64, groups.len() as f64);
+
+    // Of M equally likely values N samples meet M (1 − e^(−N/M)). Fewer values than the limit are a lattice, if they are
+    // further apart than single precision has them.
+    let met = |m: f64| m * -(-samples / m).exp_m1();
+    let mut gaps: Vec<f64> = groups.windows(2).map(|pair| (pair[1][0].0 - pair[0][0].0) / pair[1][0].0).collect();
+    gaps.sort_by(f64::total_cmp);
+    if distinct < met(VALUES) && gaps.get(gaps.len() / 2).is_some_and(|gap| *gap > SPACING) {
+        let (mut few, mut many) = (1.0f64, VALUES);
+        for _ in 0..60 {
+            let middle = (few * many).sqrt();
+            if met(middle) < distinct { few = middle } else { many = middle }
+        }
+        return Some(format!(
+            "{name} takes about {many:.0} values only, each many times: random numbers of {:.1} bits, or rounded samples",
+            many.log2()
+        ));
+    }
+
+    // A value that many times as many samples have as one value has on average, where the density is not so high that
+    // single precision has no other value near.
+    let common = groups.iter().max_by_key(|group| group.len())?;
+    let highest = common.iter().map(|(_, pdf)| *pdf).fold(0.0, f64::max);
+    let is_steep = highest * measure * COINCIDENCE * samples > 1.0;
+    (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
+        let percent = 100.0 * common.len() as f64 / samples;
+        format!("{percent:.2} % of the samples have the same {name} = {}, where the pdf has no atom", common[0].0)
+    })
+}
+
+/// Finds batches that begin with the same samples though their random numbers or seeds differ.
+pub fn same_batches<D: Domain>(domain: &D, order: &Order) -> Option<String> {
+    let repeated = if domain.outcomes().is_none() { order.repeated_batches() } else { 0 };
+    (repeated > 0).then(|| {
+        format!(
+            "samples repeat: {} with the same samples as another of a different seed",
+            count(repeated, "batch begins", "batches begin")
+        )
+    })
 }

@@ -8,12 +8,15 @@ use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact;
+use crate::fine::Fine;
 use crate::grid::{Cell, Grid};
 use crate::multiple::sidak;
+use crate::order::Labels;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{POWER, chi_square_below, detectable, samples_for};
 use crate::sampler::Sampler;
-use crate::tally::{Source, Tally};
+use crate::structure::{self, CELLS, Structure};
+use crate::tally::Source;
 use crate::text::tuple;
 use std::time::Instant;
 
@@ -86,7 +89,7 @@ impl Protocol {
             SampleCount::Detect(w) if !(w > 0.0 && w <= 1.0) => {
                 refuse("detect", format!("error {w}"), "use a relative error such as 0.01")
             }
-            SampleCount::Detect(w) if samples_for(self.cells - 1, self.own_level(), w) > MOST => {
+            SampleCount::Detect(w) if samples_for(self.cells - 1, self.level_of_cells(), w) > MOST => {
                 refuse("detect", format!("error {w} takes more than 2^34 samples"), "use a larger error")
             }
             _ => Ok(()),
@@ -99,11 +102,17 @@ impl Protocol {
         sidak(self.level, self.tests)
     }
 
+    /// The level of the counts of the cells in one test; structure in finer parts has the rest.
+    #[must_use]
+    pub fn level_of_cells(&self) -> f64 {
+        CELLS * self.own_level()
+    }
+
     /// The number of samples for that many degrees of freedom.
     fn count(&self, dof: usize) -> u64 {
         match self.samples {
             SampleCount::Fixed(n) => n,
-            SampleCount::Detect(w) => samples_for(dof, self.own_level(), w).min(MOST),
+            SampleCount::Detect(w) => samples_for(dof, self.level_of_cells(), w).min(MOST),
         }
     }
 
@@ -153,8 +162,9 @@ pub fn examine<D: Domain>(
     let corner_violation = if finite.is_none() { exact::corners(domain, sampler, density)? } else { None };
     let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
     let pilot = source.probes(streams(round, 0)[0], pilots)?;
-    // Integrals and counts of a density that changes are meaningless.
-    if let Some(violation) = exact::repeatable(domain, density, &pilot)? {
+    // Integrals and counts of a density that changes are meaningless, as are the counts of samples that repeat.
+    let unusable = exact::repeatable(domain, density, &pilot)?.or_else(|| exact::repeated(domain, &pilot));
+    if let Some(violation) = unusable {
         let seconds = start.elapsed().as_secs_f64();
         return Ok(Outcome { violation: Some(violation), seconds, ..Outcome::open(pilots) });
     }
@@ -169,8 +179,12 @@ pub fn examine<D: Domain>(
     let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
     let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
     let risk = RISK * protocol.own_level();
-    let counting = Counting { source: &source, grid: &grid, atoms: &atoms, samples, whole, risk };
-    let Counted { values, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
+    let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
+    let fine = Fine::new(&grid, domain.is_plane(), &charts, samples);
+    let fine = if domain.outcomes().is_some() { fine.of_finite_set() } else { fine };
+    let labels = Labels::new(&fine, samples);
+    let counting = Counting { source: &source, fine: &fine, labels, atoms: &atoms, samples, whole, risk };
+    let Counted { values, shares, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
 
     // Compare the integral with the declared mass; derive the probability of "no sample".
     let mass = integral.plus(at_atoms);
@@ -198,22 +212,26 @@ pub fn examine<D: Domain>(
         .map(|share| (n * share).max(f64::MIN_POSITIVE))
         .chain([none_expected.max(f64::MIN_POSITIVE)])
         .collect();
-    let Tally { mut observed, none, outside_support, violation: sample_violation, .. } = tally;
-    observed.push(none);
+    let observed: Vec<u64> = tally.observed.iter().copied().chain([tally.none]).collect();
     // No sample where there must always be one is as impossible as a sample of pdf 0.
-    let impossible = outside_support + if none_expected == 0.0 { none } else { 0 };
+    let impossible = tally.outside_support + if none_expected == 0.0 { tally.none } else { 0 };
 
     // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
     let certain =
         expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
-    let test = chi_square(&observed, &expected);
-    let p_of_counts = if certain { Some(1.0) } else { test.map(|test| test.p) };
+    let test = chi_square(&observed, &expected).filter(|_| !certain);
+    let level = protocol.own_level();
+    let counted =
+        structure::Counted { fine: &fine, axes: domain.axes(), labels, tally: &tally, shares: &shares, samples, level };
+    let structure = test.filter(|_| !uncertain).map(|test| counted.structure(test, SUSPECT));
+    let p_of_counts = if certain { Some(1.0) } else { structure.as_ref().map(|structure| structure.p) };
     let p = p_of_counts
         .filter(|_| !uncertain && pdf_violation.is_none())
         .map(|p| with_impossible(p, impossible, n * ROUNDING));
+    let Structure { scales, words, remarks, .. } = structure.unwrap_or_default();
     let detectable = match test {
         _ if certain => Some(detectable_share(n)),
-        _ => test.map(|test| detectable(test.dof, protocol.own_level(), samples)),
+        _ => test.map(|test| detectable(test.dof, protocol.level_of_cells(), samples)),
     };
     let inconclusive_reason = match detectable {
         _ if uncertain => Some("the integrals of the pdf are too uncertain for that many samples".to_owned()),
@@ -223,9 +241,12 @@ pub fn examine<D: Domain>(
         }
         Some(_) => None,
     };
-    let violations = [pdf_violation, mass_violation, corner_violation, sample_violation];
-    let violation = violations.into_iter().flatten().next().or_else(|| exact::discrete(domain, &pilot));
-    let counts = Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() };
+    let violations = [pdf_violation, mass_violation, corner_violation, tally.violation.clone()];
+    let violation = violations.into_iter().flatten().next();
+    let violation =
+        violation.or_else(|| exact::same_batches(domain, &tally.order)).or_else(|| exact::discrete(domain, &pilot));
+    let none = tally.none;
+    let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
     let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
     Ok(Outcome {
         statistic: test.map_or(0.0, |test| test.statistic),
@@ -239,10 +260,18 @@ pub fn examine<D: Domain>(
         none,
         violation,
         inconclusive_reason,
-        diagnosis: if is_suspect { diagnose(domain, &counts) } else { None },
+        diagnosis: if is_suspect { in_words(diagnose(domain, &counts), words) } else { None },
+        scales,
+        remarks,
         counts: Some(counts),
         ..Outcome::open(samples)
     })
+}
+
+/// What cells and finer parts show; `None` if nothing.
+fn in_words(cells: Option<String>, parts: Vec<String>) -> Option<String> {
+    let words: Vec<String> = cells.into_iter().chain(parts).collect();
+    (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.

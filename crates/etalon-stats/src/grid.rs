@@ -93,6 +93,16 @@ impl Grid {
         self.len() == 0
     }
 
+    /// The ends of the rows, and of each row's columns.
+    pub(crate) fn ends(&self) -> (&[f64], &[Vec<f64>]) {
+        (&self.rows, &self.columns)
+    }
+
+    /// The number of the cell in that column of a row.
+    pub(crate) fn number(&self, row: usize, column: usize) -> usize {
+        self.first[row] + column
+    }
+
     /// The cells, row by row.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         self.rows.windows(2).zip(&self.columns).flat_map(|(row, columns)| {

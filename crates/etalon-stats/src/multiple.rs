@@ -32,6 +32,23 @@ pub fn holm(p: &[f64], level: f64) -> Vec<bool> {
     rejected
 }
 
+/// The p-value of the smallest of `n` p-values: 1 − (1 − p)ⁿ.
+#[must_use]
+pub fn any_of(p: f64, n: usize) -> f64 {
+    -(n as f64 * (-p).ln_1p()).exp_m1()
+}
+
+/// The p-value of independent tests of one hypothesis that share its level unequally, from pairs of p-values and weights
+/// that sum to 1: 1 − ∏ (1 − wᵢt) with the smallest t = pᵢ/wᵢ. It is below a level as soon as one pᵢ is below wᵢ times the level.
+///
+/// Source: Genovese, Roeder & Wasserman, "False Discovery Control with p-Value Weighting", Biometrika 93(3), 2006, for the
+/// weights.
+#[must_use]
+pub fn weighted(tests: &[(f64, f64)]) -> f64 {
+    let t = tests.iter().map(|(p, weight)| p / weight).fold(f64::INFINITY, f64::min);
+    -tests.iter().map(|(_, weight)| (-(weight * t).min(1.0)).ln_1p()).sum::<f64>().exp_m1()
+}
+
 /// The p-value of two independent tests of one hypothesis: P(U₁U₂ ≤ p₁p₂) = p₁p₂ (1 − ln p₁p₂).
 ///
 /// Source: Fisher, "Statistical Methods for Research Workers", 1932, section 21.1.
@@ -62,6 +79,18 @@ mod tests {
         assert_eq!(holm(&[0.02, p, 0.9], level), [false, false, false]);
         assert_eq!(holm(&[f64::NAN, 0.0], level), [false, true]);
         assert_eq!(holm(&[], level), [false; 0]);
+    }
+
+    #[test]
+    fn weights_share_the_level() {
+        for p in [1e-30, 1e-5, 0.3] {
+            assert!((weighted(&[(p, 1.0)]) - p).abs() < 1e-12 * p);
+            assert!((weighted(&[(p, 0.25); 4]) - any_of(p, 4)).abs() < 1e-12);
+        }
+        // At half the level of two tests, the first alone rejects.
+        let p = weighted(&[(0.004_999, 0.5), (0.9, 0.25), (0.9, 0.25)]);
+        assert!(p < 0.01 && p > 0.0099, "{p}");
+        assert_eq!(weighted(&[(1.0, 0.5), (1.0, 0.5)]), 1.0);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
+use crate::scales::Scale;
 use crate::text::{count, p_value};
 use std::fmt;
 
@@ -54,13 +55,17 @@ pub struct Outcome {
     pub statistic: f64,
     /// Degrees of freedom of `statistic`.
     pub dof: usize,
-    /// Probability of findings at least this bad if the sampler is right; of both rounds together after a repetition.
-    /// `None` where nothing could be tested.
+    /// Probability of findings at least this bad if the sampler is right: of `statistic` and all `scales` together, and of both
+    /// rounds after a repetition. `None` where nothing could be tested.
     pub p: Option<f64>,
     /// Samples taken, those of a repetition included.
     pub samples: u64,
     /// The smallest relative error of the pdf (root mean square over the cells) that is detected with 90 % probability.
     pub detectable: Option<f64>,
+    /// Structure finer than the cells, scale by scale; the ends of the axes; the order of the samples. Of the first round.
+    pub scales: Vec<Scale>,
+    /// What users should know though it does not decide.
+    pub remarks: Vec<String>,
     /// Wall-clock time of the test.
     pub seconds: f64,
     /// The integral of the density and its atoms.
@@ -119,6 +124,27 @@ impl Outcome {
         self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
     }
 
+    /// What is detected in structure finer than the cells, for each axis and for the cells: the errors of ripples as wide as two
+    /// to four parts, at the coarsest scale, at 1/64 and at the finest.
+    #[must_use]
+    pub fn finer(&self) -> Option<String> {
+        const SHOWN: usize = 64;
+        let known = |scale: &&Scale| scale.detectable.is_some();
+        let mut known: Vec<&Scale> = self.scales.iter().filter(known).collect();
+        known.sort_by_key(|scale| scale.parts);
+        let mut names: Vec<&str> = self.scales.iter().map(|scale| scale.of.as_str()).collect();
+        names.dedup();
+        let of = |name: &str| {
+            let scales: Vec<&Scale> = known.iter().copied().filter(|scale| scale.of == name).collect();
+            let (first, last) = (scales.first()?.parts, scales.last()?.parts);
+            let shown = scales.into_iter().filter(|scale| [first, SHOWN, last].contains(&scale.parts));
+            let error = |scale: &Scale| Some(format!("{:.2} % at 1/{}", 100.0 * scale.detectable?, scale.parts));
+            Some(format!("{name} {}", shown.filter_map(error).collect::<Vec<_>>().join(", ")))
+        };
+        let all: Vec<String> = names.into_iter().filter_map(of).collect();
+        (!all.is_empty()).then(|| all.join("; "))
+    }
+
     /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
     fn combine(&mut self, second: &Self) {
         if let Some(second) = second.p {
@@ -137,14 +163,15 @@ impl fmt::Display for Outcome {
         write!(f, "{}", self.verdict)?;
         if let Some(p) = self.p {
             let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
-            write!(f, ": chi² = {:.1}, {freedom}, {}", self.statistic, p_value(p))?;
+            write!(f, ": {}, chi² = {:.1} with {freedom}", p_value(p), self.statistic)?;
         }
         write!(f, ", {}", count(self.samples, "sample", "samples"))?;
         if let Some(w) = self.detectable {
             let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
             write!(f, ", would detect a relative error of {error}")?;
         }
-        [self.remark(), self.diagnosis.as_deref()].into_iter().flatten().try_for_each(|remark| write!(f, ": {remark}"))
+        let told = [self.remark(), self.diagnosis.as_deref()].into_iter().flatten();
+        told.chain(self.remarks.iter().map(String::as_str)).try_for_each(|remark| write!(f, ": {remark}"))
     }
 }
 

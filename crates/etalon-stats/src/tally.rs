@@ -5,9 +5,10 @@ use crate::density::{Atom, Density};
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
+use crate::fine::{Fine, Parts};
 use crate::fixed::{Share, add};
-use crate::grid::Grid;
 use crate::hash::{mix32, mix64};
+use crate::order::{Labels, Order, Past};
 use crate::sampler::{Sample, Sampler};
 use crate::stream::CounterRng;
 use crate::text::tuple;
@@ -37,6 +38,10 @@ pub struct Source<'a, D: Domain> {
 pub struct Tally {
     /// Counts of the grid's cells, then of the atoms.
     pub observed: Vec<u64>,
+    /// Counts of finer parts.
+    pub parts: Parts<u64>,
+    /// Counts of what follows what.
+    pub order: Order,
     /// Samples that were "no sample".
     pub none: u64,
     /// Samples where the pdf is 0.
@@ -52,6 +57,8 @@ pub struct Tally {
 impl Tally {
     fn plus(mut self, other: Self) -> Self {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
+        self.parts.add(&other.parts);
+        self.order.add(other.order);
         self.none += other.none;
         self.outside_support += other.outside_support;
         add(&mut self.missed, &other.missed);
@@ -60,6 +67,14 @@ impl Tally {
         self.violation = self.violation.or(other.violation);
         self
     }
+}
+
+/// What samples are counted by.
+pub struct Counters<'a, 'i, D: Domain> {
+    pub fine: &'a Fine<'a>,
+    pub labels: Labels,
+    pub atoms: &'a [Atom<D::Point>],
+    pub integration: &'a Integration<'i, D>,
 }
 
 /// The random numbers of a batch, and its samples.
@@ -99,41 +114,32 @@ impl<D: Domain> Source<'_, D> {
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Counts samples in the cells of `grid` and at `atoms`, and what `integration` misses at them.
-    pub fn tally(
-        &self,
-        stream: u64,
-        count: u64,
-        grid: &Grid,
-        atoms: &[Atom<D::Point>],
-        integration: &Integration<D>,
-    ) -> Result<Tally> {
+    /// Counts samples in cells, in their parts and at atoms, and what the integration misses at them.
+    pub fn tally(&self, stream: u64, count: u64, counters: &Counters<D>) -> Result<Tally> {
+        let cells = counters.fine.grid.len();
         let empty = || Tally {
-            observed: vec![0; grid.len() + atoms.len()],
-            missed: vec![Share::default(); grid.len()],
+            observed: vec![0; cells + counters.atoms.len()],
+            parts: Parts::new(counters.fine),
+            order: Order::new(&counters.labels),
+            missed: vec![Share::default(); cells],
             ..Tally::default()
         };
-        let of_batch = |batch| {
+        let add_batch = |mut tally: Tally, batch| {
             let (u, samples) = self.batch(stream, batch, count)?;
-            let mut tally = empty();
-            self.count(&samples, grid, atoms, integration, &mut tally)?;
+            self.count(&samples, counters, &mut tally)?;
             if batch == 0 && tally.violation.is_none() {
                 tally.violation = self.inverse_violation(&u, &samples)?;
             }
             Ok(tally)
         };
-        // Reduce batches one by one, so that memory does not grow with the number of samples.
-        (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
+        // Add batches up as they come, so that memory does not grow with the number of samples.
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter();
+        batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
-    fn count(
-        &self,
-        samples: &[Option<Sample<D::Point>>],
-        grid: &Grid,
-        atoms: &[Atom<D::Point>],
-        integration: &Integration<D>,
-        tally: &mut Tally,
-    ) -> Result<()> {
+    fn count(&self, samples: &[Option<Sample<D::Point>>], counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
+        let Counters { fine, labels, atoms, integration } = counters;
+        let mut past = Past::default();
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
         // Ask for all pdfs of the batch at once.
@@ -152,10 +158,17 @@ impl<D: Domain> Source<'_, D> {
                 tally.violation.get_or_insert(violation);
             }
             tally.outside_support += u64::from(pdf == 0.0);
-            let (cell, probe) = (grid.find(at), Probe { at, pdf });
+            let (cell, probe) = (fine.grid.find(at), Probe { at, pdf });
             tally.observed[cell] += 1;
+            tally.parts.cells[fine.find(cell, at)] += 1;
+            let mut parts = [0; 2];
+            for (axis, (part, counts)) in parts.iter_mut().zip(&mut tally.parts.axes).enumerate() {
+                *part = fine.axes[axis].find(at[axis]);
+                counts[*part] += 1;
+            }
+            tally.order.count(labels, &mut past, parts, at);
             let within = match integration {
-                Integration::Exact(_) => 1.0,
+                Integration::Exact(..) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
             };
             if within < 1.0 {
@@ -166,10 +179,12 @@ impl<D: Domain> Source<'_, D> {
             }
         }
 
+        tally.order.end(past);
+
         // Match samples at atoms with the declared ones.
         for sample in samples.iter().flatten().filter(|sample| sample.atom) {
             match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
-                Some(i) => tally.observed[grid.len() + i] += 1,
+                Some(i) => tally.observed[fine.grid.len() + i] += 1,
                 None => {
                     let violation = || format!("the sample {} is at none of the density's atoms", tuple(&sample.point));
                     tally.violation.get_or_insert_with(violation);

@@ -1,5 +1,5 @@
 //! Results of tests as text: a line for each test if they are few, else one for each family and one for each test that is not
-//! accepted.
+//! accepted or has a remark.
 
 use crate::study::validation::{Tested, Validation};
 use crate::view::text::counted;
@@ -15,9 +15,10 @@ pub fn text(validation: &Validation) -> String {
         text += &table(tests.iter());
     } else {
         text += &families(tests);
-        let not_accepted: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
-        if !not_accepted.is_empty() {
-            text += &format!("\n{}", table(not_accepted.into_iter()));
+        let is_told = |test: &&Tested| !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
+        let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
+        if !told.is_empty() {
+            text += &format!("\n{}", table(told.into_iter()));
         }
     }
     text += &format!(
@@ -36,7 +37,7 @@ pub fn text(validation: &Validation) -> String {
     text
 }
 
-/// One line for each test, and below it its remark and where it failed.
+/// One line for each test, and below it why and where it failed, its remarks, and what it detects between the cells.
 fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
     let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text = format!(
@@ -55,6 +56,12 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
         );
         for line in outcome.remark().into_iter().chain(outcome.diagnosis.as_deref()) {
             text += &format!("  {line}\n");
+        }
+        for remark in &outcome.remarks {
+            text += &format!("  remark: {remark}\n");
+        }
+        if let Some(finer) = outcome.finer().filter(|_| outcome.is_accepted()) {
+            text += &format!("  detects ripples: {finer}\n");
         }
     }
     text

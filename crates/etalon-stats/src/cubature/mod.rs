@@ -10,15 +10,18 @@ mod check;
 mod pieces;
 mod refine;
 mod rule;
+mod shares;
+mod steps;
 
 pub(crate) use check::Check;
 pub(crate) use refine::Refinement;
+pub(crate) use shares::Shares;
 
 use crate::density::Density;
 use crate::domain::Domain;
-use crate::error::{Cancelled, Result, poll};
-use crate::grid::{Cell, Grid};
-use rayon::prelude::*;
+use crate::error::{Cancelled, Result};
+use crate::fine::Fine;
+use crate::grid::Grid;
 
 /// Integrals over the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +54,7 @@ pub(crate) struct Probe {
 /// How the integrals of a density are computed.
 pub(crate) enum Integration<'a, D: Domain> {
     /// Exact sums, from declared lines between which the density is constant.
-    Exact(Integrals<D::Point>),
+    Exact(Integrals<D::Point>, Shares),
     /// Rules on pieces of the cells.
     Refined(Refinement<'a, D>),
 }
@@ -65,18 +68,40 @@ impl<'a, D: Domain> Integration<'a, D> {
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
+        Self::with_parts(domain, density, &Fine::coarse(grid), probes, cancelled)
+    }
+
+    /// [`Integration::new`] over the cells of the grid of `fine`, of which [`shares`](Self::shares) may be asked.
+    pub fn with_parts(
+        domain: &'a D,
+        density: &'a dyn Density<D::Point>,
+        fine: &Fine<'a>,
+        probes: &[Probe],
+        cancelled: Cancelled,
+    ) -> Result<Self> {
         let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
         Ok(match outcomes.or_else(|| density.steps()) {
-            Some(steps) => Self::Exact(sums(domain, density, grid, &steps, cancelled)?),
-            None => Self::Refined(Refinement::new(domain, density, grid, probes, cancelled)?),
+            Some(steps) => {
+                let (integrals, shares) = steps::sums(domain, density, fine, &steps, cancelled)?;
+                Self::Exact(integrals, shares)
+            }
+            None => Self::Refined(Refinement::new(domain, density, fine.grid, probes, cancelled)?),
         })
     }
 
     /// The integrals as they are known so far.
     pub fn integrals(&self) -> Integrals<D::Point> {
         match self {
-            Self::Exact(integrals) => integrals.clone(),
+            Self::Exact(integrals, _) => integrals.clone(),
             Self::Refined(refinement) => refinement.integrals(),
+        }
+    }
+
+    /// The integrals over the parts of `fine`, as they are known so far.
+    pub fn shares(&self, fine: &Fine) -> Shares {
+        match self {
+            Self::Exact(_, shares) => shares.clone(),
+            Self::Refined(refinement) => refinement.shares(fine),
         }
     }
 }
@@ -87,49 +112,6 @@ impl<'a, D: Domain> Integration<'a, D> {
 /// Those of the density, which is also how to end this early.
 pub fn integrate<D: Domain>(domain: &D, density: &dyn Density<D::Point>, grid: &Grid) -> Result<Integrals<D::Point>> {
     Ok(Integration::new(domain, density, grid, &[], || false)?.integrals())
-}
-
-/// Sums over the rectangles between the lines of `steps`, on each of which the density is constant.
-fn sums<D: Domain>(
-    domain: &D,
-    density: &dyn Density<D::Point>,
-    grid: &Grid,
-    steps: &[Vec<f64>; 2],
-    cancelled: Cancelled,
-) -> Result<Integrals<D::Point>> {
-    let lines = |axis: usize, [from, to]: [f64; 2]| {
-        let all = &steps[axis];
-        let inner = all.partition_point(|&line| line <= from)..all.partition_point(|&line| line < to);
-        [&[from], &all[inner], &[to]].concat()
-    };
-    // Values asked for at a time: enough for a density in another process.
-    const POINTS: usize = 1 << 12;
-    let cells: Vec<Cell> = grid.cells().collect();
-    let sum = |cell: &Cell| -> Result<(f64, Option<InvalidPdf<D::Point>>)> {
-        let (xs, ys) = (lines(0, cell.x), lines(1, cell.y));
-        let (mut total, mut invalid, mut points, mut values) = (0.0, None, Vec::new(), Vec::new());
-        let (rows, columns): (Vec<&[f64]>, Vec<&[f64]>) = (xs.windows(2).collect(), ys.windows(2).collect());
-        for rows in rows.chunks(POINTS.div_ceil(columns.len())) {
-            poll(cancelled)?;
-            points.clear();
-            values.clear();
-            let middle = |x: &[f64], y: &[f64]| domain.point_at([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
-            points.extend(rows.iter().flat_map(|x| columns.iter().map(|y| middle(x, y))));
-            density.pdf(&points, &mut values)?;
-            invalid = invalid.or_else(|| first_invalid(&points, &values));
-            for (x, values) in rows.iter().zip(values.chunks(columns.len())) {
-                let row: f64 = columns.iter().zip(values).map(|(y, value)| (y[1] - y[0]) * value).sum();
-                total += (x[1] - x[0]) * row;
-            }
-        }
-        Ok((total * domain.measure(), invalid))
-    };
-    let sums = cells.par_iter().map(sum).collect::<Result<Vec<_>>>()?;
-    Ok(Integrals {
-        errors: vec![0.0; sums.len()],
-        invalid: sums.iter().find_map(|(_, invalid)| *invalid),
-        values: sums.into_iter().map(|(sum, _)| sum).collect(),
-    })
 }
 
 /// The first of `values` that is negative or not finite.
@@ -143,6 +125,7 @@ mod tests {
     use super::*;
     use crate::density::density;
     use crate::domain::{Directions, Discrete, Line, Pole, Square};
+    use crate::grid::Cell;
     use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize, tangents};
 
     fn total<P>(integrals: &Integrals<P>) -> (f64, f64) {

@@ -1,7 +1,7 @@
 //! The pieces that cells are cut into, and the tree that finds the piece at chart coordinates.
 
 use super::Probe;
-use super::rule::{interpolate, rules};
+use super::rule::{KRONROD, interpolate, rules};
 use crate::grid::{Cell, Grid};
 
 /// How far above the values at its nodes a piece may be expected to reach. What is above counts as missed.
@@ -92,6 +92,13 @@ impl Piece {
     #[inline]
     pub(super) fn reach(&self, measure: f64) -> f64 {
         self.top * self.part.at.area() * measure
+    }
+
+    /// The densities at the nodes in units of what the piece reaches, and the integral of such a unit over the piece divided
+    /// by the measure of the rule's square or line.
+    pub(super) fn values(&self, measure: f64) -> (&[f64], f64) {
+        let of_rule = if self.shape.len() == KRONROD { 0.5 } else { 0.25 };
+        (&self.shape, of_rule * self.reach(measure))
     }
 
     /// Learns the density at a probe in it.

@@ -5,7 +5,7 @@ use crate::grid::Cell;
 /// Nodes of the Kronrod rule.
 pub(super) const KRONROD: usize = 15;
 /// Its nodes on \[−1, 1\] with their weights, and those of the Gauss rule that shares every second node.
-const RULE: [(f64, f64, f64); KRONROD] = {
+pub(super) const RULE: [(f64, f64, f64); KRONROD] = {
     const HALF: [(f64, f64, f64); 8] = [
         (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.0),
         (0.949_107_912_342_758_5, 0.063_092_092_629_978_56, 0.129_484_966_168_869_7),

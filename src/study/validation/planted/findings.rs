@@ -4,7 +4,6 @@ use super::super::case::Case;
 use super::super::run::{Validation, run as run_cases};
 use super::fault::PlantedFault;
 use crate::error::Result;
-use etalon_stats::multiple::sidak;
 use etalon_stats::power::noncentrality;
 use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
@@ -15,7 +14,7 @@ pub enum By {
     /// A deterministic check: an integral, a value, a sample outside the support, an inverse.
     #[serde(rename = "exact check")]
     Exact,
-    /// The chi-square test of the samples.
+    /// The chi-square tests of the samples: of the cells, of finer parts, of the order.
     #[serde(rename = "chi-square")]
     ChiSquare,
     /// Either alone would have sufficed.
@@ -104,13 +103,13 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
     }
     let validation = run_cases(&cases, protocol, done)?;
     // Pairs of outcomes: with the mistake, then without it.
-    let own_level = sidak(protocol.level, cases.len());
+    let protocol = Protocol { tests: cases.len(), ..*protocol };
     let mut outcomes = validation.tests.into_iter().map(|test| test.outcome);
     let mut tests = Vec::with_capacity(about.len());
     while let (Some(outcome), Some(sound)) = (outcomes.next(), outcomes.next()) {
         let (name, mistake) = about[tests.len()];
-        let by = By::of(&outcome, own_level);
-        let error = error(&outcome, own_level);
+        let by = By::of(&outcome, protocol.own_level());
+        let error = error(&outcome, &protocol);
         let remark = sound.remark().or(sound.diagnosis.as_deref()).map(str::to_owned);
         let (sound, sound_p) = (sound.verdict, sound.p);
         tests.push(Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark: remark });
@@ -135,9 +134,10 @@ pub fn run_pair(planted: PlantedFault, protocol: &Protocol) -> Result<Validation
 }
 
 /// Estimate of the error from the first round. The mean of its statistic is dof + λ with the noncentrality λ, which is
-/// proportional to the square of the error and known for the detectable error.
-fn error(outcome: &Outcome, level: f64) -> Option<f64> {
+/// proportional to the square of the error and known for the detectable error, by a test at the level of the cells.
+fn error(outcome: &Outcome, protocol: &Protocol) -> Option<f64> {
     let found = (outcome.statistic - outcome.dof as f64).max(0.0);
     let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;
+    let level = if outcome.scales.is_empty() { protocol.own_level() } else { protocol.level_of_cells() };
     Some(detectable * (found / noncentrality(outcome.dof, level)).sqrt())
 }

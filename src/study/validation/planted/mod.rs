@@ -10,6 +10,7 @@ mod light_paths;
 mod lights;
 mod maps;
 mod normals;
+mod numbers;
 mod reflection;
 mod renders;
 mod tables;
@@ -20,6 +21,7 @@ pub use findings::{By, Finding, Findings, run, run_pair};
 /// All planted faults, family by family.
 pub fn all() -> Vec<PlantedFault> {
     [
+        numbers::faults(),
         hemispheres::faults(),
         lights::faults(),
         light_paths::faults(),

@@ -1,0 +1,300 @@
+//! The test of structure finer than the cells: counts in the halves of parts of the domain, scale by scale.
+//!
+//! Let a part with n samples be halved, and let q be the expected share of its first half. Given n, the count O of this half is
+//! binomial, and z = (O − nq)/√(nq(1 − q)) has E z² = 1 and Var z² = 2 + (1 − 6q(1 − q))/(nq(1 − q)), exactly. Halves of
+//! different parts, and those of different scales, are independent: each scale has a test of its own, T = Σ z², whose
+//! mean M and variance V are known. Its distribution is taken for that of V/2M · χ² with 2M²/V degrees of freedom.
+//!
+//! If the relative error of the pdf is a ripple of root mean square w with the period 1/f, then parts of width 2h add
+//! λ = N w² r² with r = sin²(πfh)/(πfh) to the mean of T. For periods of 2h to 4h, r is at least 2/π: one of the scales, each
+//! twice as fine as the one before, finds a ripple of w = π/2 · √(λ/N) with the power of λ.
+//! Source of the sums per scale: Donoho, Johnstone, Kerkyacharian & Picard, "Density estimation by wavelet thresholding",
+//! Annals of Statistics 24(2), 1996 (Haar coefficients of a histogram).
+
+use crate::chi_square::FEWEST;
+use crate::cubature::Shares;
+use crate::fine::{Fine, Parts};
+use crate::multiple::any_of;
+use crate::power::{chi_square_below, chi_square_tail, noncentrality_near};
+use statrs::distribution::{Binomial, DiscreteCDF};
+use std::f64::consts::FRAC_PI_2;
+
+/// How far errors of the expected shares may move the mean of a statistic, in its standard deviations.
+const SHIFT: f64 = 0.05;
+/// The share of all samples that must lie in tested parts for a scale to state what it detects.
+const MOST: f64 = 0.5;
+
+/// What the test of one scale found.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Scale {
+    /// What is halved: an axis of the chart, or "cells"; also "ends of the axes" and "order of the samples".
+    pub of: String,
+    /// The number of parts.
+    pub parts: usize,
+    /// The statistic.
+    pub statistic: f64,
+    /// Its expected value if the sampler is right.
+    pub dof: f64,
+    /// Probability of a statistic at least this large if the sampler is right.
+    pub p: f64,
+    /// The relative error of the pdf (root mean square) of a ripple as wide as two to four parts that is detected with 90 %
+    /// probability.
+    pub detectable: Option<f64>,
+    /// What was found, in words.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) words: String,
+}
+
+/// Σ z² over the halves of one scale.
+#[derive(Debug, Clone, Default)]
+pub struct Halves {
+    pub of: String,
+    pub parts: usize,
+    sum: f64,
+    mean: f64,
+    variance: f64,
+    /// Samples in the parts that are halved.
+    counted: f64,
+    /// What errors of the expected shares add to the mean.
+    shift: f64,
+}
+
+impl Halves {
+    /// Adds the halves with these counts, expected shares and errors of these.
+    fn add(&mut self, observed: [u64; 2], expected: [f64; 2], error: f64) {
+        let (n, both) = ((observed[0] + observed[1]) as f64, expected[0] + expected[1]);
+        let q = expected[0] / both;
+        if is_sparse(n, q) {
+            return;
+        }
+        let variance = n * q * (1.0 - q);
+        self.sum += (observed[0] as f64 - n * q).powi(2) / variance;
+        self.mean += 1.0;
+        self.variance += 2.0 + (1.0 - 6.0 * q * (1.0 - q)) / variance;
+        self.counted += n;
+        self.shift += (n * error / both).powi(2) / variance;
+    }
+
+    fn plus(self, other: &Self) -> Self {
+        Self {
+            sum: self.sum + other.sum,
+            mean: self.mean + other.mean,
+            variance: self.variance + other.variance,
+            counted: self.counted.max(other.counted),
+            shift: self.shift + other.shift,
+            ..self
+        }
+    }
+
+    /// The statistic and the degrees of freedom of the chi-square distribution that it is compared with.
+    fn scaled(&self) -> [f64; 2] {
+        let scale = 2.0 * self.mean / self.variance;
+        [self.sum * scale, self.mean * scale]
+    }
+
+    /// Whether there is anything to test, with expected shares that are precise enough; `found` is the noncentrality of what
+    /// is known of their errors besides.
+    fn is_testable(&self, found: f64) -> bool {
+        self.mean > 0.0 && self.shift + found <= SHIFT * self.variance.sqrt()
+    }
+
+    /// Probability of a statistic at most this large.
+    pub fn below(&self) -> f64 {
+        let [statistic, dof] = self.scaled();
+        chi_square_below(dof, statistic)
+    }
+
+    /// The result, with the error that is detected by a test at `level` of `samples` samples.
+    pub fn at_level(&self, level: f64, samples: u64) -> Scale {
+        let [statistic, dof] = self.scaled();
+        let n = samples as f64;
+        let detectable =
+            (self.counted >= MOST * n).then(|| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
+        let error = ((self.sum - self.mean).max(0.0) / self.counted).sqrt();
+        let words = format!(
+            "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS)",
+            self.parts,
+            self.of,
+            200.0 * error
+        );
+        Scale {
+            of: self.of.clone(),
+            parts: self.parts,
+            statistic: self.sum,
+            dof: self.mean,
+            p: chi_square_tail(dof, statistic),
+            detectable,
+            words,
+        }
+    }
+}
+
+/// The tests of all scales, and that of the ends of the axes.
+#[derive(Debug, Clone, Default)]
+pub struct Scales {
+    pub halves: Vec<Halves>,
+    /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number as far
+    /// from what is expected.
+    ends: Vec<(f64, String)>,
+}
+
+impl Scales {
+    /// Counts `observed` in the parts of `fine` against the expected `shares`. `found` is the share of samples in places
+    /// that the shares are known to miss.
+    pub fn new(fine: &Fine, axes: [&str; 2], observed: &Parts<u64>, shares: &Shares, found: f64, samples: u64) -> Self {
+        let mut scales = Self::default();
+        let [n, of_cells] = [samples as f64, fine.grid.len() as f64];
+        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V.
+        let is_good = |halves: &Halves, values: f64| {
+            let missed = n * found * found * halves.parts as f64;
+            halves.is_testable(missed + n / (values * values))
+        };
+        for (axis, name) in (0..fine.axes.len()).zip(axes) {
+            let (mut observed, mut values, mut errors) =
+                (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
+            for _ in 0..fine.axes[axis].bits() {
+                let (halves, ends) = halve(name, &mut observed, &mut values, &mut errors);
+                if is_good(&halves, 1.0 / (fine.axes[axis].coincidence * halves.parts as f64)) {
+                    scales.halves.push(halves);
+                    scales.ends.extend(ends);
+                }
+            }
+        }
+        let (mut observed, mut values, mut errors) =
+            (observed.cells.clone(), shares.values.cells.clone(), shares.errors.cells.clone());
+        for depth in (1..=fine.depth).rev() {
+            let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
+            let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
+            let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
+            let halves = Halves { parts, ..columns.plus(&rows) };
+            // Columns are about twice as many as rows.
+            let coincidence = fine.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
+            if is_good(&halves, 1.0 / (coincidence * (2.0 * parts as f64).sqrt())) {
+                scales.halves.push(halves);
+            }
+        }
+        scales
+    }
+
+    /// The test of the ends: the smallest of their p-values.
+    pub fn ends(&self) -> Option<Scale> {
+        let (p, words) = self.ends.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let count = self.ends.len();
+        let p = any_of(*p, count);
+        let of = "ends of the axes".to_owned();
+        Some(Scale { of, parts: count, statistic: 0.0, dof: 0.0, p, detectable: None, words: words.clone() })
+    }
+}
+
+/// The halves of one scale, with the p-values of those at the two ends; leaves the parts that they are halves of.
+fn halve(
+    of: &str,
+    observed: &mut Vec<u64>,
+    values: &mut Vec<f64>,
+    errors: &mut Vec<f64>,
+) -> (Halves, Vec<(f64, String)>) {
+    let parts = observed.len();
+    let mut halves = Halves { of: of.to_owned(), parts, ..Halves::default() };
+    let mut ends = Vec::new();
+    for pair in 0..parts / 2 {
+        let (first, second) = (2 * pair, 2 * pair + 1);
+        let (counts, expected) = ([observed[first], observed[second]], [values[first], values[second]]);
+        let error = errors[first].max(errors[second]);
+        halves.add(counts, expected, error);
+        for (end, at) in [(0, first), (1, second)] {
+            if at == [0, parts - 1][end] {
+                ends.extend(end_of(of, parts, end, counts, expected));
+            }
+        }
+        (observed[pair], values[pair], errors[pair]) =
+            (counts[0] + counts[1], expected[0] + expected[1], errors[first] + errors[second]);
+    }
+    observed.truncate(parts / 2);
+    values.truncate(parts / 2);
+    errors.truncate(parts / 2);
+    (halves, ends)
+}
+
+/// Whether one of the halves of a part with `n` samples expects fewer than Pearson's test needs.
+fn is_sparse(n: f64, q: f64) -> bool {
+    let least = n * q.min(1.0 - q);
+    least.is_nan() || least < FEWEST
+}
+
+/// The probability of a count at an end of an axis that is as far from the expected one, on either side.
+fn end_of(of: &str, parts: usize, end: usize, counts: [u64; 2], expected: [f64; 2]) -> Option<(f64, String)> {
+    let n = counts[0] + counts[1];
+    let q = expected[end] / (expected[0] + expected[1]);
+    if is_sparse(n as f64, q) {
+        return None;
+    }
+    let (count, binomial) = (counts[end], Binomial::new(q, n).ok()?);
+    let below = binomial.cdf(count);
+    let above = if count > 0 { binomial.sf(count - 1) } else { 1.0 };
+    let name = ["lower", "upper"][end];
+    let words = format!("{count} samples, not {:.0}, within 1/{parts} of the {name} end of {of}", n as f64 * q);
+    Some(((2.0 * below.min(above)).min(1.0), words))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hash::{mix64, unit_f64};
+    use crate::kolmogorov::uniformity;
+
+    #[test]
+    fn p_values_of_scales_are_uniform_also_with_few_samples_in_unequal_halves() {
+        // 64 parts with 12 to 108 expected samples.
+        let run = |seed: u64| {
+            let mut observed = vec![0u64; 64];
+            for i in 0..3840u64 {
+                let u = unit_f64(mix64(mix64(seed) ^ i));
+                observed[(u.sqrt() * 64.0) as usize] += 1;
+            }
+            let mut values: Vec<f64> = (0..64).map(|i| f64::from(2 * i + 1) / 4096.0).collect();
+            let (halves, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
+            halves.at_level(0.01, 3840).p
+        };
+        let found = uniformity(&(0..400).map(run).collect::<Vec<_>>());
+        assert!(found.p > 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn mean_and_variance_are_exact() {
+        // All counts of a half that holds 0.3 of 20 samples.
+        let binomial = Binomial::new(0.3, 20).unwrap();
+        use statrs::distribution::Discrete;
+        let (mut mean, mut square) = (0.0, 0.0);
+        for count in 0..=20 {
+            let mut halves = Halves::default();
+            halves.add([count, 20 - count], [0.3, 0.7], 0.0);
+            mean += binomial.pmf(count) * halves.sum;
+            square += binomial.pmf(count) * halves.sum * halves.sum;
+            if count == 20 {
+                assert!((mean - halves.mean).abs() < 1e-12 && (square - mean * mean - halves.variance).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ripple_adds_what_the_formula_says() {
+        // cos 2πfx over parts of width 2h, averaged over the phase.
+        for (periods, parts) in [(8.0, 16), (8.0, 32), (11.0, 32)] {
+            let (mut shift, phases) = (0.0, 64);
+            let f = std::f64::consts::TAU * periods;
+            let h = 1.0 / f64::from(parts);
+            for phase in 0..phases {
+                let phase = f64::from(phase) / f64::from(phases) * std::f64::consts::TAU;
+                let mass = |i: i32| {
+                    ((f * h * f64::from(i + 1) + phase).sin() - (f * h * f64::from(i) + phase).sin()) / (f * h)
+                };
+                shift += (0..parts / 2).map(|i| (0.5 * (mass(2 * i) - mass(2 * i + 1))).powi(2)).sum::<f64>()
+                    / f64::from(parts / 2);
+            }
+            let a = 0.5 * f * h;
+            // w² = ½.
+            assert!((shift / f64::from(phases) - 0.5 * (a.sin().powi(2) / a).powi(2)).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What the parts and the order of the counted samples say, beside the counts of the cells.
+
+use crate::chi_square::ChiSquare;
+use crate::cubature::Shares;
+use crate::exact::VALUES;
+use crate::fine::{Axis, Fine};
+use crate::multiple::weighted;
+use crate::order::Labels;
+use crate::power::chi_square_below;
+use crate::scales::{Scale, Scales};
+use crate::tally::Tally;
+use crate::text::p_value;
+
+/// The share of a test's level that the counts of the cells have; scales, ends and order share the rest equally.
+pub const CELLS: f64 = 0.5;
+/// Samples are called too even where so few tests of independent samples would be as even.
+const EVEN: f64 = 1e-6;
+/// Scales in words.
+const NAMED: usize = 2;
+
+/// The counted samples of a test, and what they are compared with.
+pub struct Counted<'a> {
+    pub fine: &'a Fine<'a>,
+    /// Names of the axes.
+    pub axes: [&'static str; 2],
+    pub labels: Labels,
+    pub tally: &'a Tally,
+    /// The expected shares of the parts, and the share of samples that these are known to miss.
+    pub shares: &'a Option<(Shares, f64)>,
+    pub samples: u64,
+    /// The level of the test.
+    pub level: f64,
+}
+
+/// The findings.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    /// Of the axes, of the cells, of the ends, and of the order.
+    pub scales: Vec<Scale>,
+    /// The p-value of all, that of the cells included.
+    pub p: f64,
+    /// Scales whose counts chance hardly explains, the worst first.
+    pub words: Vec<String>,
+    /// What users should know though it does not decide.
+    pub remarks: Vec<String>,
+}
+
+impl Counted<'_> {
+    /// Tests the scales, the ends and the order of the samples beside the `cells`, whose test is known; chance is thought
+    /// not to explain what is less likely than `suspect`.
+    pub fn structure(&self, cells: ChiSquare, suspect: f64) -> Structure {
+        let Self { fine, labels, tally, samples, .. } = *self;
+        let known = self.shares.as_ref();
+        let scales = known.map_or_else(Scales::default, |(shares, found)| {
+            Scales::new(fine, self.axes, &tally.parts, shares, *found, samples)
+        });
+        // Evenness first: samples that are spread on purpose depend on each other.
+        let even = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();
+        let even: Vec<f64> =
+            even.chain(scales.halves.iter().map(|halves| halves.below())).chain(tally.order.evenness()).collect();
+        let least = even.iter().copied().fold(1.0, f64::min) * even.len() as f64;
+        let is_even = least < EVEN;
+
+        let dependence = tally.order.dependence(&labels);
+        let (ends, order) = (scales.ends(), dependence.map(dependent));
+        let count = scales.halves.len() + usize::from(ends.is_some()) + usize::from(order.is_some());
+        let own = (1.0 - CELLS) / count.max(1) as f64;
+        let halves = scales.halves.iter().map(|halves| halves.at_level(own * self.level, samples));
+        let scales: Vec<Scale> = halves.chain(ends).chain(order.clone()).collect();
+        // The order of even samples does not count; what is left has the whole level.
+        let decide: Vec<&Scale> = scales.iter().filter(|scale| !is_even || Some(*scale) != order.as_ref()).collect();
+        let cells = (cells.p, 1.0 - own * decide.len() as f64);
+        let p = weighted(&decide.iter().map(|scale| (scale.p, own)).chain([cells]).collect::<Vec<_>>());
+        let mut worst: Vec<&Scale> = decide.into_iter().filter(|scale| scale.p < own * suspect).collect();
+        worst.sort_by(|a, b| a.p.total_cmp(&b.p));
+        let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();
+        let mut remarks: Vec<String> =
+            fine.axes.iter().zip(self.axes).filter_map(|(axis, name)| few(axis, name)).collect();
+        if is_even {
+            let order = order.filter(|order| order.p < own * self.level).map_or("", |_| " and depend on each other");
+            remarks.push(format!(
+                "counts agree with the pdf better than those of independent samples would ({}): samples are stratified, \
+                 antithetic or from a low-discrepancy sequence{order}; the tests assume independent samples",
+                p_value(least)
+            ));
+        }
+        Structure { scales, p, words, remarks }
+    }
+}
+
+/// That an axis has few values, so that scales with few of them in a part are not tested.
+fn few(axis: &Axis, name: &str) -> Option<String> {
+    let values = 1.0 / axis.coincidence;
+    (values < VALUES).then(|| {
+        format!(
+            "{name} takes about {values:.0} values, equal up to rounding of f32; scales as fine as these are not tested"
+        )
+    })
+}
+
+/// The test of dependence as a scale.
+fn dependent([statistic, dof, p]: [f64; 3]) -> Scale {
+    let words = "samples depend on those before them".to_owned();
+    Scale { of: "order of the samples".to_owned(), parts: 0, statistic, dof, p, detectable: None, words }
+}

@@ -1,0 +1,86 @@
+//! The power that outcomes state, measured: ripples of the stated size, of 1 to 64 periods along each axis, are found as often.
+//! `cargo test -p etalon-stats --test power -- --nocapture` prints the table of the book.
+
+use etalon_stats::{
+    Density, Directions, Domain, Line, Outcome, Pole, Protocol, Sample, Sampler, Square, Verdict, density, sampler,
+    validate,
+};
+use std::f64::consts::TAU;
+
+const SEEDS: u64 = 6;
+const PERIODS: [u32; 5] = [1, 4, 8, 16, 64];
+
+/// The error that is found in ripples of so many periods along an axis, from the scale whose parts they span two to four times.
+fn stated(outcome: &Outcome, axis: &str, periods: u32) -> f64 {
+    let fits = |parts: usize| (2 * periods as usize..4 * periods as usize).contains(&parts);
+    let scale = outcome.scales.iter().find(|scale| scale.of == axis && fits(scale.parts));
+    scale.and_then(|scale| scale.detectable).unwrap()
+}
+
+/// How many of the seeds reject `sampler`.
+fn rejected<D: Domain>(domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> u64 {
+    let verdict = |seed| validate(domain, sampler, density, &Protocol { seed, ..Protocol::default() }).unwrap().verdict;
+    (1..=SEEDS).filter(|&seed| verdict(seed) == Verdict::Reject).count() as u64
+}
+
+/// A line of the table: what is stated and how many are found, for each number of periods. `ripple` is the density that has it
+/// with this amplitude and 2π times that many periods along the axis.
+fn line<D: Domain, R>(
+    [name, axis]: [&str; 2],
+    domain: &D,
+    sampler: &dyn Sampler<D::Point>,
+    ripple: impl Fn(f64, f64) -> R,
+) -> u64
+where
+    R: Density<D::Point>,
+{
+    let right = validate(domain, sampler, &ripple(0.0, 1.0), &Protocol::default()).unwrap();
+    assert!(right.is_accepted(), "{right}");
+    let mut text = format!("{name:<22}");
+    let mut total = 0;
+    for periods in PERIODS {
+        let error = stated(&right, axis, periods);
+        let found = rejected(domain, sampler, &ripple(error * 2f64.sqrt(), TAU * f64::from(periods)));
+        text += &format!(" {:>6.2} % {found:>2}/{SEEDS}", 100.0 * error);
+        total += found;
+    }
+    println!("{text}");
+    total
+}
+
+#[test]
+fn ripples_of_the_stated_size_are_found_as_often_as_stated() {
+    println!("periods                {}", PERIODS.map(|n| format!("{n:>14}")).concat());
+    let sphere = Directions::sphere(Pole::Z);
+    let directions = || {
+        sampler(2, |u| {
+            let (z, (sin_phi, cos_phi)) = (1.0 - 2.0 * u[0], (TAU * u[1]).sin_cos());
+            let sin = ((1.0 - z) * (1.0 + z)).sqrt();
+            Some(Sample::new([sin * cos_phi, sin * sin_phi, z]))
+        })
+    };
+    let along_phi =
+        |a: f64, f: f64| density(move |w: [f64; 3]| 0.5 / TAU * (1.0 + a * (f / TAU * w[1].atan2(w[0])).cos()));
+    let along_z = |a: f64, f: f64| density(move |w: [f64; 3]| 0.5 / TAU * (1.0 + a * (f * 0.5 * (1.0 - w[2])).cos()));
+    let found = line(["line", "x"], &Line::UNIT, &sampler(1, |u| Some(Sample::new(u[0]))), |a: f64, f: f64| {
+        density(move |x: f64| 1.0 + a * (f * x).cos())
+    }) + line(["sphere, along theta", "(1 - cos θ) / 2"], &sphere, &directions(), along_z)
+        + line(["sphere, along phi", "φ / 2π"], &sphere, &directions(), along_phi);
+    // 0.9 of 90, minus three standard deviations.
+    assert!(found >= 72, "{found}");
+
+    // A texture of both axes: products of two ripples.
+    let square = sampler(2, |u| Some(Sample::new([u[0], u[1]])));
+    let texture = |a: f64, periods: [f64; 2]| {
+        density(move |[x, y]: [f64; 2]| 1.0 + a * (TAU * periods[0] * x).cos() * (TAU * periods[1] * y).cos())
+    };
+    let right = validate(&Square, &square, &texture(0.0, [1.0; 2]), &Protocol::default()).unwrap();
+    for (periods, parts) in [([10.0, 20.0], 3200), ([20.0, 40.0], 12_800)] {
+        let scale = right.scales.iter().find(|scale| scale.of == "cells" && scale.parts == parts).unwrap();
+        let error = scale.detectable.unwrap();
+        // w² is a quarter of the squared amplitude.
+        let found = rejected(&Square, &square, &texture(2.0 * error, periods));
+        println!("square, {periods:?} periods: {:.2} % {found}/{SEEDS}", 100.0 * error);
+        assert!(found >= 4, "{found}");
+    }
+}
