@@ -14,8 +14,10 @@ mod render;
 mod reproduce;
 mod scene_file;
 mod scenes;
+mod shard;
 mod signals;
 mod stability;
+mod sweep;
 mod validate;
 mod values;
 
@@ -49,6 +51,7 @@ Examples:
   etalon converge cornell-spheres       error against run time
   etalon stability fresnel              errors against 256-bit arithmetic
   etalon validate                       every sampler against its pdf
+  etalon sweep ggx                      a BSDF over its parameters and directions
   etalon scenes                         what else can be rendered";
 
 #[derive(Subcommand)]
@@ -64,6 +67,7 @@ enum Command {
     Merge(merge::Merge),
     Stability(stability::Stability),
     Validate(validate::Validate),
+    Sweep(sweep::Sweep),
     Reproduce(reproduce::Reproduce),
 }
 
@@ -110,6 +114,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Merge(args) => args.run(&cli.global, console),
         Command::Stability(args) => args.run(&cli.global, console),
         Command::Validate(args) => args.run(&cli.global, console),
+        Command::Sweep(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

@@ -32,6 +32,7 @@ pub mod power;
 pub mod prelude;
 mod sampler;
 pub mod stream;
+pub mod sweep;
 mod tally;
 mod text;
 pub mod warp;

@@ -1,0 +1,1 @@
+//! Parts, merges and planted faults.
