@@ -26,7 +26,7 @@ impl bsdf::Family for Family {
         self.parameters.iter().map(|&(name, value, range)| Parameter::new(name, value, range)).collect()
     }
 
-    fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn bsdf::Bsdf + '_>> {
+    fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn bsdf::BatchBsdf + '_>> {
         let short: Vec<f32> = values.iter().map(|&value| value as f32).collect();
         let scattering = Scattering::new(&(self.material)(&short), self.model, self.energy);
         let valued = |(parameter, &value): (Parameter, &f64)| Parameter { value, ..parameter };

@@ -1,22 +1,22 @@
 //! Checks of a whole BSDF as one test.
 
 use crate::error::Result;
-use etalon_stats::bsdf::{ALL, Bsdf, Check, Direction};
+use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction};
 use etalon_stats::{Outcome, Protocol};
 
 /// Runs all checks for every `wo`.
-pub fn examine(bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
+pub fn examine(bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     of(&ALL.iter().collect::<Vec<_>>(), bsdf, wos, protocol, round)
 }
 
 /// Runs the exact checks but for that of the energy.
-pub fn exact(bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
+pub fn exact(bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     let checks: Vec<&Check> = ALL.iter().filter(|check| !check.is_statistical && check.name != "energy").collect();
     of(&checks, bsdf, wos, protocol, round)
 }
 
 /// Runs the checks of the light that is scattered: of the energy, the albedo and the weights.
-pub fn light(bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
+pub fn light(bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     let checks: Vec<&Check> =
         ALL.iter().filter(|check| ["energy", "albedo", "weights"].contains(&check.name)).collect();
     of(&checks, bsdf, wos, protocol, round)
@@ -24,7 +24,7 @@ pub fn light(bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64
 
 /// The first violation decides, and statistical checks are left out after one; otherwise the smallest p-value of all does,
 /// after a correction for their number.
-fn of(checks: &[&Check], bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
+fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     let inner = Protocol { tests: protocol.tests * checks.len() * wos.len(), ..*protocol };
     let (mut found, mut tests) = (Outcome::open(0), 0);
     let (mut detectable, mut exact) = (0f64, Vec::new());

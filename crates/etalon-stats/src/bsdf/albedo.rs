@@ -23,7 +23,7 @@ const LARGEST: f64 = 0.1;
 
 /// The integrals of f |cos θᵢ| for every channel that differs from the others.
 fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
-    let pilot = Pilot::new(subject);
+    let pilot = Pilot::new(subject)?;
     let grid = pilot.grid(CELLS);
     let of = |channel: usize| Ok((channel, integrate(subject, &pilot, &grid, [channel, 1 << 10], power)?));
     let integrals = pilot.channels(subject).into_iter().map(of).collect::<Result<Vec<_>>>()?;
@@ -34,7 +34,7 @@ fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIn
 /// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
 pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     let (_, integrals) = integrals(subject, true)?;
-    let declared = subject.bsdf.albedo(subject.wo);
+    let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
     let (mut violation, mut largest) = (None, 0f64);
     for (channel, integrals) in &integrals {
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();

@@ -122,21 +122,6 @@ impl Parameter {
     }
 }
 
-/// BSDFs of one kind over their parameters: what sweeps and furnace tests visit.
-pub trait Family: Sync {
-    /// Its name.
-    fn name(&self) -> &str;
-
-    /// Its parameters with their ranges; the values are the usual ones.
-    fn parameters(&self) -> Vec<Parameter>;
-
-    /// The BSDF whose parameters have these values, in the order of [`parameters`](Self::parameters).
-    ///
-    /// # Errors
-    /// [`Error::External`](crate::Error::External) from a BSDF that another program makes.
-    fn with(&self, values: &[f64]) -> crate::Result<Box<dyn Bsdf + '_>>;
-}
-
 /// What a BSDF declares of itself. [`Properties::default`] is an opaque surface without delta lobes, in f64.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Properties {

@@ -13,6 +13,8 @@ use rayon::prelude::*;
 
 /// Samples that decide on the cells and guide the cubature; they are not counted.
 const PILOT: usize = 1 << 12;
+/// Values of a stochastic BSDF that are asked for at a time.
+const BATCH: usize = 1 << 13;
 /// Random points at which integrals are checked.
 const CHECKS: u64 = 1 << 12;
 /// Standard errors of a measured difference that count as chance.
@@ -27,21 +29,17 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    pub fn new(subject: &Subject) -> Self {
+    pub fn new(subject: &Subject) -> Result<Self> {
         let mut rng = subject.random(3, 0);
-        let mut u = vec![0.0; subject.properties.dimension];
+        let u: Vec<f64> = (0..PILOT * subject.properties.dimension).map(|_| rng.random::<f64>()).collect();
         let (mut places, mut weights) = (Vec::new(), Vec::new());
-        for _ in 0..PILOT {
-            u.iter_mut().for_each(|u| *u = rng.random());
-            let Some(sample) = subject.bsdf.sample(subject.wo, &u).filter(|sample| !sample.is_delta()) else {
-                continue;
-            };
+        for sample in subject.sample(&u)?.into_iter().flatten().filter(|sample| !sample.is_delta()) {
             if let Some(place) = sphere().to_chart(sample.wi) {
                 places.push(place);
                 weights.push(sample.weight);
             }
         }
-        Self { places, weights }
+        Ok(Self { places, weights })
     }
 
     /// The channels whose weights differ from those of the channels before.
@@ -79,15 +77,16 @@ struct Light<'a> {
 }
 
 impl Light<'_> {
-    fn at(&self, wi: Direction, u: &[f64]) -> f64 {
-        let factor = if self.power { self.subject.eta2(wi) } else { 1.0 };
-        factor * self.subject.bsdf.eval(self.subject.wo, wi, u)[self.channel] * wi[2].abs()
+    fn at(&self, wis: &[Direction], u: &[f64]) -> Result<Vec<f64>> {
+        let factor = |wi: Direction| if self.power { self.subject.eta2(wi) } else { 1.0 };
+        let values = self.subject.bsdf.eval(&self.subject.pairs(wis), u)?.into_iter().zip(wis);
+        Ok(values.map(|(f, &wi)| factor(wi) * f[self.channel] * wi[2].abs()).collect())
     }
 }
 
 impl Density<Direction> for Light<'_> {
     fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
-        out.extend(points.iter().map(|&wi| self.at(wi, &[])));
+        out.extend(self.at(points, &[])?);
         Ok(())
     }
 }
@@ -126,8 +125,9 @@ pub fn integrate(
     if !subject.is_deterministic() {
         return by_random_points(&light, grid, points);
     }
-    let probe = |&at: &[f64; 2]| Probe { at, pdf: light.at(domain.point_at(at), &[]) };
-    let probes: Vec<Probe> = pilot.places.iter().map(probe).collect();
+    let points: Vec<Direction> = pilot.places.iter().map(|&at| domain.point_at(at)).collect();
+    let probes = pilot.places.iter().zip(light.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf });
+    let probes: Vec<Probe> = probes.collect();
     let mut integration = Integration::new(&domain, &light, grid, &probes, subject.protocol.cancelled)?;
     let (mut differences, mut chance, mut invalid) = (vec![[0.0; 2]; grid.len()], 0.0, None);
     if let Integration::Refined(refinement) = &mut integration {
@@ -159,15 +159,18 @@ fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellInt
     let of_cell = |(number, cell): (usize, Cell)| -> Result<[f64; 2]> {
         poll(subject.protocol.cancelled)?;
         let mut rng = subject.random(4, number as u64);
-        let mut u = vec![0.0; subject.properties.eval_dimension];
         let (mut sum, mut squares) = (0.0, 0.0);
-        for _ in 0..points {
-            let along = |[from, to]: [f64; 2], t: f64| from + (to - from) * t;
-            let place = [along(cell.x, rng.random()), along(cell.y, rng.random())];
-            u.iter_mut().for_each(|u| *u = rng.random());
-            let value = light.at(domain.point_at(place), &u);
-            sum += value;
-            squares += value * value;
+        for from in (0..points).step_by(BATCH) {
+            let (mut wis, mut u) = (Vec::new(), Vec::new());
+            for _ in from..points.min(from + BATCH) {
+                let along = |[from, to]: [f64; 2], t: f64| from + (to - from) * t;
+                wis.push(domain.point_at([along(cell.x, rng.random()), along(cell.y, rng.random())]));
+                u.extend((0..subject.properties.eval_dimension).map(|_| rng.random::<f64>()));
+            }
+            for value in light.at(&wis, &u)? {
+                sum += value;
+                squares += value * value;
+            }
         }
         let (n, size) = (points as f64, cell.area() * domain.measure());
         let variance = (squares - sum * sum / n).max(0.0) / (n * (n - 1.0));

@@ -1,8 +1,8 @@
 //! The test of a whole BSDF: what it evaluates, what it samples, and what it declares, each against the others.
 //!
 //! Most errors of BSDFs lie between evaluation, sample weights, pdf and energy, where a test of samples against the pdf does not
-//! look. Implement [`Bsdf`], and give [`assert_bsdf`] the directions `wo` to test it for, or [`test()`] for a [`Report`]. Each
-//! [`Check`] says what it finds; those in [`ALL`] need one BSDF, [`same_values`] and [`same_light`] compare two.
+//! look. Implement [`Bsdf`] (or [`BatchBsdf`], where values come in batches and may fail), and give [`assert_bsdf`] the directions
+//! `wo` to test it for, or [`test()`] for a [`Report`]. Each [`Check`] says what it finds; those in [`ALL`] need one BSDF, [`same_values`] and [`same_light`] compare two.
 //!
 //! An exact check compares numbers that must be equal up to rounding: 64 units of the last place of the BSDF's arithmetic
 //! ([`Properties::precision`]), or, where that is exceeded, the change of the number when each coordinate of the two directions
@@ -10,7 +10,9 @@
 
 mod adjoint;
 mod albedo;
+mod batch;
 mod contract;
+mod family;
 mod formula;
 mod jacobian;
 mod light;
@@ -25,10 +27,11 @@ mod values;
 mod vector;
 mod weights;
 
+pub use batch::{BatchBsdf, Pair};
 pub use contract::{
-    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Family, Parameter, PdfKind, Properties, Reciprocity,
-    Spectrum,
+    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Parameter, PdfKind, Properties, Reciprocity, Spectrum,
 };
+pub use family::Family;
 pub use limits::{same_light, same_values};
 pub use report::{Checked, Report, assert_bsdf, test};
 
@@ -56,14 +59,21 @@ impl Check {
     /// Runs it, its verdict still open; `None` where it does not apply to the BSDF. Each `round` has random numbers of its own.
     ///
     /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) for an impossible protocol; [`Error::Cancelled`](crate::Error::Cancelled).
-    pub fn examine(&self, bsdf: &dyn Bsdf, wo: Direction, protocol: &Protocol, round: u64) -> Result<Option<Outcome>> {
+    /// [`Error::Parameter`](crate::Error::Parameter) for an impossible protocol; [`Error::Cancelled`](crate::Error::Cancelled);
+    /// [`Error::External`](crate::Error::External) from the BSDF.
+    pub fn examine(
+        &self,
+        bsdf: &dyn BatchBsdf,
+        wo: Direction,
+        protocol: &Protocol,
+        round: u64,
+    ) -> Result<Option<Outcome>> {
         protocol.check()?;
         let start = std::time::Instant::now();
         // Each check has random numbers of its own for each direction.
         let parts = self.name.bytes().map(u64::from).chain(wo.map(f64::to_bits));
         let seed = parts.fold(protocol.seed, |seed, part| mix64(seed ^ part));
-        let outcome = (self.run)(&Subject::new(bsdf, wo, &Protocol { seed, ..*protocol }, round))?;
+        let outcome = (self.run)(&Subject::new(bsdf, wo, &Protocol { seed, ..*protocol }, round)?)?;
         Ok(outcome.map(|outcome| Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome }))
     }
 }
@@ -74,37 +84,37 @@ pub const ALL: [Check; 10] = [
         name: "values",
         finds: "NaN, infinite and negative values, pdfs and weights; light on a side that is not declared",
         is_statistical: false,
-        run: |subject| Ok(values::check(subject)),
+        run: values::check,
     },
     Check {
         name: "formula",
         finds: "weights other than f |cos| / pdf; samples that carry another pdf than `pdf` returns",
         is_statistical: false,
-        run: |subject| Ok(formula::check(subject)),
+        run: formula::check,
     },
     Check {
         name: "reciprocity",
         finds: "f that changes when wo and wi are exchanged, apart from η²",
         is_statistical: false,
-        run: |subject| Ok(reciprocity::check(subject)),
+        run: reciprocity::check,
     },
     Check {
         name: "adjoint",
         finds: "values and weights for importance that are not those for radiance times η²",
         is_statistical: false,
-        run: |subject| Ok(adjoint::check(subject)),
+        run: adjoint::check,
     },
     Check {
         name: "jacobian",
         finds: "pdfs of a lobe that are not its probability over the Jacobian of its map from random numbers to directions",
         is_statistical: false,
-        run: |subject| Ok(jacobian::check(subject)),
+        run: jacobian::check,
     },
     Check {
         name: "partition",
         finds: "lobes whose pdfs do not sum to the pdf, so that their MIS weights do not sum to 1",
         is_statistical: false,
-        run: |subject| Ok(partition::check(subject)),
+        run: partition::check,
     },
     Check {
         name: "energy",

@@ -1,6 +1,7 @@
 //! A report: all checks of a BSDF in one configuration, judged at one level.
 
-use super::contract::{Bsdf, Direction};
+use super::batch::BatchBsdf;
+use super::contract::Direction;
 use super::vector::place;
 use super::{ALL, Check};
 use crate::error::Result;
@@ -59,7 +60,7 @@ impl fmt::Display for Report {
 ///
 /// # Errors
 /// As [`Check::examine`].
-pub fn test(configuration: &str, bsdf: &dyn Bsdf, wos: &[Direction], protocol: &Protocol) -> Result<Report> {
+pub fn test(configuration: &str, bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol) -> Result<Report> {
     let protocol = Protocol { tests: protocol.tests.max(ALL.len() * wos.len()), ..*protocol };
     let (mut done, mut checks): (Vec<(&Check, Direction)>, Vec<Outcome>) = Default::default();
     for wo in wos {
@@ -85,7 +86,7 @@ pub fn test(configuration: &str, bsdf: &dyn Bsdf, wos: &[Direction], protocol: &
 /// # Panics
 /// If a check rejects or is inconclusive.
 #[track_caller]
-pub fn assert_bsdf(configuration: &str, bsdf: &dyn Bsdf, wos: &[Direction]) {
+pub fn assert_bsdf(configuration: &str, bsdf: &dyn BatchBsdf, wos: &[Direction]) {
     match test(configuration, bsdf, wos, &Protocol::default()) {
         Ok(report) => assert!(report.is_accepted(), "{report}"),
         Err(error) => panic!("{configuration} could not be tested: {error}"),

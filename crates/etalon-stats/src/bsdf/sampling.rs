@@ -1,6 +1,6 @@
 //! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes.
 
-use super::contract::{Density as Probability, Direction, PdfKind};
+use super::contract::{BsdfSample, Density as Probability, Direction, PdfKind};
 use super::subject::Subject;
 use super::vector::sphere;
 use crate::density::{Atom, Density, Mass};
@@ -18,22 +18,19 @@ impl Sampler<Direction> for Scattering<'_> {
     }
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<Direction>>>) -> Result<()> {
-        let of = |u: &[f64]| {
-            let sample = self.0.bsdf.sample(self.0.wo, u)?;
-            Some(match sample.density {
-                Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
-                Probability::Unknown => Sample::new(sample.wi),
-                Probability::Delta(_) => Sample::atom(sample.wi),
-            })
+        let of = |sample: BsdfSample| match sample.density {
+            Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
+            Probability::Unknown => Sample::new(sample.wi),
+            Probability::Delta(_) => Sample::atom(sample.wi),
         };
-        out.extend(u.chunks_exact(self.dimension()).map(of));
+        out.extend(self.0.sample(u)?.into_iter().map(|sample| sample.map(of)));
         Ok(())
     }
 }
 
 impl Density<Direction> for Scattering<'_> {
     fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
-        out.extend(points.iter().map(|&wi| self.0.bsdf.pdf(self.0.wo, wi)));
+        out.extend(self.0.bsdf.pdf(&self.0.pairs(points))?);
         Ok(())
     }
 

@@ -1,8 +1,10 @@
 //! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers.
 
-use super::contract::{Bsdf, BsdfSample, DeltaLobe, Direction, Properties, Spectrum};
+use super::batch::{BatchBsdf, Pair};
+use super::contract::{BsdfSample, DeltaLobe, Direction, Properties, Spectrum};
 use super::vector::{place, same_side, sphere};
 use crate::domain::Domain;
+use crate::error::Result;
 use crate::examine::Protocol;
 use crate::outcome::Outcome;
 use crate::stream::CounterRng;
@@ -25,7 +27,7 @@ const TINY: f64 = 1e-30;
 
 /// A BSDF for one `wo`.
 pub struct Subject<'a> {
-    pub bsdf: &'a dyn Bsdf,
+    pub bsdf: &'a dyn BatchBsdf,
     pub properties: Properties,
     pub wo: Direction,
     pub deltas: Vec<DeltaLobe>,
@@ -34,8 +36,9 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    pub fn new(bsdf: &'a dyn Bsdf, wo: Direction, protocol: &'a Protocol, round: u64) -> Self {
-        Self { bsdf, properties: bsdf.properties(), wo, deltas: bsdf.delta_lobes(wo), protocol, round }
+    pub fn new(bsdf: &'a dyn BatchBsdf, wo: Direction, protocol: &'a Protocol, round: u64) -> Result<Self> {
+        let deltas = bsdf.delta_lobes(&[wo])?.swap_remove(0);
+        Ok(Self { bsdf, properties: bsdf.properties(), wo, deltas, protocol, round })
     }
 
     /// A generator of random numbers of its own for each purpose of each check.
@@ -43,9 +46,14 @@ impl<'a> Subject<'a> {
         CounterRng::new(self.protocol.seed, (batch << 16) | (purpose << 8) | 0x80 | self.round)
     }
 
-    /// f(wo, wi) of a deterministic BSDF.
-    pub fn eval(&self, wi: Direction) -> Spectrum {
-        self.bsdf.eval(self.wo, wi, &[])
+    /// `wo` with each of `wis`.
+    pub fn pairs(&self, wis: &[Direction]) -> Vec<Pair> {
+        wis.iter().map(|&wi| [self.wo, wi]).collect()
+    }
+
+    /// A sample for each [`dimension`](Properties::dimension) numbers of `u`.
+    pub fn sample(&self, u: &[f64]) -> Result<Vec<Option<BsdfSample>>> {
+        self.bsdf.sample(&vec![self.wo; u.len() / self.properties.dimension.max(1)], u)
     }
 
     /// Whether values are deterministic.
@@ -64,15 +72,16 @@ impl<'a> Subject<'a> {
     }
 
     /// Random numbers and samples: at all pairs of edges, then at random.
-    pub fn samples(&self) -> Vec<(Vec<f64>, BsdfSample)> {
+    pub fn samples(&self) -> Result<Vec<(Vec<f64>, BsdfSample)>> {
         let dimension = self.properties.dimension;
         let mut rng = self.random(0, 0);
-        let edges = (0..EDGES.len().pow(2)).map(|i| {
-            (0..dimension).map(|d| EDGES[if d % 2 == 0 { i % EDGES.len() } else { i / EDGES.len() }]).collect()
+        let edges = (0..EDGES.len().pow(2)).flat_map(|i| {
+            (0..dimension).map(move |d| EDGES[if d % 2 == 0 { i % EDGES.len() } else { i / EDGES.len() }])
         });
-        let random = (0..SAMPLES).map(|_| (0..dimension).map(|_| rng.random::<f64>()).collect::<Vec<f64>>());
-        let all = edges.chain(random).collect::<Vec<_>>().into_iter();
-        all.filter_map(|u| Some((self.bsdf.sample(self.wo, &u)?, u))).map(|(sample, u)| (u, sample)).collect()
+        let random = (0..SAMPLES * dimension).map(|_| rng.random::<f64>());
+        let u: Vec<f64> = edges.chain(random).collect();
+        let samples = self.sample(&u)?.into_iter().zip(u.chunks_exact(dimension.max(1)));
+        Ok(samples.filter_map(|(sample, u)| Some((u.to_vec(), sample?))).collect())
     }
 
     /// Directions that do not come from the sampler: a spiral over the sphere, the poles, and directions along the surface.
@@ -86,23 +95,33 @@ impl<'a> Subject<'a> {
         (0..DIRECTIONS).map(spiral).chain(special).chain(along).collect()
     }
 
-    /// What rounding may change of `f`, the value of `function` at two directions: a few last places, and the change from
-    /// moving each coordinate of both directions by a few last places, which is what the roundings of a computation do at most
-    /// if it is backward stable.
-    pub fn rounding(&self, f: f64, [a, b]: [Direction; 2], function: impl Fn(Direction, Direction) -> f64) -> f64 {
+    /// What rounding may change of each of `f`, the values of `function` at two directions: a few last places, and the change
+    /// from moving each coordinate of both directions by a few last places, which is what the roundings of a computation do at
+    /// most if it is backward stable.
+    pub fn rounding(
+        &self,
+        f: &[f64],
+        pairs: &[Pair],
+        function: impl FnOnce(&[Pair]) -> Result<Vec<f64>>,
+    ) -> Result<Vec<f64>> {
         let step = MOVED * self.properties.precision;
-        let moved = |w: Direction, axis: usize, step: f64| {
-            let mut w = w;
-            w[axis] *= 1.0 + step;
-            w
+        // Along each coordinate, both directions forwards and backwards.
+        let moves = (0..3).flat_map(|axis| [(0, axis, step), (0, axis, -step), (1, axis, step), (1, axis, -step)]);
+        let moves: Vec<(usize, usize, f64)> = moves.collect();
+        let moved = |(pair, (which, axis, step)): (&Pair, &(usize, usize, f64))| {
+            let mut pair = *pair;
+            pair[*which][*axis] *= 1.0 + step;
+            pair
         };
-        let change = |other: f64| if other.is_finite() { (other - f).abs() } else { 0.0 };
-        let along = |axis: usize| {
-            let of_a = [step, -step].map(|step| change(function(moved(a, axis, step), b)));
-            let of_b = [step, -step].map(|step| change(function(a, moved(b, axis, step))));
-            of_a[0].max(of_a[1]) + of_b[0].max(of_b[1])
+        let all: Vec<Pair> = pairs.iter().flat_map(|pair| moves.iter().map(move |at| moved((pair, at)))).collect();
+        let values = function(&all)?;
+        let of = |(&f, values): (&f64, &[f64])| {
+            let change = |other: &f64| if other.is_finite() { (other - f).abs() } else { 0.0 };
+            let largest = |both: &[f64]| both.iter().map(change).fold(0.0, f64::max);
+            let along = |axis: &[f64]| largest(&axis[..2]) + largest(&axis[2..]);
+            self.last_places(f) + values.chunks_exact(4).map(along).sum::<f64>()
         };
-        self.last_places(f) + (0..3).map(along).sum::<f64>()
+        Ok(f.iter().zip(values.chunks_exact(moves.len())).map(of).collect())
     }
 
     /// A few last places of `f`.
@@ -114,6 +133,16 @@ impl<'a> Subject<'a> {
     pub fn at(&self, wi: Direction) -> String {
         format!("wo {}, wi {}", place(self.wo), place(wi))
     }
+}
+
+/// One channel of spectra.
+pub fn channel_of(values: &[Spectrum], channel: usize) -> Vec<f64> {
+    values.iter().map(|value| value[channel]).collect()
+}
+
+/// Pairs with their directions exchanged.
+pub fn swapped(pairs: &[Pair]) -> Vec<Pair> {
+    pairs.iter().map(|&[wo, wi]| [wi, wo]).collect()
 }
 
 /// The share of comparisons in which an error of the stated size would have been found.
@@ -131,24 +160,47 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Compares `found` with `expected`. `tolerance` is asked only where they differ by more than `quick`.
+    /// Compares what was found with what is expected in each entry of `numbers`, of which `quick` tells a tolerance. For the
+    /// entries that differ by more, `tolerances` is asked once for others.
     pub fn equal(
         &mut self,
-        [found, expected]: [f64; 2],
-        quick: f64,
-        tolerance: impl FnOnce() -> f64,
-        message: impl FnOnce() -> String,
-    ) {
-        self.compared += 1;
-        let (difference, scale) = ((found - expected).abs(), found.abs().max(expected.abs()));
-        let tolerance = if difference <= quick { quick } else { tolerance().max(quick) };
-        // Numbers near 0 have no relative error.
-        if scale > TINY.sqrt() {
-            self.tolerated.push((tolerance / scale).min(1.0));
+        numbers: &[[f64; 2]],
+        quick: impl Fn(usize) -> f64,
+        tolerances: impl FnOnce(&[usize]) -> Result<Vec<f64>>,
+        message: impl Fn(usize) -> String,
+    ) -> Result<()> {
+        self.compared += numbers.len() as u64;
+        let difference = |i: usize| (numbers[i][0] - numbers[i][1]).abs();
+        let mut tolerated: Vec<f64> = (0..numbers.len()).map(quick).collect();
+        let is_close = |i: &usize| difference(*i) <= tolerated[*i];
+        let far: Vec<usize> = (0..numbers.len()).filter(|i| !is_close(i)).collect();
+        if !far.is_empty() {
+            for (&i, tolerance) in far.iter().zip(tolerances(&far)?) {
+                tolerated[i] = tolerance.max(tolerated[i]);
+                let (difference, [found, expected]) = (difference(i), numbers[i]);
+                if difference.is_nan() || difference > tolerated[i] {
+                    self.fail(difference / tolerated[i], || format!("{}: {found:.6e} and {expected:.6e}", message(i)));
+                }
+            }
         }
-        if difference.is_nan() || difference > tolerance {
-            self.fail(difference / tolerance, || format!("{}: {found:.6e} and {expected:.6e}", message()));
+        for (tolerance, [found, expected]) in tolerated.into_iter().zip(numbers) {
+            // Numbers near 0 have no relative error.
+            let scale = found.abs().max(expected.abs());
+            if scale > TINY.sqrt() {
+                self.tolerated.push((tolerance / scale).min(1.0));
+            }
         }
+        Ok(())
+    }
+
+    /// Compares as [`equal`](Self::equal), by one tolerance only.
+    pub fn near(
+        &mut self,
+        numbers: &[[f64; 2]],
+        quick: impl Fn(usize) -> f64,
+        message: impl Fn(usize) -> String,
+    ) -> Result<()> {
+        self.equal(numbers, quick, |far| Ok(vec![0.0; far.len()]), message)
     }
 
     /// States something that must hold.

@@ -58,18 +58,17 @@ pub fn sums(
         poll(subject.protocol.cancelled)?;
         let mut rng = subject.random(purpose, batch + 1);
         let mean = BATCH.min(count - batch * BATCH);
-        let mut u = vec![0.0; subject.properties.dimension];
-        let mut sums = vec![vec![CellSum::default(); places]; channels.len()];
-        let (mut taken, mut arrival) = (0, 0.0);
+        let (mut u, mut arrival) = (Vec::with_capacity(mean as usize * subject.properties.dimension), 0.0);
         loop {
             // Poisson's numbers count arrivals whose distances are exponentially distributed.
             arrival += if poisson { -(1.0 - rng.random::<f64>()).ln() } else { 1.0 };
             if arrival > mean as f64 {
                 break;
             }
-            taken += 1;
-            u.iter_mut().for_each(|u| *u = rng.random());
-            let Some(sample) = subject.bsdf.sample(subject.wo, &u) else { continue };
+            u.extend((0..subject.properties.dimension).map(|_| rng.random::<f64>()));
+        }
+        let mut sums = vec![vec![CellSum::default(); places]; channels.len()];
+        for sample in subject.sample(&u)?.into_iter().flatten() {
             let place = if sample.is_delta() {
                 let known = subject.deltas.iter().position(|lobe| sphere().same(lobe.wi, sample.wi));
                 grid.len() + known.unwrap_or(subject.deltas.len())
@@ -80,7 +79,6 @@ pub fn sums(
                 sums[place].add(sample.weight[channel]);
             }
         }
-        debug_assert!(poisson || taken == mean);
         Ok(sums)
     };
     let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;

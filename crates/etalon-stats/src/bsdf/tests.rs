@@ -1,7 +1,9 @@
 //! Right BSDFs are accepted by all checks, and each check rejects what it is there for.
 
-use super::*;
-use crate::examine::SampleCount;
+use super::{
+    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Properties, Spectrum, same_light, same_values, test,
+};
+use crate::examine::{Protocol, SampleCount};
 use crate::outcome::Verdict;
 use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize};
 use rayon::prelude::*;
@@ -144,7 +146,7 @@ fn quick() -> Protocol {
     Protocol { samples: SampleCount::Detect(0.03), ..Protocol::default() }
 }
 
-fn rejecting(bsdf: &dyn Bsdf) -> Vec<&'static str> {
+fn rejecting(bsdf: &dyn super::BatchBsdf) -> Vec<&'static str> {
     let report = test("under test", bsdf, &[towards(40.0)], &quick()).unwrap();
     report.with(Verdict::Reject).map(|checked| checked.check).collect()
 }
@@ -152,7 +154,7 @@ fn rejecting(bsdf: &dyn Bsdf) -> Vec<&'static str> {
 #[test]
 fn right_bsdfs_are_accepted() {
     let wos = [0.0, 40.0, 85.0].map(towards);
-    let all: [(&str, &dyn Bsdf); 6] = [
+    let all: [(&str, &dyn super::BatchBsdf); 6] = [
         ("Lambertian", &Lambertian(Fault::None)),
         ("stochastic Lambertian", &Lambertian(Fault::Stochastic)),
         ("mirror", &Mirror),
@@ -189,17 +191,19 @@ fn every_check_rejects_what_it_is_there_for() {
 #[test]
 fn limits_are_reached_and_missed() {
     let protocol = Protocol::default();
-    let apart =
-        |alpha: f64, tolerance: f64| same_light(&Conductor(alpha), &Mirror, towards(40.0), tolerance, &protocol);
+    let apart = |alpha: f64, tolerance: f64| {
+        same_light(&Conductor(alpha), &Mirror, towards(40.0), tolerance, &protocol).unwrap()
+    };
     assert!(apart(1e-3, 1e-3).violation.is_none(), "{:?}", apart(1e-3, 1e-3));
     assert!(apart(0.3, 1e-3).violation.is_some());
-    let same = |b: Fault| same_values(&Lambertian(Fault::None), &Lambertian(b), towards(40.0), &protocol).violation;
+    let same =
+        |b: Fault| same_values(&Lambertian(Fault::None), &Lambertian(b), towards(40.0), &protocol).unwrap().violation;
     assert_eq!(same(Fault::Weight), None);
     assert!(same(Fault::Value).unwrap().contains("(values)") && same(Fault::Pdf).unwrap().contains("(pdfs)"));
 }
 
 /// Whether a quick report of few samples rejects a right BSDF.
-fn is_false_alarm(bsdf: &dyn Bsdf, seed: u64) -> bool {
+fn is_false_alarm(bsdf: &dyn super::BatchBsdf, seed: u64) -> bool {
     let protocol = Protocol { seed, samples: SampleCount::Fixed(1 << 13), cells: 20, ..Protocol::default() };
     test("right", bsdf, &[towards(60.0)], &protocol).unwrap().with(Verdict::Reject).count() > 0
 }
@@ -207,7 +211,7 @@ fn is_false_alarm(bsdf: &dyn Bsdf, seed: u64) -> bool {
 #[test]
 fn right_bsdfs_are_rejected_in_at_most_20_of_1000_runs() {
     // Mostly those that take little time.
-    let (paint, walk, metal): (&dyn Bsdf, &dyn Bsdf, &dyn Bsdf) =
+    let (paint, walk, metal): (&dyn super::BatchBsdf, &dyn super::BatchBsdf, &dyn super::BatchBsdf) =
         (&Lambertian(Fault::None), &Lambertian(Fault::Stochastic), &Conductor(0.5));
     let all = [paint, walk, paint, walk, paint, walk, paint, metal];
     let alarms = (0..1000).into_par_iter().filter(|&seed| is_false_alarm(all[seed as usize % all.len()], seed)).count();

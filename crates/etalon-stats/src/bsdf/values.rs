@@ -1,26 +1,29 @@
 //! Values: finite, not negative, and only where the BSDF declares that it scatters light.
 
-use super::contract::Density;
+use super::contract::{Density, Direction};
 use super::subject::{Comparison, Subject};
+use crate::error::Result;
 use crate::outcome::Outcome;
 use rand::RngExt;
 
 /// Looks at values, pdfs and weights at samples, at random numbers on the edges of the unit cube, and in many directions: along
 /// the surface, at the poles, towards and opposite to `wo`.
-pub fn check(subject: &Subject) -> Option<Outcome> {
+pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     let Subject { bsdf, properties, wo, .. } = subject;
     let mut found = Comparison::default();
     for parameter in &properties.parameters {
         let ([from, to], value) = (parameter.range, parameter.value);
         found.holds((from..=to).contains(&value), || format!("{} = {value} is not in {from}..{to}", parameter.name));
     }
-    let samples = subject.samples();
+    let samples = subject.samples()?;
     // Values and pdfs in all directions.
     let mut rng = subject.random(1, 0);
     let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
-    for wi in subject.directions().into_iter().chain(sampled) {
-        let u: Vec<f64> = (0..properties.eval_dimension).map(|_| rng.random::<f64>()).collect();
-        let (f, pdf) = (bsdf.eval(*wo, wi, &u), bsdf.pdf(*wo, wi));
+    let directions: Vec<Direction> = subject.directions().into_iter().chain(sampled).collect();
+    let pairs = subject.pairs(&directions);
+    let u: Vec<f64> = (0..directions.len() * properties.eval_dimension).map(|_| rng.random::<f64>()).collect();
+    let (values, pdfs) = (bsdf.eval(&pairs, &u)?, bsdf.pdf(&pairs)?);
+    for ((wi, f), pdf) in directions.into_iter().zip(values).zip(pdfs) {
         let f = &f[..properties.channels];
         let finite = |x: &f64| x.is_finite() && *x >= 0.0;
         found.holds(f.iter().all(finite), || format!("{}: f = {f:?}", subject.at(wi)));
@@ -46,5 +49,5 @@ pub fn check(subject: &Subject) -> Option<Outcome> {
         let range = 0.0..=1.0 + properties.precision;
         found.holds(range.contains(&probability), || format!("{}: a probability of {probability}", at()));
     }
-    found.outcome("being finite, not negative and as declared")
+    Ok(found.outcome("being finite, not negative and as declared"))
 }

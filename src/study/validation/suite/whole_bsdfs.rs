@@ -13,6 +13,7 @@ use crate::math::Rgb;
 use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
 use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
+use etalon_stats::Outcome;
 use etalon_stats::bsdf::{Direction, Energy, same_light, same_values};
 use std::sync::Arc;
 
@@ -188,6 +189,7 @@ fn limit(name: String, pair: [Material; 2], tolerance: Option<f32>) -> Case {
             None => same_values(&a, &b, wo, protocol),
         };
         let all = directions(&[0.0, 30.0, 70.0, 150.0]).into_iter().map(compare);
+        let all = all.collect::<etalon_stats::Result<Vec<Outcome>>>()?.into_iter();
         Ok(all.reduce(|first, next| if first.violation.is_some() { first } else { next }).unwrap_or_default())
     })
 }

@@ -6,14 +6,13 @@ use super::faulty::towards;
 use super::rough::{Facets, Rough};
 use super::smooth::{Glass, Lambertian};
 use crate::study::validation::case::Case;
-use etalon_stats::Outcome;
-use etalon_stats::Protocol;
-use etalon_stats::bsdf::{Bsdf, same_light, same_values};
+use etalon_stats::bsdf::{BatchBsdf, same_light, same_values};
+use etalon_stats::{Outcome, Protocol, Result};
 
 /// A comparison with the mistake (`true`) and without it.
-fn limit(name: &'static str, compare: fn(bool, &Protocol) -> Outcome, mistake: &'static str) -> PlantedFault {
+fn limit(name: &'static str, compare: fn(bool, &Protocol) -> Result<Outcome>, mistake: &'static str) -> PlantedFault {
     let case = |kind: &str, faulty: bool| {
-        Case::new(format!("{kind}/{name}"), move |protocol, _| Ok(compare(faulty, protocol)))
+        Case::new(format!("{kind}/{name}"), move |protocol, _| Ok(compare(faulty, protocol)?))
     };
     PlantedFault { name, mistake, faulty: case("planted", true), sound: case("sound", false) }
 }
@@ -51,7 +50,7 @@ pub fn faults() -> Vec<PlantedFault> {
             |faulty, protocol| {
                 let rough = Rough { alpha: [0.8; 2], facets: Facets::Conductor(1.0) };
                 let compensated = Compensated::new();
-                let other: &dyn Bsdf = if faulty { &compensated } else { &rough };
+                let other: &dyn BatchBsdf = if faulty { &compensated } else { &rough };
                 same_light(&rough, other, towards(50.0), 1e-9, protocol)
             },
             "compensation that stays on where it is switched off",
