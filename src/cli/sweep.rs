@@ -105,8 +105,11 @@ impl Sweep {
         let plan = Plan::new(description, families)?;
         let shard = self.shard.map_or(sweep::Shard::WHOLE, |Shard { index, count }| sweep::Shard { index, count });
         if u64::from(shard.count) > plan.len() {
-            return Err(Error::parameter("shard", format!("{} configurations cannot be cut into {}", plan.len(), shard.count))
-                .with_hint("at most one shard for each configuration"));
+            return Err(Error::parameter(
+                "shard",
+                format!("{} configurations cannot be cut into {}", plan.len(), shard.count),
+            )
+            .with_hint("at most one shard for each configuration"));
         }
         // Where the part goes, checked before it is computed.
         let target = global.arguments.target(global.out.as_deref(), &["names", "shard"]);
@@ -194,7 +197,8 @@ fn replayed(text: String, _: &Configuration, findings: Vec<Finding>, level: f64)
 
 /// The families of these names, or all.
 pub fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
-    let known: Vec<String> = families::all().iter().map(|family| etalon_stats::bsdf::Family::name(family).to_owned()).collect();
+    let known: Vec<String> =
+        families::all().iter().map(|family| etalon_stats::bsdf::Family::name(family).to_owned()).collect();
     for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
         if !known.iter().any(|known| known == name) {
             return Err(Error::parameter("names", format!("there is no family \"{name}\""))
@@ -227,7 +231,8 @@ fn list(families: &Families, console: &Console) {
     let lines: Vec<Line> = families.iter().map(line).collect();
     console.result(&std::collections::BTreeMap::from([("families", &lines)]), || {
         let text = |line: &Line| {
-            let of = |(name, value, [from, to]): &(String, f64, [f64; 2])| format!("{name}={value} ({from:.4}..{to:.4})");
+            let of =
+                |(name, value, [from, to]): &(String, f64, [f64; 2])| format!("{name}={value} ({from:.4}..{to:.4})");
             format!("{:<22} {}", line.name, line.parameters.iter().map(of).collect::<Vec<_>>().join("  "))
         };
         lines.iter().map(text).collect::<Vec<_>>().join("\n")

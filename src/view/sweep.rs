@@ -12,7 +12,8 @@ pub fn text(found: &Conclusion, sweep: &Description) -> String {
         100.0 * sweep.detect()
     );
     for group in &found.groups {
-        let Group { family, check, configurations, accepted, rejected, inconclusive, survivors, min_p, powered } = group;
+        let Group { family, check, configurations, accepted, rejected, inconclusive, survivors, min_p, powered } =
+            group;
         let [survivors, p, power] = match min_p {
             Some(p) => {
                 let share = 100.0 * *powered as f64 / (*configurations).max(1) as f64;

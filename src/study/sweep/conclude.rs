@@ -205,7 +205,8 @@ pub fn conclude(
         check: ALL[check].name.to_owned(),
         ..group
     };
-    let tests: u64 = sums.groups.iter().filter(|((_, check), _)| ALL[*check].is_statistical).map(|(_, g)| g.configurations).sum();
+    let tests: u64 =
+        sums.groups.iter().filter(|((_, check), _)| ALL[*check].is_statistical).map(|(_, g)| g.configurations).sum();
     let conclusion = Conclusion {
         families: plan.description.families().count(),
         configurations: sums.configurations,
@@ -231,9 +232,7 @@ fn failure(plan: &Plan, family: usize, check: usize, failed: Failed) -> Result<F
     let detect = plan.description.detect();
     let shrunk = shrink(family, &configuration, check, detect, interrupt::requested)?;
     let (simplest, message, p) = match shrunk {
-        Some(shrunk) => {
-            (shrunk.configuration, shrunk.finding.message.unwrap_or_default(), shrunk.finding.p)
-        }
+        Some(shrunk) => (shrunk.configuration, shrunk.finding.message.unwrap_or_default(), shrunk.finding.p),
         None => (configuration.clone(), failed.message, failed.p),
     };
     Ok(Failure {

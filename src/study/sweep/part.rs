@@ -99,8 +99,14 @@ impl Part {
         let values = family.parameters().into_iter().zip(&configuration.values);
         let values: Vec<String> = values.map(|(parameter, value)| format!("{}={value}", parameter.name)).collect();
         let [theta, phi] = configuration.wo.map(|angle| angle.to_string());
-        let mut fields =
-            vec![number.to_string(), family.name().into(), values.join(" "), theta, phi, configuration.seed.to_string()];
+        let mut fields = vec![
+            number.to_string(),
+            family.name().into(),
+            values.join(" "),
+            theta,
+            phi,
+            configuration.seed.to_string(),
+        ];
         for (index, check) in ALL.iter().enumerate() {
             let found = findings.iter().find(|finding| finding.check == index);
             let state = found.and_then(|found| STATES.iter().find(|(_, state)| *state == found.state));
@@ -150,7 +156,9 @@ impl Part {
             let line = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
             writeln!(out, "# {line}").map_err(io)?;
             let mut table = csv::Writer::from_writer(out);
-            let rows = std::iter::once(&StringRecord::from(columns())).chain(self.rows.values()).try_for_each(|row| table.write_record(row));
+            let rows = std::iter::once(&StringRecord::from(columns()))
+                .chain(self.rows.values())
+                .try_for_each(|row| table.write_record(row));
             rows.map_err(|e| io(e.into()))?;
             table.flush().map_err(io)
         })
@@ -207,7 +215,9 @@ impl Part {
 fn columns() -> Vec<String> {
     let of_check = |check: &etalon_stats::bsdf::Check| {
         let more = ["p", "detects"].map(|what| format!("{}_{what}", check.name));
-        std::iter::once(check.name.to_owned()).chain(more.into_iter().filter(|_| check.is_statistical)).collect::<Vec<_>>()
+        std::iter::once(check.name.to_owned())
+            .chain(more.into_iter().filter(|_| check.is_statistical))
+            .collect::<Vec<_>>()
     };
     let first = FIRST.map(str::to_owned).into_iter();
     first.chain(ALL.iter().flat_map(of_check)).chain(["message".to_owned()]).collect()
@@ -268,7 +278,8 @@ pub fn merge(
         crate::interrupt::check()?;
         take(path, &Part::read(path)?)?;
     }
-    let missing: Vec<String> = (1..=count).filter(|index| !held.contains_key(index)).map(|i| format!("{i}/{count}")).collect();
+    let missing: Vec<String> =
+        (1..=count).filter(|index| !held.contains_key(index)).map(|i| format!("{i}/{count}")).collect();
     if !missing.is_empty() {
         let some = missing[..missing.len().min(20)].join(", ");
         let dots = if missing.len() > 20 { ", …" } else { "" };

@@ -181,9 +181,8 @@ impl Plan {
     /// Those of [`Family::with`].
     pub fn new(description: Description, families: Families) -> Result<Self> {
         let strategy = strategy(&description.strategy);
-        let space = |family: &Box<dyn Family>| {
-            Space::new(&**family, strategy, description.configurations, description.seed)
-        };
+        let space =
+            |family: &Box<dyn Family>| Space::new(&**family, strategy, description.configurations, description.seed);
         let spaces = families.iter().map(space).collect::<etalon_stats::Result<_>>()?;
         Ok(Self { description, families, spaces })
     }

@@ -43,7 +43,8 @@ impl Configuration {
     #[must_use]
     pub fn text(&self, family: &dyn Family) -> String {
         let parameters = family.parameters();
-        let values: String = parameters.iter().zip(&self.values).map(|(p, value)| format!(" {}={value}", p.name)).collect();
+        let values: String =
+            parameters.iter().zip(&self.values).map(|(p, value)| format!(" {}={value}", p.name)).collect();
         format!("{}{values} wo={},{} seed={}", family.name(), self.wo[0], self.wo[1], self.seed)
     }
 
@@ -93,7 +94,10 @@ impl Configuration {
                     let Some(number) = number() else { return refuse(unreadable(), "a value is a number") };
                     let [from, to] = parameters[index].range;
                     if !(from..=to).contains(&number) {
-                        return refuse(format!("{name}={value} is not from {from} to {to}"), "sweeps stay in this range");
+                        return refuse(
+                            format!("{name}={value} is not from {from} to {to}"),
+                            "sweeps stay in this range",
+                        );
                     }
                     found.values[index] = number;
                 }

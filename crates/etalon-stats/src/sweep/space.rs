@@ -102,14 +102,18 @@ impl Space {
         let (values, angles) = match self.strategy {
             Strategy::Grid => self.on_grid(number),
             Strategy::Random => {
-                let values = self.parameters.iter().zip(&shares).map(|(parameter, &share)| parameter.at(share)).collect();
+                let values =
+                    self.parameters.iter().zip(&shares).map(|(parameter, &share)| parameter.at(share)).collect();
                 (values, self.angles(&shares))
             }
             Strategy::Edges => self.at_edges(number, &shares),
         };
         let [theta, azimuth, side] = angles;
         let theta = if side < 0.5 { theta } else { 180.0 - theta };
-        let rounded = |(value, parameter): (f64, &Parameter)| short(value).clamp(parameter.range[0], parameter.range[1]);
+        let rounded = |(value, parameter): (f64, &Parameter)| {
+            let [from, to] = parameter.range;
+            if [from, to, parameter.value].contains(&value) { value } else { short(value).clamp(from, to) }
+        };
         // Half a word for the seed: it is a part of what users type.
         let seed = mix64(self.seed ^ number) >> 32;
         let wo = [theta, azimuth].map(|angle| (100.0 * angle).round() / 100.0);
@@ -162,7 +166,8 @@ impl Space {
         let side = (rest % self.sides) as f64;
         rest /= self.sides;
         let [.., theta, azimuth, _] = self.angles(shares)[..] else { return (Vec::new(), [0.0; 3]) };
-        let inside: Vec<f64> = self.parameters.iter().zip(shares).map(|(parameter, &share)| parameter.at(share)).collect();
+        let inside: Vec<f64> =
+            self.parameters.iter().zip(shares).map(|(parameter, &share)| parameter.at(share)).collect();
         let mut chosen: Vec<f64> = Vec::new();
         for (choices, inside) in self.choices.iter().zip(inside.into_iter().chain([theta, azimuth])) {
             let choice = choices[(rest % choices.len() as u64) as usize];
