@@ -27,4 +27,5 @@ mod slurm;
 mod stability;
 #[cfg(unix)]
 mod streams;
+mod sweep;
 mod validate;
