@@ -7,6 +7,7 @@ pub mod mesh;
 pub(crate) mod number;
 pub mod pbrt;
 mod place;
+pub mod program;
 mod rule;
 pub mod sampler;
 mod shape;

@@ -2,8 +2,9 @@
 
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
+use etalon::import::program::sampler::Client;
+use etalon::import::program::{Answer, Connection, External, connect};
 use etalon::import::sampler::files::{GridDensity, SampleFile};
-use etalon::import::sampler::program::{Answer, Client, Connection};
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
@@ -12,6 +13,7 @@ use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
 use etalon::{Error, Result};
+use etalon_stats::bsdf::{Family, Pair};
 use etalon_stats::{Density, Protocol, SampleCount, Sampler, examine};
 use std::path::Path;
 use std::sync::Arc;
@@ -121,12 +123,28 @@ impl Visitor for Files<'_> {
     }
 }
 
-/// Recorded responses of a program to requests for samples, their pdf and their inverse, in blocks as from a pipe.
+/// Recorded responses of a program to requests for samples, their pdf and their inverse, or for what a BSDF has, in blocks as
+/// from a pipe.
 pub fn protocol(path: &Path) -> Result<()> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let blocks: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\x0c').map(<[u8]>::to_vec).collect();
-    let client = Client::connect(Record(blocks.into_iter()), None)?;
-    client.space().with(Asked(client))
+    match connect(Record(blocks.into_iter()), None)? {
+        External::Sampler(client) => client.space().with(Asked(client)),
+        External::Bsdf(program) => Ok(ask_bsdf(&program)?),
+    }
+}
+
+fn ask_bsdf(family: &dyn Family) -> etalon_stats::Result<()> {
+    let usual: Vec<f64> = family.parameters().iter().map(|parameter| parameter.value).collect();
+    let bsdf = family.with(&usual)?;
+    let properties = bsdf.properties();
+    let wos = [[0.6, 0.0, 0.8]; 4];
+    bsdf.delta_lobes(&wos)?;
+    let samples = bsdf.sample(&wos, &vec![0.5; wos.len() * properties.dimension])?;
+    let pairs: Vec<Pair> = samples.iter().flatten().map(|sample| [wos[0], sample.wi]).collect();
+    bsdf.pdf(&pairs)?;
+    bsdf.eval(&pairs, &vec![0.5; pairs.len() * properties.eval_dimension])?;
+    Ok(())
 }
 
 struct Record(std::vec::IntoIter<Vec<u8>>);

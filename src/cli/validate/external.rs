@@ -1,11 +1,13 @@
-//! Samplers of other programs and in files: the arguments of `validate` for them.
+//! Samplers and BSDFs of other programs, samplers in files: the arguments of `validate` for them.
 
 use crate::cli::console::Console;
 use crate::error::{Error, Result};
+use crate::import::program::bsdf::Program;
+use crate::import::program::sampler::Client;
+use crate::import::program::{self, External};
 use crate::import::sampler::files::{GridDensity, SampleFile};
-use crate::import::sampler::program::Client;
 use crate::import::sampler::{Coordinates, Space, Visitor};
-use crate::study::validation::Case;
+use crate::study::validation::{Case, WholeBsdf};
 use clap::Args;
 use etalon_stats::examine;
 use std::ffi::OsStr;
@@ -13,11 +15,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// An external sampler.
+/// An external sampler or BSDF.
 #[derive(Args)]
-#[command(next_help_heading = "External samplers")]
-pub struct ExternalSampler {
-    /// Test the sampler of another program: COMMAND starts it; requests and replies go over its standard input and output
+#[command(next_help_heading = "Samplers and BSDFs of other programs")]
+pub struct Arguments {
+    /// Test the sampler or the BSDF of another program: COMMAND starts it; requests and replies go over its standard input and output
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
     /// Domain of the samples: sphere, hemisphere, square, line or discrete:N (default: what the program says)
@@ -26,6 +28,9 @@ pub struct ExternalSampler {
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
+    /// A parameter of the program's BSDF (may be repeated; default: the usual value, which the program says)
+    #[arg(long, value_name = "NAME=VALUE", requires = "exec")]
+    set: Vec<String>,
     /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
     pdf: Option<PathBuf>,
@@ -45,8 +50,26 @@ impl From<&OsStr> for SampleSource {
     }
 }
 
-impl ExternalSampler {
-    pub fn case(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Case>> {
+/// What is to be tested.
+pub enum Subject {
+    /// Samplers.
+    Cases(Vec<Case>),
+    /// A program's BSDF.
+    Bsdf(WholeBsdf<Program>),
+}
+
+impl Subject {
+    /// The names of all tests.
+    pub fn names(&self) -> Vec<String> {
+        match self {
+            Self::Cases(cases) => cases.iter().map(|case| case.name.clone()).collect(),
+            Self::Bsdf(bsdf) => bsdf.names(),
+        }
+    }
+}
+
+impl Arguments {
+    pub fn subject(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Subject>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
         match (&self.exec, samples, &self.pdf) {
             (Some(_), Some(SampleSource::File(file)), _) => {
@@ -54,7 +77,9 @@ impl ExternalSampler {
                     .with_hint("with `exec`, the program generates the samples"))
             }
             (Some(command), ..) => self.program(command, space).map(Some),
-            (None, Some(SampleSource::File(file)), Some(pdf)) => files(file, pdf, space, console).map(Some),
+            (None, Some(SampleSource::File(file)), Some(pdf)) => {
+                files(file, pdf, space, console).map(|case| Some(Subject::Cases(vec![case])))
+            }
             (None, Some(SampleSource::File(file)), None) => {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
                     .with_hint("if it is a file of samples, give their pdf by `pdf` FILE"))
@@ -69,9 +94,20 @@ impl ExternalSampler {
         }
     }
 
-    fn program(&self, command: &str, space: Option<Space>) -> Result<Case> {
-        let client = Client::start(command, space, self.limit()?)?;
-        client.space().with(ProgramCase(client))
+    fn program(&self, command: &str, space: Option<Space>) -> Result<Subject> {
+        let chosen = self.set.iter().map(|text| parameter(text)).collect::<Result<Vec<_>>>()?;
+        match program::start(command, space, self.limit()?)? {
+            External::Bsdf(program) => {
+                let values = program.values(&chosen)?;
+                Ok(Subject::Bsdf(WholeBsdf::new(program, values)))
+            }
+            External::Sampler(_) if !chosen.is_empty() => {
+                Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
+            }
+            External::Sampler(client) => {
+                client.space().with(ProgramCase(client)).map(|case| Subject::Cases(vec![case]))
+            }
+        }
     }
 
     fn limit(&self) -> Result<Duration> {
@@ -81,6 +117,13 @@ impl ExternalSampler {
         }
         Ok(Duration::from_secs_f64(self.timeout))
     }
+}
+
+/// A name and its value.
+fn parameter(text: &str) -> Result<(String, f64)> {
+    let read = |(name, value): (&str, &str)| Some((name.to_owned(), value.parse().ok()?));
+    let wrong = || Error::parameter("set", format!("\"{text}\" is not NAME=VALUE")).with_hint("such as alpha=0.2");
+    text.split_once('=').and_then(read).ok_or_else(wrong)
 }
 
 struct ProgramCase(Client);

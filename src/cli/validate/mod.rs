@@ -8,14 +8,14 @@ mod summary;
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::map_file::{self, MapOptions};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files;
 use crate::output;
-use crate::study::validation::{Case, Tested, Validation, run, select, suite};
+use crate::study::validation::{Tested, Validation, run, select, suite};
 use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
 use etalon_stats::{Protocol, SampleCount};
-use external::{ExternalSampler, SampleSource};
+use external::{SampleSource, Subject};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -27,6 +27,7 @@ use std::path::PathBuf;
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
+                        etalon validate --exec 'python3 examples/bsdf.py' --set exponent=100\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
 )]
 pub struct Validate {
@@ -60,7 +61,7 @@ pub struct Validate {
     #[command(flatten)]
     options: MapOptions,
     #[command(flatten)]
-    external: ExternalSampler,
+    external: external::Arguments,
     /// Write the results as JUnit XML too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -71,20 +72,27 @@ impl Validate {
         if self.planted {
             return planted::run(&self.protocol(global), global, console);
         }
-        let cases = self.cases(console)?;
+        let subject = self.subject(console)?;
         if self.list {
-            list(&cases, console);
+            list(&subject.names(), console);
             return Ok(Verdict::Good);
         }
-        if let Some(seeds) = self.calibrate {
-            return calibration::run(&cases, &self.protocol(global), seeds, global, console);
+        let protocol = self.protocol(global);
+        if let (Some(seeds), Subject::Cases(cases)) = (self.calibrate, &subject) {
+            return calibration::run(cases, &protocol, seeds, global, console);
         }
         // Fail before the tests, not after them.
         self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
         let target = global.target(&[]);
         let stem = target.stem("validation", "", &output::STUDY)?;
-        let bar = console.progress(cases.len() as u64, "validate");
-        let validation = run(&cases, &self.protocol(global), &|_| bar.inc(1))?;
+        let bar = console.progress(subject.names().len() as u64, "validate");
+        let validation = match &subject {
+            Subject::Cases(cases) => run(cases, &protocol, &|_| bar.inc(1)),
+            Subject::Bsdf(_) if self.calibrate.is_some() => {
+                Err(Error::parameter("seeds", "the BSDF of another program has no calibration"))
+            }
+            Subject::Bsdf(bsdf) => bsdf.run(&protocol, &|| bar.inc(1)),
+        }?;
         bar.finish_and_clear();
         let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
         // What is rejected is drawn without being asked for.
@@ -119,16 +127,16 @@ impl Validate {
         self.samples.as_deref().map(SampleSource::from)
     }
 
-    fn cases(&self, console: &Console) -> Result<Vec<Case>> {
-        if let Some(case) = self.external.case(self.samples().as_ref(), console)? {
-            return Ok(vec![case]);
+    fn subject(&self, console: &Console) -> Result<Subject> {
+        if let Some(subject) = self.external.subject(self.samples().as_ref(), console)? {
+            return Ok(subject);
         }
         let mut all = suite::cases();
         if let Some(name) = &self.envmap {
             let source = map_file::load(name, self.options, console)?;
             all.extend(suite::maps::of_map(&map_file::short_name(name), source.map));
         }
-        select(all, &self.names)
+        select(all, &self.names).map(Subject::Cases)
     }
 }
 
@@ -141,7 +149,6 @@ fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>>
     output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
 }
 
-fn list(cases: &[Case], console: &Console) {
-    let tests: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-    console.result(&BTreeMap::from([("tests", &tests)]), || tests.join("\n"));
+fn list(tests: &[String], console: &Console) {
+    console.result(&BTreeMap::from([("tests", tests)]), || tests.join("\n"));
 }

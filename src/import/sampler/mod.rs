@@ -1,10 +1,10 @@
-//! External samplers, as [`Sampler`](etalon_stats::Sampler) and [`Density`](etalon_stats::Density): a [`program`] that is
-//! called over its standard input and output, or [`files`] with its samples and their pdf.
+//! External samplers: their domains, and [`files`] with their samples and their pdf. A sampler that can be called is one of
+//! [`program`](super::program).
 
 mod domain;
 pub mod files;
-pub mod program;
 mod space;
 
 pub use domain::Coordinates;
+pub(crate) use domain::write_numbers;
 pub use space::{Space, Visitor};

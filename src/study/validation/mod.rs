@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod case;
+mod external;
 pub mod families;
 pub mod planted;
 mod run;
@@ -13,5 +14,6 @@ mod whole;
 
 pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::{Case, DirectionSampler, direction_sampler};
+pub use external::WholeBsdf;
 pub use run::{Ranked, Tested, Validation, run};
 pub use select::select;

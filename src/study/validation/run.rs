@@ -64,7 +64,7 @@ pub struct Ranked {
 }
 
 impl Validation {
-    fn new(protocol: &Protocol, tests: Vec<Tested>, start: Instant) -> Self {
+    pub(super) fn new(protocol: &Protocol, tests: Vec<Tested>, start: Instant) -> Self {
         let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
         let p: Vec<f64> = tests.iter().filter_map(|test| test.outcome.continuous_p()).collect();
         Self {

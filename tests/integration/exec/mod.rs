@@ -1,5 +1,6 @@
 //! External samplers: the example clients, programs that misbehave, how programs end, and files of samples.
 
+mod bsdfs;
 mod files;
 #[cfg(unix)]
 mod group;

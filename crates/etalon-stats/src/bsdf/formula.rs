@@ -91,8 +91,8 @@ fn delta_lobes(subject: &Subject, samples: &[Spread], found: &mut Comparison) ->
             found.near(&[numbers], |_| subject.last_places(numbers[1]), |_| format!("{} ({what})", at()))
         };
         compare([probability, lobe.probability], "probability of the sample, of the delta lobe")?;
-        for channel in 0..subject.properties.channels {
-            let product = weight[channel] * lobe.probability;
+        for (channel, weight) in weight.iter().enumerate().take(subject.properties.channels) {
+            let product = weight * lobe.probability;
             compare([product, lobe.throughput[channel]], "weight · probability, throughput")?;
         }
     }

@@ -1,6 +1,4 @@
-//! A sampler and its pdf in another program, called over its standard input and output.
-//!
-//! The program reads requests and responds to each with the requested number of lines and a line `end`:
+//! A sampler and its pdf in another program.
 //!
 //! | request | response |
 //! |---|---|
@@ -9,57 +7,82 @@
 //! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
 //! | `pdf N`, then N lines of coordinates | N lines with a pdf |
 //! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
-//! | `quit` | it ends; so it does when its input ends |
 //!
 //! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
 //! to (1, or `at-most-1`); `domain`; `invert=yes`.
-//! The order of the requests is not fixed: samples depend on what a request holds, not on what was asked before.
 
-mod answer;
-mod connection;
-mod group;
-mod handshake;
-mod process;
-
-pub use answer::Answer;
-pub use connection::Connection;
-
-use super::domain::{Coordinates, write_numbers};
-use super::space::Space;
+use super::connection::{self, Connection, protocol_error};
+use super::greeting::Greeting;
 use crate::error::{Error, Result};
-use crate::import::number::real;
+use crate::import::number::{number, real};
 use crate::import::place::quote;
-use connection::protocol_error;
+use crate::import::sampler::{Coordinates, Space, write_numbers};
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
-use handshake::Handshake;
-use process::Process;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+
+/// Most random numbers of one sample.
+pub const DIMENSIONS: usize = 64;
+
+/// A program's description of its sampler.
+#[derive(Debug, Clone, PartialEq)]
+struct Description {
+    name: String,
+    /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
+    dimension: usize,
+    /// Integral of the pdf.
+    mass: Mass,
+    /// If the program names it.
+    domain: Option<Space>,
+    /// Whether it has the inverse of its sampler.
+    invert: bool,
+}
+
+impl Description {
+    fn of(greeting: &Greeting) -> Result<Self> {
+        let mut found =
+            Self { name: "exec".to_owned(), dimension: 2, mass: Mass::Exactly(1.0), domain: None, invert: false };
+        for (key, value) in &greeting.keys {
+            let refused = || greeting.meaningless(key, value);
+            match key.as_str() {
+                "name" => found.name.clone_from(value),
+                "dimension" => {
+                    let dimension = value.parse().ok().filter(|n| *n <= DIMENSIONS);
+                    found.dimension =
+                        dimension.ok_or_else(|| greeting.wrong(&format!("has a dimension not 0 to {DIMENSIONS}")))?;
+                }
+                "mass" if value == "at-most-1" => found.mass = Mass::AtMostOne,
+                "mass" => {
+                    let mass = number(value).filter(|mass| (0.0..=1.0).contains(mass));
+                    let mass = mass.ok_or_else(|| greeting.wrong("has a mass that is not from 0 to 1"))?;
+                    found.mass = Mass::Exactly(mass);
+                }
+                "domain" => found.domain = Some(value.parse().map_err(|_| refused())?),
+                "invert" => {
+                    found.invert = match value.as_str() {
+                        "yes" => true,
+                        "no" => false,
+                        _ => return Err(refused()),
+                    }
+                }
+                _ => return Err(refused()),
+            }
+        }
+        Ok(found)
+    }
+}
 
 /// A program after the handshake; the type of its points is chosen by [`Client::over`].
 pub struct Client {
     connection: Box<dyn Connection>,
-    handshake: Handshake,
+    description: Description,
+    atoms: Vec<String>,
     space: Space,
 }
 
 impl Client {
-    /// Starts `command`, which has at most `limit` for every response. Its domain is `space`, or else the one that it names.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
-    /// started, [`Error::Input`] for a response that is late or malformed.
-    pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Self> {
-        Self::connect(Process::start(command, limit)?, space)
-    }
-
-    /// Exchanges the handshake over `connection`. Its domain is `space`, or else the one that it names.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for a domain that is missing, [`Error::Input`] for a malformed handshake.
-    pub fn connect(mut connection: impl Connection + 'static, space: Option<Space>) -> Result<Self> {
-        let handshake = Handshake::of(&mut connection)?;
-        let space = match (space, handshake.domain) {
+    pub(super) fn new(connection: impl Connection + 'static, greeting: Greeting, space: Option<Space>) -> Result<Self> {
+        let description = Description::of(&greeting)?;
+        let space = match (space, description.domain) {
             (Some(asked), Some(own)) if asked != own => {
                 return Err(protocol_error(connection.name(), format!("its domain is {own}"))
                     .with_hint(format!("use the domain {own}")));
@@ -70,13 +93,13 @@ impl Client {
                     .with_hint("domains: sphere, hemisphere, square, line, discrete:N"));
             }
         };
-        Ok(Self { connection: Box::new(connection), handshake, space })
+        Ok(Self { connection: Box::new(connection), description, atoms: greeting.lines, space })
     }
 
     /// The name that the program gives its sampler.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.handshake.name
+        &self.description.name
     }
 
     /// The domain.
@@ -90,7 +113,7 @@ impl Client {
     /// # Errors
     /// [`Error::Input`] for a malformed atom.
     pub fn over<D: Coordinates>(self, domain: D) -> Result<Program<D>> {
-        let Self { connection, handshake, .. } = self;
+        let Self { connection, description, atoms, .. } = self;
         let read = |line: &str| {
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
             let (probability, point) = words.split_last()?;
@@ -101,8 +124,8 @@ impl Client {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
             read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
         };
-        let atoms = handshake.atoms.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Program { domain, name: connection.name().to_owned(), connection: Mutex::new(connection), handshake, atoms })
+        let atoms = atoms.iter().map(of_line).collect::<Result<_>>()?;
+        Ok(Program { domain, connection: Mutex::new(connection), description, atoms })
     }
 }
 
@@ -114,10 +137,8 @@ fn words<D: Coordinates>() -> String {
 /// A running program: the sampler and the pdf over a domain. One request is in flight at a time.
 pub struct Program<D: Coordinates> {
     domain: D,
-    /// The connection's, for messages.
-    name: String,
     connection: Mutex<Box<dyn Connection>>,
-    handshake: Handshake,
+    description: Description,
     atoms: Vec<Atom<D::Point>>,
 }
 
@@ -132,19 +153,8 @@ impl<D: Coordinates> Program<D> {
         read: impl Fn(&[&str]) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
-        let answer = self.connection.lock().unwrap_or_else(PoisonError::into_inner).ask(request.clone(), count)?;
-        let wrong = |message| protocol_error(&self.name, format!("asked \"{verb} {count}\", {message}"));
-        let mut values = Vec::with_capacity(count);
-        for (i, line) in answer.lines().enumerate() {
-            let words: Vec<&str> = line.split_ascii_whitespace().collect();
-            values.push(read(&words).ok_or_else(|| {
-                let asked =
-                    request.lines().nth(i + 1).map_or_else(String::new, |asked| format!(" (for {})", quote(asked)));
-                let (number, line) = (i + 1, quote(line));
-                wrong(format!("line {number} of the answer is {line}{asked}, not {expected}; NaN is no number"))
-            })?);
-        }
-        if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
+        let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
+        connection::ask(&mut **connection, [verb, expected], count, request, read)
     }
 
     fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<D::Point>>>> {
@@ -172,11 +182,11 @@ impl<D: Coordinates> Program<D> {
 
 impl<D: Coordinates> Sampler<D::Point> for Program<D> {
     fn dimension(&self) -> usize {
-        self.handshake.dimension
+        self.description.dimension
     }
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
-        let samples = u.chunks_exact(self.handshake.dimension.max(1));
+        let samples = u.chunks_exact(self.description.dimension.max(1));
         let count = samples.len();
         let mut request = format!("sample {count}\n");
         for sample in samples {
@@ -198,10 +208,10 @@ impl<D: Coordinates> Sampler<D::Point> for Program<D> {
     }
 
     fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
-        if !self.handshake.invert {
+        if !self.description.invert {
             return Ok(None);
         }
-        let dimension = self.handshake.dimension;
+        let dimension = self.description.dimension;
         let read = |words: &[&str]| match words {
             ["none"] => Some(None),
             _ if words.len() != dimension => None,
@@ -228,7 +238,7 @@ impl<D: Coordinates> Density<D::Point> for Program<D> {
     }
 
     fn mass(&self) -> Mass {
-        self.handshake.mass
+        self.description.mass
     }
 
     fn atoms(&self) -> Vec<Atom<D::Point>> {
