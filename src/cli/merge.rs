@@ -3,7 +3,7 @@
 use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
-use super::sweep;
+use super::sweep::{ExternalFamily, decided};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::output;
@@ -30,6 +30,8 @@ pub struct Merge {
     /// Files with different samples of the same image, or all parts of a sweep
     #[arg(required = true)]
     parts: Vec<PathBuf>,
+    #[command(flatten)]
+    external: ExternalFamily,
 }
 
 #[derive(Serialize)]
@@ -95,12 +97,12 @@ impl Merge {
         let target = global.target(&["parts"]);
         let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
         files::check_writable(&path)?;
-        let (found, plan) = sweep::decided(console, |each| {
-            let plan = |sweep: &Description| sweep.plan(sweep::chosen(&sweep.families().collect::<Vec<_>>())?);
+        let (found, plan) = decided(console, |each| {
+            let plan = |sweep: &Description| sweep.plan(self.external.families(&sweep.families().collect::<Vec<_>>())?);
             merge(&self.parts, plan, each)
         })?;
         files::write_bytes(&path, &output::table(&found.rows)?)?;
-        Ok(sweep::concluded(&found, &plan.description, &target.written(vec![path]), console))
+        Ok(self.external.concluded(&found, &plan.description, &target.written(vec![path]), console))
     }
 }
 

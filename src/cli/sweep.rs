@@ -3,18 +3,23 @@
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::shard::Shard;
+use super::validate::reply_limit;
 use super::values::choice;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::import::program::{self, External};
 use crate::output::{self, Written};
 use crate::study::sweep::{self, Conclusion, Description, Families, Part, Plan, conclude, replay, run};
 use crate::study::validation::families;
 use crate::view::sweep as view;
 use clap::Args;
 use etalon_stats::bsdf::ALL;
-use etalon_stats::sweep::{Configuration, Finding, State, Strategy};
+use etalon_stats::sweep::{Finding, State, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
+
+/// The usual error that a sweep looks for.
+const DETECT: f64 = 0.05;
 
 /// Test whole BSDFs over their parameters and directions
 #[derive(Args)]
@@ -31,6 +36,7 @@ Examples:
   etalon sweep ggx-dielectric --strategy edges --configurations 2000
   etalon sweep ggx --configurations 1000000 --shard 17/1000 -o part-17.csv
   etalon merge part-*.csv
+  etalon sweep --exec 'python3 examples/bsdf.py'
   etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
 pub struct Sweep {
     /// Families of BSDFs (default: all)
@@ -50,7 +56,7 @@ pub struct Sweep {
     #[arg(long, value_name = "N", default_value_t = 100)]
     configurations: u64,
     /// The error of a pdf or of weights that each configuration is searched for, found with 90 % probability
-    #[arg(long, value_name = "W", default_value_t = 0.05, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", default_value_t = DETECT, allow_negative_numbers = true)]
     detect: f64,
     /// Probability that a sweep in which every BSDF is right rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
@@ -64,6 +70,48 @@ pub struct Sweep {
     /// Run one configuration again: a family, then parameters, wo=THETA,PHI in degrees, seed, check
     #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume"])]
     replay: Option<String>,
+    #[command(flatten)]
+    external: ExternalFamily,
+}
+
+/// A family of BSDFs in another program.
+#[derive(Args)]
+pub struct ExternalFamily {
+    /// The BSDFs of another program: COMMAND starts it
+    #[arg(long, value_name = "COMMAND")]
+    exec: Option<String>,
+    /// Time limit for each reply of the program
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    timeout: f64,
+}
+
+impl ExternalFamily {
+    /// The family of the program, or those of this program that are named, or all.
+    pub fn families<S: AsRef<str>>(&self, names: &[S]) -> Result<Families> {
+        let Some(command) = &self.exec else { return chosen(names) };
+        match program::start(command, None, reply_limit(self.timeout)?)? {
+            External::Bsdf(program) => Ok(vec![Box::new(program)]),
+            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
+                .with_hint("`etalon validate` tests samplers")),
+        }
+    }
+
+    /// The command that runs a configuration again, but for its last argument.
+    fn replay_by(&self, detect: f64) -> String {
+        let exec = self.exec.as_ref().map_or(String::new(), |command| format!(" --exec \"{command}\""));
+        let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };
+        format!("etalon sweep{exec}{detect} --replay")
+    }
+
+    /// Prints what a sweep found.
+    pub fn concluded(&self, found: &Conclusion, sweep: &Description, written: &Written, console: &Console) -> Verdict {
+        console.saved(found, written, || view::text(found, sweep, &self.replay_by(sweep.detect())));
+        match found {
+            Conclusion { rejected: 1.., .. } => Verdict::Rejected,
+            Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
+            _ => Verdict::Good,
+        }
+    }
 }
 
 /// A part that waits for the others.
@@ -95,7 +143,10 @@ impl Sweep {
         if let Some(text) = &self.replay {
             return self.replay(text, console);
         }
-        let families = chosen(&self.names)?;
+        if self.external.exec.is_some() && !self.names.is_empty() {
+            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
+        }
+        let families = self.external.families(&self.names)?;
         if self.list {
             list(&families, console);
             return Ok(Verdict::Good);
@@ -150,13 +201,13 @@ impl Sweep {
         let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
         files::write_bytes(&survivors, &output::table(&conclusion.rows)?)?;
         written.push(survivors);
-        Ok(concluded(&conclusion, &plan.description, &target.written(written), console))
+        Ok(self.external.concluded(&conclusion, &plan.description, &target.written(written), console))
     }
 
     fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {
-        let families = chosen::<&str>(&[])?;
+        let families = self.external.families::<&str>(&[])?;
         let (family, configuration, findings) = replay(text, &families, self.detect)?;
-        let replayed = replayed(configuration.text(family), &configuration, findings, self.level);
+        let replayed = replayed(configuration.text(family), findings, self.level);
         console.result(&replayed, || {
             let mut text = format!("{}\n", replayed.configuration);
             for CheckLine { check, verdict, p, message, .. } in &replayed.checks {
@@ -176,7 +227,7 @@ impl Sweep {
 }
 
 /// The verdict on each finding, at `level` for all together.
-fn replayed(text: String, _: &Configuration, findings: Vec<Finding>, level: f64) -> Replayed {
+fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
     let p: Vec<f64> = findings.iter().map(|finding| finding.p.unwrap_or(f64::NAN)).collect();
     let rejected = etalon_stats::multiple::holm(&p, level);
     let line = |(finding, rejected): (Finding, bool)| CheckLine {
@@ -196,7 +247,7 @@ fn replayed(text: String, _: &Configuration, findings: Vec<Finding>, level: f64)
 }
 
 /// The families of these names, or all.
-pub fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
+fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
     let known: Vec<String> =
         families::all().iter().map(|family| etalon_stats::bsdf::Family::name(family).to_owned()).collect();
     for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
@@ -265,14 +316,4 @@ pub fn decided(
     })?;
     bar.finish_and_clear();
     Ok(found)
-}
-
-/// Prints what a sweep found.
-pub fn concluded(found: &Conclusion, sweep: &Description, written: &Written, console: &Console) -> Verdict {
-    console.saved(found, written, || view::text(found, sweep));
-    match found {
-        Conclusion { rejected: 1.., .. } => Verdict::Rejected,
-        Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
-        _ => Verdict::Good,
-    }
 }

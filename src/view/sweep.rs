@@ -3,8 +3,9 @@
 use super::text::counted;
 use crate::study::sweep::{Conclusion, Description, Failure, Group};
 
-/// The table of families and checks, what fails, and a summary.
-pub fn text(found: &Conclusion, sweep: &Description) -> String {
+/// The table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
+/// for its last argument.
+pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String {
     let width = found.groups.iter().map(|group| group.family.len()).max().unwrap_or(0).max("family".len());
     let mut text = format!(
         "{:<width$}  check        configurations accepted rejected inconclusive survivors    min p  detects {} %\n",
@@ -32,7 +33,7 @@ pub fn text(found: &Conclusion, sweep: &Description) -> String {
         let p = p.map_or(String::new(), |p| format!(", p = {p:.1e}"));
         let many = counted(*configurations as usize, "configuration");
         text += &format!("\n{family}: {check} rejects in {many}, such as\n  {example}\nthe simplest found{p}:\n");
-        text += &format!("  etalon sweep --replay '{replay}'\n");
+        text += &format!("  {replay_by} '{replay}'\n");
         text += &if message.is_empty() { String::new() } else { format!("  {message}\n") };
     }
     let survived = format!(
