@@ -3,26 +3,35 @@
 use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
+use super::sweep::{ExternalFamily, decided};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::output;
 use crate::raster::{self, Metadata};
 use crate::render::film::{Dropped, list, merge_files};
+use crate::study::sweep::{Description, Part, merge};
 use crate::view::text::counted;
 use clap::Args;
 use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Merge parts of a render
+/// Merge parts of a render or of a sweep
 #[derive(Args)]
-#[command(after_help = "Writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
+#[command(
+    after_help = "Of a render it writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
-                        has the sums and can itself be merged.\n\nExample:\n  etalon merge shard-1.exr shard-2.exr \
-                        -o image.exr")]
+                        has the sums and can itself be merged.\n\nOf a sweep, whose parts must all be there, it runs \
+                        suspicious tests again, decides on all at one level, and writes merged-survivors.csv. Exit \
+                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon merge shard-1.exr shard-2.exr \
+                        -o image.exr\n  etalon merge parts/*.csv"
+)]
 pub struct Merge {
-    /// Files with different samples of the same image
+    /// Files with different samples of the same image, or all parts of a sweep
     #[arg(required = true)]
     parts: Vec<PathBuf>,
+    #[command(flatten)]
+    external: ExternalFamily,
 }
 
 #[derive(Serialize)]
@@ -41,6 +50,9 @@ struct Output {
 
 impl Merge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if self.parts.iter().any(|path| Part::is_at(path)) {
+            return self.merge_sweep(global, console);
+        }
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
@@ -79,6 +91,18 @@ impl Merge {
             )
         });
         Ok(Verdict::Good)
+    }
+
+    fn merge_sweep(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let target = global.target(&["parts"]);
+        let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
+        files::check_writable(&path)?;
+        let (found, plan) = decided(console, |each| {
+            let plan = |sweep: &Description| sweep.plan(self.external.families(&sweep.families().collect::<Vec<_>>())?);
+            merge(&self.parts, plan, each)
+        })?;
+        files::write_bytes(&path, &output::table(&found.rows)?)?;
+        Ok(self.external.concluded(&found, &plan.description, &target.written(vec![path]), console))
     }
 }
 

@@ -16,8 +16,10 @@ mod render;
 mod reproduce;
 mod scene_file;
 mod scenes;
+mod shard;
 mod signals;
 mod stability;
+mod sweep;
 mod validate;
 mod values;
 
@@ -52,6 +54,7 @@ Examples:
   etalon furnace ggx                    the albedo of a BSDF over angle and width
   etalon stability fresnel              errors against 256-bit arithmetic
   etalon validate                       every sampler against its pdf
+  etalon sweep ggx                      a BSDF over its parameters and directions
   etalon scenes                         what else can be rendered";
 
 #[derive(Subcommand)]
@@ -68,6 +71,7 @@ enum Command {
     Furnace(furnace::Furnace),
     Stability(stability::Stability),
     Validate(validate::Validate),
+    Sweep(sweep::Sweep),
     Reproduce(reproduce::Reproduce),
 }
 
@@ -115,6 +119,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Furnace(args) => args.run(&cli.global, console),
         Command::Stability(args) => args.run(&cli.global, console),
         Command::Validate(args) => args.run(&cli.global, console),
+        Command::Sweep(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
     }
 }

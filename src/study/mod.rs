@@ -22,4 +22,5 @@ pub mod sampling_strategies;
 pub mod scaling;
 pub mod sphere;
 pub mod stability;
+pub mod sweep;
 pub mod validation;

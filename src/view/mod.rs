@@ -21,6 +21,7 @@ pub mod sphere;
 pub mod stability;
 pub mod stability_summary;
 pub mod statue;
+pub mod sweep;
 pub mod text;
 pub mod validation;
 pub mod validation_cells;

@@ -28,4 +28,5 @@ mod slurm;
 mod stability;
 #[cfg(unix)]
 mod streams;
+mod sweep;
 mod validate;

@@ -36,6 +36,7 @@ mod sampler;
 mod scales;
 pub mod stream;
 mod structure;
+pub mod sweep;
 mod tally;
 mod text;
 pub mod warp;

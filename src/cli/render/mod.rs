@@ -10,6 +10,7 @@ use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::scene_file::{Loaded, SceneArgs};
+use super::shard::Shard;
 use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
 use crate::errata::Conventions;
@@ -25,7 +26,6 @@ use images::{Images, Look};
 use model::ModelArgs;
 use std::ops::Range;
 use std::path::PathBuf;
-use std::str::FromStr;
 use summary::Summary;
 
 /// Render a scene
@@ -120,26 +120,6 @@ Examples:
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
 
-/// Which share of the samples to render.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Shard {
-    /// From 1.
-    index: u32,
-    count: u32,
-}
-
-impl FromStr for Shard {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> std::result::Result<Self, Self::Err> {
-        let parsed = text.split_once('/').and_then(|(index, count)| {
-            let shard = Self { index: index.parse().ok()?, count: count.parse().ok()? };
-            (1..=shard.count).contains(&shard.index).then_some(shard)
-        });
-        parsed.ok_or("expected I/N, for example 2/8: the second of eight")
-    }
-}
-
 impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let settings = self.settings(global.seed)?;
@@ -214,7 +194,7 @@ impl Render {
         if self.file.is_some() && global.out.is_some() {
             return Err(Error::parameter("file", "`out` is given, too").with_hint("both mean the same"));
         }
-        let shard = self.shard.map(|Shard { index, count }| format!(".shard-{index}-of-{count}"));
+        let shard = self.shard.map(Shard::suffix);
         let out = self.file.as_deref().or(global.out.as_deref());
         let look = Look { tone: self.tone, exposure: self.exposure, scale: self.scale };
         Images::new(out, global.arguments.target(out, &["scene", "shard"]), look, shard)

@@ -96,7 +96,7 @@ impl Arguments {
 
     fn program(&self, command: &str, space: Option<Space>) -> Result<Subject> {
         let chosen = self.set.iter().map(|text| parameter(text)).collect::<Result<Vec<_>>>()?;
-        match program::start(command, space, self.limit()?)? {
+        match program::start(command, space, reply_limit(self.timeout)?)? {
             External::Bsdf(program) => {
                 let values = program.values(&chosen)?;
                 Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
@@ -109,14 +109,15 @@ impl Arguments {
             }
         }
     }
+}
 
-    fn limit(&self) -> Result<Duration> {
-        const LONGEST: f64 = 86_400.0;
-        if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
-            return Err(Error::parameter("timeout", format!("{} s is not from 0 to {LONGEST} s", self.timeout)));
-        }
-        Ok(Duration::from_secs_f64(self.timeout))
+/// The time that a program has for each reply.
+pub fn reply_limit(seconds: f64) -> Result<Duration> {
+    const LONGEST: f64 = 86_400.0;
+    if !(seconds > 0.0 && seconds <= LONGEST) {
+        return Err(Error::parameter("timeout", format!("{seconds} s is not from 0 to {LONGEST} s")));
     }
+    Ok(Duration::from_secs_f64(seconds))
 }
 
 /// A name and its value.

@@ -3,9 +3,9 @@
 use super::contract::Direction;
 use super::subject::Subject;
 use super::vector::sphere;
-use crate::cubature::{Integration, InvalidPdf, Probe};
+use crate::cubature::{Integration, InvalidPdf, Probe, Refinement};
 use crate::density::Density;
-use crate::domain::Domain;
+use crate::domain::{Directions, Domain};
 use crate::error::{Result, poll};
 use crate::grid::{Cell, Grid};
 use rand::RngExt;
@@ -15,6 +15,8 @@ use rayon::prelude::*;
 const PILOT: usize = 1 << 12;
 /// Values of a stochastic BSDF that are asked for at a time.
 const BATCH: usize = 1 << 13;
+/// Samples that tell how much light the nodes of the cubature do not predict.
+const WITNESSES: usize = 1 << 14;
 /// Random points at which integrals are checked.
 const CHECKS: u64 = 1 << 12;
 /// Standard errors of a measured difference that count as chance.
@@ -30,8 +32,13 @@ pub struct Pilot {
 
 impl Pilot {
     pub fn new(subject: &Subject) -> Result<Self> {
-        let mut rng = subject.random(3, 0);
-        let u: Vec<f64> = (0..PILOT * subject.properties.dimension).map(|_| rng.random::<f64>()).collect();
+        Self::of(subject, PILOT, 0)
+    }
+
+    /// So many samples; each `batch` has random numbers of its own.
+    fn of(subject: &Subject, samples: usize, batch: u64) -> Result<Self> {
+        let mut rng = subject.random(3, batch);
+        let u: Vec<f64> = (0..samples * subject.properties.dimension).map(|_| rng.random::<f64>()).collect();
         let (mut places, mut weights) = (Vec::new(), Vec::new());
         for sample in subject.sample(&u)?.into_iter().flatten().filter(|sample| !sample.is_delta()) {
             if let Some(place) = sphere().to_chart(sample.wi) {
@@ -84,6 +91,39 @@ impl Light<'_> {
     }
 }
 
+/// Light that samples find above what the nodes of the cubature predict.
+struct Unpredicted {
+    /// Of each cell.
+    cells: Vec<f64>,
+    /// The bound of all of it: what was found, its chance, and what as many samples do not find.
+    bound: f64,
+}
+
+impl Light<'_> {
+    /// The light at the directions of these samples.
+    fn probes(&self, samples: &Pilot) -> Result<Vec<Probe>> {
+        let points: Vec<Direction> = samples.places.iter().map(|&at| sphere().point_at(at)).collect();
+        Ok(samples.places.iter().zip(self.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf }).collect())
+    }
+
+    /// Random points, which lie where the nodes predict light, do not meet narrow tails between the nodes. Fresh samples do.
+    fn unpredicted(&self, refinement: &Refinement<Directions>, grid: &Grid) -> Result<Unpredicted> {
+        let samples = Pilot::of(self.subject, WITNESSES, 2)?;
+        let (mut cells, mut squares, mut largest) = (vec![0.0; grid.len()], 0.0, 0f64);
+        for (probe, weight) in self.probes(&samples)?.iter().zip(&samples.weights) {
+            let factor = if self.power { self.subject.eta2(sphere().point_at(probe.at)) } else { 1.0 };
+            let weight = factor * weight[self.channel];
+            let above = weight * (1.0 - refinement.share_within(probe));
+            cells[grid.find(probe.at)] += above / WITNESSES as f64;
+            squares += above * above;
+            largest = largest.max(weight);
+        }
+        // Of n samples none falls on a share of 3/n with a probability of 5 %.
+        let chance = CHANCE * (squares.sqrt() + largest) / WITNESSES as f64;
+        Ok(Unpredicted { bound: cells.iter().sum::<f64>() + chance, cells })
+    }
+}
+
 impl Density<Direction> for Light<'_> {
     fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
         out.extend(self.at(points, &[])?);
@@ -125,28 +165,31 @@ pub fn integrate(
     if !subject.is_deterministic() {
         return by_random_points(&light, grid, points);
     }
-    let points: Vec<Direction> = pilot.places.iter().map(|&at| domain.point_at(at)).collect();
-    let probes = pilot.places.iter().zip(light.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf });
-    let probes: Vec<Probe> = probes.collect();
+    let probes = light.probes(pilot)?;
     let mut integration = Integration::new(&domain, &light, grid, &probes, subject.protocol.cancelled)?;
     let (mut differences, mut chance, mut invalid) = (vec![[0.0; 2]; grid.len()], 0.0, None);
+    let mut unpredicted = Unpredicted { cells: vec![0.0; grid.len()], bound: 0.0 };
     if let Integration::Refined(refinement) = &mut integration {
         // Learn where the nodes missed something, and measure with fresh points what is still missed.
         let seed = subject.protocol.seed;
-        let found = refinement.check(CHECKS, seed, 0xf0 | subject.round)?.found;
+        let mut found = refinement.check(CHECKS, seed, 0xf0 | subject.round)?.found;
+        let more = light.probes(&Pilot::of(subject, PILOT, 1)?)?;
+        found.extend(more.into_iter().filter(|probe| refinement.share_within(probe) < 1.0));
         refinement.learn(&found)?;
         let check = refinement.check(CHECKS, seed, 0xf8 | subject.round)?;
         differences = (0..grid.len()).map(|cell| check.difference(cell)).collect();
         chance = differences.iter().map(|[_, error]| error * error).sum::<f64>().sqrt();
         invalid = check.invalid;
+        unpredicted = light.unpredicted(refinement, grid)?;
     }
     let integrals = integration.integrals();
     let beyond_chance =
         |(error, [difference, chance]): (&f64, &[f64; 2])| error + (difference.abs() - CHANCE * chance).max(0.0);
-    let errors: Vec<f64> = integrals.errors.iter().zip(&differences).map(beyond_chance).collect();
+    let errors = integrals.errors.iter().zip(&differences).map(beyond_chance);
+    let errors: Vec<f64> = errors.zip(&unpredicted.cells).map(|(error, more)| error + more).collect();
     let missed: f64 = differences.iter().map(|[difference, _]| difference).sum();
     Ok(CellIntegrals {
-        total_error: integrals.errors.iter().sum::<f64>() + missed.abs() + CHANCE * chance,
+        total_error: integrals.errors.iter().sum::<f64>() + missed.abs() + CHANCE * chance + unpredicted.bound,
         variances: vec![0.0; grid.len()],
         invalid: integrals.invalid.or(invalid),
         values: integrals.values,

@@ -1,0 +1,222 @@
+//! The space of a family's parameters and of directions, and the strategies that choose configurations from it.
+
+use super::configuration::Configuration;
+use crate::bsdf::{Family, Parameter};
+use crate::error::Result;
+use crate::hash::mix64;
+
+/// How configurations are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Strategy {
+    /// All combinations of equally spaced values of every parameter, ends included, and angles.
+    Grid,
+    /// A low-discrepancy sequence, shifted at random.
+    #[default]
+    Random,
+    /// Combinations of special values: ends of ranges, usual values, 1 and both sides of it, two parameters that are equal,
+    /// directions along the normal, the surface and the tangents.
+    Edges,
+}
+
+/// The configurations of a family that a strategy visits.
+pub struct Space {
+    parameters: Vec<Parameter>,
+    strategy: Strategy,
+    /// 1, or 2 if light is transmitted: `wo` lies above the surface, or on either side.
+    sides: u64,
+    /// Of the grid: values of each parameter, and angles on each side.
+    levels: [u64; 2],
+    /// Of the edges: choices of each parameter, then of the angle and of the azimuth.
+    choices: Vec<Vec<Choice>>,
+    len: u64,
+    /// Of this family alone.
+    seed: u64,
+}
+
+/// A value of an axis of the edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Choice {
+    /// This one.
+    Value(f64),
+    /// That of the parameter before.
+    Equal,
+    /// Any of the range.
+    Inside,
+}
+
+/// The largest angle with the normal.
+const STEEPEST: f64 = 89.99;
+/// The distance of the values on both sides of 1.
+const BESIDE: f64 = 1e-3;
+/// Angles with the normal: along it, beside it, in between, and along the surface.
+const ANGLES: [Choice; 5] =
+    [Choice::Value(0.0), Choice::Value(0.01), Choice::Inside, Choice::Value(89.0), Choice::Value(STEEPEST)];
+/// Azimuths: of both tangents, and between.
+const AZIMUTHS: [Choice; 3] = [Choice::Value(0.0), Choice::Value(90.0), Choice::Inside];
+
+impl Space {
+    /// At most `configurations` of a family.
+    ///
+    /// # Errors
+    /// Those of [`Family::with`].
+    pub fn new(family: &dyn Family, strategy: Strategy, configurations: u64, seed: u64) -> Result<Self> {
+        let parameters = family.parameters();
+        let usual: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+        let sides = if family.with(&usual)?.properties().transmission { 2 } else { 1 };
+        let each_side = (configurations / sides).max(1);
+        // As many values of each parameter as of the angle, and what remains for the angle.
+        let axes = parameters.len() as u32 + 1;
+        let values = (1..).take_while(|n: &u64| n.checked_pow(axes).is_some_and(|all| all <= each_side)).take(1 << 20);
+        let values = if axes == 1 { 1 } else { values.last().unwrap_or(1) };
+        let levels = [values, each_side / values.pow(axes - 1)];
+        let mut choices: Vec<Vec<Choice>> = (0..parameters.len()).map(|i| special(&parameters, i)).collect();
+        choices.extend([ANGLES.to_vec(), AZIMUTHS.to_vec()]);
+        let combinations = choices.iter().map(|choices| choices.len() as u64).product::<u64>() * sides;
+        let len = match strategy {
+            Strategy::Grid => sides * levels[0].pow(axes - 1) * levels[1],
+            Strategy::Random => configurations,
+            Strategy::Edges => combinations.min(configurations),
+        };
+        // Families have random numbers of their own.
+        let seed = family.name().bytes().fold(mix64(seed), |seed, byte| mix64(seed ^ u64::from(byte)));
+        Ok(Self { parameters, strategy, sides, levels, choices, len, seed })
+    }
+
+    /// The number of configurations.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The configuration of that number, from 0.
+    #[must_use]
+    pub fn get(&self, number: u64) -> Configuration {
+        let dimension = self.parameters.len() + 3;
+        let shares: Vec<f64> = (0..dimension).map(|axis| self.share(number, axis, dimension)).collect();
+        let (values, angles) = match self.strategy {
+            Strategy::Grid => self.on_grid(number),
+            Strategy::Random => {
+                let values =
+                    self.parameters.iter().zip(&shares).map(|(parameter, &share)| parameter.at(share)).collect();
+                (values, self.angles(&shares))
+            }
+            Strategy::Edges => self.at_edges(number, &shares),
+        };
+        let [theta, azimuth, side] = angles;
+        let theta = if side < 0.5 { theta } else { 180.0 - theta };
+        let rounded = |(value, parameter): (f64, &Parameter)| {
+            let [from, to] = parameter.range;
+            if [from, to, parameter.value].contains(&value) { value } else { short(value).clamp(from, to) }
+        };
+        // Half a word for the seed: it is a part of what users type.
+        let seed = mix64(self.seed ^ number) >> 32;
+        let wo = [theta, azimuth].map(|angle| (100.0 * angle).round() / 100.0);
+        Configuration { values: values.into_iter().zip(&self.parameters).map(rounded).collect(), wo, seed }
+    }
+
+    /// A coordinate of the low-discrepancy sequence: number · φ⁻ᵃ plus a random shift, modulo 1, with φ the root of
+    /// φᵈ⁺¹ = φ + 1.
+    ///
+    /// Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
+    fn share(&self, number: u64, axis: usize, dimension: usize) -> f64 {
+        let root = (0..64).fold(1.5f64, |root, _| (1.0 + root).powf(1.0 / (dimension as f64 + 1.0)));
+        let shift = (mix64(self.seed.wrapping_add(axis as u64 + 1)) >> 11) as f64 / (1u64 << 53) as f64;
+        (shift + number as f64 * root.powi(-(axis as i32 + 1))).fract()
+    }
+
+    /// Angle, azimuth and side by the last three coordinates.
+    fn angles(&self, shares: &[f64]) -> [f64; 3] {
+        let [.., theta, azimuth, side] = shares else { return [0.0; 3] };
+        [STEEPEST * theta, 360.0 * azimuth, if self.sides > 1 { *side } else { 0.0 }]
+    }
+
+    /// The angle is the fastest index. The azimuth turns by the golden angle from each to the next.
+    fn on_grid(&self, number: u64) -> (Vec<f64>, [f64; 3]) {
+        let [values, angles] = self.levels;
+        let mut rest = number;
+        let mut digit = |base: u64| {
+            let digit = rest % base;
+            rest /= base;
+            digit
+        };
+        let of = |level: u64, levels: u64| level as f64 / (levels - 1) as f64;
+        let level = digit(angles);
+        let theta = if angles > 1 { STEEPEST * of(level, angles) } else { 45.0 };
+        let side = digit(self.sides) as f64;
+        let value = |parameter: &Parameter| {
+            let level = digit(values);
+            if values > 1 { parameter.at(of(level, values)) } else { parameter.value }
+        };
+        let values = self.parameters.iter().map(value).collect();
+        (values, [theta, 360.0 * (number as f64 * 0.618_033_988_749_895).fract(), side])
+    }
+
+    /// All combinations; where they are too many, some that a golden stride spreads over all.
+    fn at_edges(&self, number: u64, shares: &[f64]) -> (Vec<f64>, [f64; 3]) {
+        let combinations = self.choices.iter().map(|choices| choices.len() as u64).product::<u64>() * self.sides;
+        let stride = coprime((combinations as f64 * 0.618_033_988_749_895) as u64, combinations);
+        let spread = u128::from(number) * u128::from(stride) % u128::from(combinations);
+        let mut rest = if self.len < combinations { spread as u64 } else { number };
+        let side = (rest % self.sides) as f64;
+        rest /= self.sides;
+        let [.., theta, azimuth, _] = self.angles(shares)[..] else { return (Vec::new(), [0.0; 3]) };
+        let inside: Vec<f64> =
+            self.parameters.iter().zip(shares).map(|(parameter, &share)| parameter.at(share)).collect();
+        let mut chosen: Vec<f64> = Vec::new();
+        for (choices, inside) in self.choices.iter().zip(inside.into_iter().chain([theta, azimuth])) {
+            let choice = choices[(rest % choices.len() as u64) as usize];
+            rest /= choices.len() as u64;
+            chosen.push(match choice {
+                Choice::Value(value) => value,
+                Choice::Equal => chosen.last().copied().unwrap_or(inside),
+                Choice::Inside => inside,
+            });
+        }
+        let azimuth = chosen.pop().unwrap_or_default();
+        let theta = chosen.pop().unwrap_or_default();
+        (chosen, [theta, azimuth, side])
+    }
+}
+
+/// The choices of a parameter.
+fn special(parameters: &[Parameter], index: usize) -> Vec<Choice> {
+    let Parameter { value, range: [from, to], .. } = parameters[index];
+    let mut values = vec![value, from, to];
+    if from < 1.0 - BESIDE && to > 1.0 + BESIDE {
+        values.extend([1.0, 1.0 - BESIDE, 1.0 + BESIDE]);
+    }
+    let mut choices: Vec<Choice> = Vec::new();
+    for value in values {
+        if !choices.contains(&Choice::Value(value)) {
+            choices.push(Choice::Value(value));
+        }
+    }
+    // Two widths of one surface, for example.
+    if index > 0 && parameters[index - 1].range == [from, to] {
+        choices.push(Choice::Equal);
+    }
+    choices.push(Choice::Inside);
+    choices
+}
+
+/// The next number from `n` that has no divisor with `of` in common.
+fn coprime(n: u64, of: u64) -> u64 {
+    let divisor = |mut a: u64, mut b: u64| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (n.max(1)..).find(|&n| divisor(n, of) == 1).unwrap_or(1)
+}
+
+/// A value with four digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,319 @@
+//! `etalon sweep`: whole BSDFs over their parameters and directions.
+
+use super::console::Console;
+use super::global::{Global, Verdict};
+use super::shard::Shard;
+use super::validate::reply_limit;
+use super::values::choice;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::import::program::{self, External};
+use crate::output::{self, Written};
+use crate::study::sweep::{self, Conclusion, Description, Families, Part, Plan, conclude, replay, run};
+use crate::study::validation::families;
+use crate::view::sweep as view;
+use clap::Args;
+use etalon_stats::bsdf::ALL;
+use etalon_stats::sweep::{Finding, State, Strategy};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// The usual error that a sweep looks for.
+const DETECT: f64 = 0.05;
+
+/// Test whole BSDFs over their parameters and directions
+#[derive(Args)]
+#[command(after_help = "\
+Writes sweep.csv with a row for each configuration, and sweep-survivors.csv with the tests that were run again. With --shard it writes \
+a part, for `etalon merge`, which decides on all parts together.
+
+Ctrl-C keeps what is finished: the same command with --resume FILE continues.
+
+Exit codes: 0 good, 1 a BSDF was rejected, 2 usage or bad input, 3 inconclusive or interrupted.
+
+Examples:
+  etalon sweep ggx
+  etalon sweep ggx-dielectric --strategy edges --configurations 2000
+  etalon sweep ggx --configurations 1000000 --shard 17/1000 -o part-17.csv
+  etalon merge part-*.csv
+  etalon sweep --exec 'python3 examples/bsdf.py'
+  etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
+pub struct Sweep {
+    /// Families of BSDFs (default: all)
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    /// List the families with their parameters and stop
+    #[arg(long)]
+    list: bool,
+    /// How configurations are chosen
+    #[arg(long, default_value = "random", value_parser = choice([
+        ("grid", "equally spaced values of every parameter, ends included", Strategy::Grid),
+        ("random", "a low-discrepancy sequence, shifted at random", Strategy::Random),
+        ("edges", "ends of ranges, usual values, 1 and beside it, equal parameters, grazing angles", Strategy::Edges),
+    ]))]
+    strategy: Strategy,
+    /// Configurations of each family, at most
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    configurations: u64,
+    /// The error of a pdf or of weights that each configuration is searched for, found with 90 % probability
+    #[arg(long, value_name = "W", default_value_t = DETECT, allow_negative_numbers = true)]
+    detect: f64,
+    /// Probability that a sweep in which every BSDF is right rejects any of them
+    #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
+    level: f64,
+    /// Compute the I-th of N equal shares of the configurations, for `etalon merge`
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Continue from FILE if it exists, and save the state in it
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    /// Run one configuration again: a family, then parameters, wo=THETA,PHI in degrees, seed, check
+    #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume"])]
+    replay: Option<String>,
+    #[command(flatten)]
+    external: ExternalFamily,
+}
+
+/// A family of BSDFs in another program.
+#[derive(Args)]
+pub struct ExternalFamily {
+    /// The BSDFs of another program: COMMAND starts it
+    #[arg(long, value_name = "COMMAND")]
+    exec: Option<String>,
+    /// Time limit for each reply of the program
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    timeout: f64,
+}
+
+impl ExternalFamily {
+    /// The family of the program, or those of this program that are named, or all.
+    pub fn families<S: AsRef<str>>(&self, names: &[S]) -> Result<Families> {
+        let Some(command) = &self.exec else { return chosen(names) };
+        match program::start(command, None, reply_limit(self.timeout)?)? {
+            External::Bsdf(program) => Ok(vec![Box::new(program)]),
+            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
+                .with_hint("`etalon validate` tests samplers")),
+        }
+    }
+
+    /// The command that runs a configuration again, but for its last argument.
+    fn replay_by(&self, detect: f64) -> String {
+        let exec = self.exec.as_ref().map_or(String::new(), |command| format!(" --exec \"{command}\""));
+        let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };
+        format!("etalon sweep{exec}{detect} --replay")
+    }
+
+    /// Prints what a sweep found.
+    pub fn concluded(&self, found: &Conclusion, sweep: &Description, written: &Written, console: &Console) -> Verdict {
+        console.saved(found, written, || view::text(found, sweep, &self.replay_by(sweep.detect())));
+        match found {
+            Conclusion { rejected: 1.., .. } => Verdict::Rejected,
+            Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
+            _ => Verdict::Good,
+        }
+    }
+}
+
+/// A part that waits for the others.
+#[derive(Serialize)]
+struct Computed {
+    configurations: usize,
+    interrupted: bool,
+}
+
+/// What checks say of one configuration.
+#[derive(Serialize)]
+struct Replayed {
+    configuration: String,
+    checks: Vec<CheckLine>,
+    rejected: bool,
+}
+
+#[derive(Serialize)]
+struct CheckLine {
+    check: &'static str,
+    verdict: &'static str,
+    p: Option<f64>,
+    detectable: Option<f64>,
+    message: Option<String>,
+}
+
+impl Sweep {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if let Some(text) = &self.replay {
+            return self.replay(text, console);
+        }
+        if self.external.exec.is_some() && !self.names.is_empty() {
+            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
+        }
+        let families = self.external.families(&self.names)?;
+        if self.list {
+            list(&families, console);
+            return Ok(Verdict::Good);
+        }
+        let numbers = [self.detect, self.level];
+        let description = Description::new(&families, self.strategy, self.configurations, global.seed, numbers)?;
+        let plan = Plan::new(description, families)?;
+        let shard = self.shard.map_or(sweep::Shard::WHOLE, |Shard { index, count }| sweep::Shard { index, count });
+        if u64::from(shard.count) > plan.len() {
+            return Err(Error::parameter(
+                "shard",
+                format!("{} configurations cannot be cut into {}", plan.len(), shard.count),
+            )
+            .with_hint("at most one shard for each configuration"));
+        }
+        // Where the part goes, checked before it is computed.
+        let target = global.arguments.target(global.out.as_deref(), &["names", "shard"]);
+        let suffix = self.shard.filter(|_| !target.is_named()).map_or_else(String::new, Shard::suffix);
+        let name = if self.names.is_empty() { "sweep".to_owned() } else { format!("sweep-{}", self.names.join("+")) };
+        let name = output::file_name(&name);
+        let path = output::with_extension(&target.stem(&name, &suffix, &["csv"])?, "csv");
+        files::check_writable(&path)?;
+        let mut part = Part::new(&plan, shard);
+        if let Some(state) = self.resume.as_deref().filter(|state| state.exists()) {
+            part = continued(Part::read(state)?, &plan, shard, state)?;
+        }
+        let save = |part: &Part| {
+            part.write(self.resume.as_deref().unwrap_or(&path))?;
+            if self.resume.is_some() { part.write(&path) } else { Ok(()) }
+        };
+        let missing = shard.numbers(plan.len()).filter(|&number| !part.has(number)).count();
+        let bar = console.progress(missing as u64, "sweep");
+        run(&plan, &mut part, &|count| bar.inc(count), &save)?;
+        bar.finish_and_clear();
+        let interrupted = shard.numbers(plan.len()).any(|number| !part.has(number));
+        if interrupted || shard.count > 1 {
+            let computed = Computed { configurations: part.len(), interrupted };
+            console.saved(&computed, &target.written(vec![path.clone()]), || {
+                let count = part.len();
+                format!("{count} configurations\n")
+            });
+            if interrupted {
+                console.warn(&format!("interrupted; to continue: the same command with --resume {}", path.display()));
+            }
+            return Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good });
+        }
+        let mut written = vec![path];
+        let (conclusion, plan) = decided(console, |each| {
+            each(&plan, &part);
+            Ok(plan)
+        })?;
+        let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
+        files::write_bytes(&survivors, &output::table(&conclusion.rows)?)?;
+        written.push(survivors);
+        Ok(self.external.concluded(&conclusion, &plan.description, &target.written(written), console))
+    }
+
+    fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {
+        let families = self.external.families::<&str>(&[])?;
+        let (family, configuration, findings) = replay(text, &families, self.detect)?;
+        let replayed = replayed(configuration.text(family), findings, self.level);
+        console.result(&replayed, || {
+            let mut text = format!("{}\n", replayed.configuration);
+            for CheckLine { check, verdict, p, message, .. } in &replayed.checks {
+                let p = p.map_or(String::new(), |p| format!("  p = {p:.1e}"));
+                text += &format!("{check:<12} {verdict}{p}\n");
+                text += &message.as_ref().map_or(String::new(), |message| format!("  {message}\n"));
+            }
+            text
+        });
+        let undecided = replayed.checks.iter().any(|line| line.verdict == "inconclusive");
+        Ok(match replayed.rejected {
+            true => Verdict::Rejected,
+            false if undecided => Verdict::Inconclusive,
+            false => Verdict::Good,
+        })
+    }
+}
+
+/// The verdict on each finding, at `level` for all together.
+fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
+    let p: Vec<f64> = findings.iter().map(|finding| finding.p.unwrap_or(f64::NAN)).collect();
+    let rejected = etalon_stats::multiple::holm(&p, level);
+    let line = |(finding, rejected): (Finding, bool)| CheckLine {
+        check: ALL[finding.check].name,
+        verdict: match finding.state {
+            State::Violated => "reject",
+            _ if rejected => "reject",
+            State::Inconclusive => "inconclusive",
+            _ => "accept",
+        },
+        p: finding.p,
+        detectable: finding.detectable,
+        message: finding.message,
+    };
+    let checks: Vec<CheckLine> = findings.into_iter().zip(rejected).map(line).collect();
+    Replayed { configuration: text, rejected: checks.iter().any(|line| line.verdict == "reject"), checks }
+}
+
+/// The families of these names, or all.
+fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
+    let known: Vec<String> =
+        families::all().iter().map(|family| etalon_stats::bsdf::Family::name(family).to_owned()).collect();
+    for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
+        if !known.iter().any(|known| known == name) {
+            return Err(Error::parameter("names", format!("there is no family \"{name}\""))
+                .with_hint(format!("the families: {}", known.join(", "))));
+        }
+        if names[..i].iter().any(|other| other.as_ref() == name) {
+            return Err(Error::parameter("names", format!("{name} is given twice")).with_hint("give each family once"));
+        }
+    }
+    let mut chosen: Families = Vec::new();
+    for family in families::all() {
+        let name = etalon_stats::bsdf::Family::name(&family);
+        if names.is_empty() || names.iter().any(|wanted| wanted.as_ref() == name) {
+            chosen.push(Box::new(family));
+        }
+    }
+    Ok(chosen)
+}
+
+fn list(families: &Families, console: &Console) {
+    #[derive(Serialize)]
+    struct Line {
+        name: String,
+        parameters: Vec<(String, f64, [f64; 2])>,
+    }
+    let line = |family: &Box<dyn etalon_stats::bsdf::Family>| Line {
+        name: family.name().to_owned(),
+        parameters: family.parameters().into_iter().map(|p| (p.name, p.value, p.range)).collect(),
+    };
+    let lines: Vec<Line> = families.iter().map(line).collect();
+    console.result(&std::collections::BTreeMap::from([("families", &lines)]), || {
+        let text = |line: &Line| {
+            let of =
+                |(name, value, [from, to]): &(String, f64, [f64; 2])| format!("{name}={value} ({from:.4}..{to:.4})");
+            format!("{:<22} {}", line.name, line.parameters.iter().map(of).collect::<Vec<_>>().join("  "))
+        };
+        lines.iter().map(text).collect::<Vec<_>>().join("\n")
+    });
+}
+
+/// `held` if it is the same share of the same sweep.
+fn continued(held: Part, plan: &Plan, shard: sweep::Shard, path: &std::path::Path) -> Result<Part> {
+    if let Some(difference) = held.description().difference(&plan.description) {
+        return Err(Error::input(path, format!("the file is of another sweep ({difference})"))
+            .with_hint("use the arguments and version that began it, or give `resume` another file"));
+    }
+    if held.shard() != shard {
+        let sweep::Shard { index, count } = held.shard();
+        return Err(Error::input(path, format!("the file is part {index} of {count}"))
+            .with_hint("give the same `shard`, or give `resume` another file"));
+    }
+    Ok(held)
+}
+
+/// Decides on the parts that `read` gives, with a progress bar.
+pub fn decided(
+    console: &Console,
+    read: impl FnOnce(&mut dyn FnMut(&Plan, &Part)) -> Result<Plan>,
+) -> Result<(Conclusion, Plan)> {
+    let bar = console.progress(1, "run survivors again");
+    let found = conclude(read, &|count, of| {
+        bar.set_length(of);
+        bar.inc(count);
+    })?;
+    bar.finish_and_clear();
+    Ok(found)
+}

@@ -1,0 +1,14 @@
+//! Sweeps of BSDFs over their parameters and directions: plans, parts that are computed anywhere, and the decision on all of them.
+
+mod conclude;
+mod part;
+mod plan;
+mod run;
+
+pub use conclude::{Conclusion, Failure, Group, SurvivorRow, conclude};
+pub use part::{Part, merge};
+pub use plan::{Description, Families, Plan, Shard, replay};
+pub use run::run;
+
+#[cfg(test)]
+mod tests;
