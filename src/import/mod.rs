@@ -1,5 +1,5 @@
 //! Files and programs of others: scene and mesh files, read as a [`Scene`](crate::scene::Scene) and a
-//! [`Request`](crate::scene::Request); external samplers to be tested.
+//! [`Request`](crate::scene::Request); samplers and BSDFs of other programs to be tested.
 
 pub mod collada;
 mod imported;
