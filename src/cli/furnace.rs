@@ -59,6 +59,7 @@ impl Furnace {
             return Ok(Verdict::Good);
         }
         let cells = self.cells()?;
+        self.external.check_no_names(&self.names)?;
         let program = self.external.start()?;
         let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-4 });
         let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };

@@ -3,7 +3,8 @@
 use super::arguments::command_line;
 use super::console::Console;
 use super::global::{Global, Verdict};
-use super::sweep::{ExternalFamily, decided};
+use super::program::ExternalBsdf;
+use super::sweep::{concluded, decided, families};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::output;
@@ -31,7 +32,7 @@ pub struct Merge {
     #[arg(required = true)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
-    external: ExternalFamily,
+    external: ExternalBsdf,
 }
 
 #[derive(Serialize)]
@@ -98,11 +99,13 @@ impl Merge {
         let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
         files::check_writable(&path)?;
         let (found, plan) = decided(console, |each| {
-            let plan = |sweep: &Description| sweep.plan(self.external.families(&sweep.families().collect::<Vec<_>>())?);
+            let plan = |sweep: &Description| {
+                sweep.plan(families(&self.external, &sweep.families().map(str::to_owned).collect::<Vec<_>>())?)
+            };
             merge(&self.parts, plan, each)
         })?;
         files::write_bytes(&path, &output::table(&found.rows)?)?;
-        Ok(self.external.concluded(&found, &plan.description, &target.written(vec![path]), console))
+        Ok(concluded(&self.external, &found, &plan.description, &target.written(vec![path]), console))
     }
 }
 

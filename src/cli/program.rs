@@ -10,7 +10,7 @@ use std::time::Duration;
 #[derive(Args)]
 pub struct ExternalBsdf {
     /// BSDFs of another program: COMMAND starts it; requests and replies go over its standard input and output
-    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "list"])]
+    #[arg(long, value_name = "COMMAND")]
     exec: Option<String>,
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
@@ -18,19 +18,32 @@ pub struct ExternalBsdf {
 }
 
 impl ExternalBsdf {
-    /// Starts the program, if one is named.
+    /// The command, if one is given.
+    pub fn command(&self) -> Option<&str> {
+        self.exec.as_deref()
+    }
+
+    /// Refuses names of BSDFs beside a command.
+    pub fn check_no_names(&self, names: &[String]) -> Result<()> {
+        if self.exec.is_some() && !names.is_empty() {
+            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
+        }
+        Ok(())
+    }
+
+    /// Starts the program, if a command is given.
     pub fn start(&self) -> Result<Option<Program>> {
         let Some(command) = &self.exec else { return Ok(None) };
-        match program::start(command, None, limit(self.timeout)?)? {
+        match program::start(command, None, reply_limit(self.timeout)?)? {
             External::Bsdf(program) => Ok(Some(program)),
-            External::Sampler(_) => Err(Error::parameter("command", "the program has a sampler, not BSDFs")
-                .with_hint("its greeting needs kind=bsdf")),
+            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
+                .with_hint("`etalon validate` tests samplers")),
         }
     }
 }
 
-/// The time limit of a reply.
-pub fn limit(seconds: f64) -> Result<Duration> {
+/// The time that a program has for each reply.
+pub fn reply_limit(seconds: f64) -> Result<Duration> {
     const LONGEST: f64 = 86_400.0;
     if !(seconds > 0.0 && seconds <= LONGEST) {
         return Err(Error::parameter("timeout", format!("{seconds} s is not from 0 to {LONGEST} s")));

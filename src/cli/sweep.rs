@@ -2,12 +2,11 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict};
+use super::program::ExternalBsdf;
 use super::shard::Shard;
-use super::validate::reply_limit;
 use super::values::choice;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::import::program::{self, External};
 use crate::output::{self, Written};
 use crate::study::sweep::{self, Conclusion, Description, Families, Part, Plan, conclude, replay, run};
 use crate::study::validation::families;
@@ -71,46 +70,37 @@ pub struct Sweep {
     #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume"])]
     replay: Option<String>,
     #[command(flatten)]
-    external: ExternalFamily,
+    external: ExternalBsdf,
 }
 
-/// A family of BSDFs in another program.
-#[derive(Args)]
-pub struct ExternalFamily {
-    /// The BSDFs of another program: COMMAND starts it
-    #[arg(long, value_name = "COMMAND")]
-    exec: Option<String>,
-    /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
-    timeout: f64,
+/// The family of the program, or those of this program that are named, or all.
+pub fn families(external: &ExternalBsdf, names: &[String]) -> Result<Families> {
+    match external.start()? {
+        Some(program) => Ok(vec![Box::new(program)]),
+        None => chosen(names),
+    }
 }
 
-impl ExternalFamily {
-    /// The family of the program, or those of this program that are named, or all.
-    pub fn families<S: AsRef<str>>(&self, names: &[S]) -> Result<Families> {
-        let Some(command) = &self.exec else { return chosen(names) };
-        match program::start(command, None, reply_limit(self.timeout)?)? {
-            External::Bsdf(program) => Ok(vec![Box::new(program)]),
-            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
-                .with_hint("`etalon validate` tests samplers")),
-        }
-    }
+/// The command that runs a configuration again, but for its last argument.
+fn replay_by(external: &ExternalBsdf, detect: f64) -> String {
+    let exec = external.command().map_or(String::new(), |command| format!(" --exec \"{command}\""));
+    let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };
+    format!("etalon sweep{exec}{detect} --replay")
+}
 
-    /// The command that runs a configuration again, but for its last argument.
-    fn replay_by(&self, detect: f64) -> String {
-        let exec = self.exec.as_ref().map_or(String::new(), |command| format!(" --exec \"{command}\""));
-        let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };
-        format!("etalon sweep{exec}{detect} --replay")
-    }
-
-    /// Prints what a sweep found.
-    pub fn concluded(&self, found: &Conclusion, sweep: &Description, written: &Written, console: &Console) -> Verdict {
-        console.saved(found, written, || view::text(found, sweep, &self.replay_by(sweep.detect())));
-        match found {
-            Conclusion { rejected: 1.., .. } => Verdict::Rejected,
-            Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
-            _ => Verdict::Good,
-        }
+/// Prints what a sweep found.
+pub fn concluded(
+    external: &ExternalBsdf,
+    found: &Conclusion,
+    sweep: &Description,
+    written: &Written,
+    console: &Console,
+) -> Verdict {
+    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect())));
+    match found {
+        Conclusion { rejected: 1.., .. } => Verdict::Rejected,
+        Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
+        _ => Verdict::Good,
     }
 }
 
@@ -143,10 +133,8 @@ impl Sweep {
         if let Some(text) = &self.replay {
             return self.replay(text, console);
         }
-        if self.external.exec.is_some() && !self.names.is_empty() {
-            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
-        }
-        let families = self.external.families(&self.names)?;
+        self.external.check_no_names(&self.names)?;
+        let families = families(&self.external, &self.names)?;
         if self.list {
             list(&families, console);
             return Ok(Verdict::Good);
@@ -201,11 +189,11 @@ impl Sweep {
         let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
         files::write_bytes(&survivors, &output::table(&conclusion.rows)?)?;
         written.push(survivors);
-        Ok(self.external.concluded(&conclusion, &plan.description, &target.written(written), console))
+        Ok(concluded(&self.external, &conclusion, &plan.description, &target.written(written), console))
     }
 
     fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {
-        let families = self.external.families::<&str>(&[])?;
+        let families = families(&self.external, &[])?;
         let (family, configuration, findings) = replay(text, &families, self.detect)?;
         let replayed = replayed(configuration.text(family), findings, self.level);
         console.result(&replayed, || {

@@ -1,10 +1,10 @@
 //! A furnace test with numbers: the directional albedo of BSDFs over the angle and parameters.
 
-use super::validation::families::Facets;
+use super::validation::families::{Facets, position, values};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
-use etalon_stats::bsdf::{Albedo, Basis, BatchBsdf, Energy, Family, Parameter, directional_albedo};
+use etalon_stats::bsdf::{Albedo, Basis, BatchBsdf, Energy, Family, directional_albedo};
 use etalon_stats::cubature::integrate;
 use etalon_stats::{Grid, Protocol, Square, density};
 use rayon::prelude::*;
@@ -129,24 +129,25 @@ pub fn albedo_table(
 ) -> Result<Table> {
     let start = Instant::now();
     let parameters = family.parameters();
-    let fixed = settings(&parameters, &request.set)?;
-    let over = varied(&parameters, &request.over)?;
-    if let Some(name) = request.set.iter().map(|(name, _)| name).find(|name| over.contains(&index(&parameters, name))) {
+    let fixed = values(family, &request.set)?;
+    let over = varied(family, &request.over)?;
+    let varies = |name: &&String| over.iter().any(|&k| parameters[k].name == **name);
+    if let Some(name) = request.set.iter().map(|(name, _)| name).find(varies) {
         return Err(Error::parameter("set", format!("{name} cannot be set: the table goes over it")));
     }
-    let [angles, values] = request.cells;
-    if !(1..=4096).contains(&angles) || !(1..=4096).contains(&values) {
-        return Err(Error::parameter("size", format!("{angles} x {values} cells")).with_hint("use 1 to 4096 of each"));
+    let [angles, steps] = request.cells;
+    if !(1..=4096).contains(&angles) || !(1..=4096).contains(&steps) {
+        return Err(Error::parameter("size", format!("{angles} x {steps} cells")).with_hint("use 1 to 4096 of each"));
     }
     if !(request.error > 0.0 && request.error < 1.0) {
         return Err(Error::parameter("error", format!("an error of {}", request.error)).with_hint("use 0.0001"));
     }
-    let values = if over.is_empty() { 1 } else { values };
+    let steps = if over.is_empty() { 1 } else { steps };
     let share = |i: usize, n: usize| if n > 1 { i as f64 / (n - 1) as f64 } else { 0.5 };
-    let configurations: Vec<Vec<f64>> = (0..values)
+    let configurations: Vec<Vec<f64>> = (0..steps)
         .map(|i| {
             let mut configuration = fixed.clone();
-            over.iter().for_each(|&k| configuration[k] = parameters[k].at(share(i, values)));
+            over.iter().for_each(|&k| configuration[k] = parameters[k].at(share(i, steps)));
             configuration
         })
         .collect();
@@ -162,7 +163,7 @@ pub fn albedo_table(
         }
     };
     let thetas_deg: Vec<f64> = (0..angles).map(theta).collect();
-    let tests = angles * values;
+    let tests = angles * steps;
     let one = |k: usize| -> Result<Vec<Row>> {
         let (i, theta_deg) = (k / angles, thetas_deg[k % angles]);
         let parameter = over.first().map_or(0.0, |&k| configurations[i][k]);
@@ -184,46 +185,15 @@ pub fn albedo_table(
     })
 }
 
-fn index(parameters: &[Parameter], name: &str) -> usize {
-    parameters.iter().position(|parameter| parameter.name == name).unwrap_or(usize::MAX)
-}
-
-/// The usual values with those that are set.
-fn settings(parameters: &[Parameter], set: &[(String, f64)]) -> Result<Vec<f64>> {
-    let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
-    for (name, value) in set {
-        let Some(parameter) = parameters.iter().find(|parameter| parameter.name == *name) else {
-            return Err(Error::parameter("set", unknown(parameters, name)));
-        };
-        let [from, to] = parameter.range;
-        if !(from..=to).contains(value) {
-            return Err(Error::parameter("set", format!("{name} = {value} is not from {from} to {to}")));
-        }
-        values[index(parameters, name)] = *value;
-    }
-    Ok(values)
-}
-
 /// The numbers of the parameters that vary.
-fn varied(parameters: &[Parameter], over: &[String]) -> Result<Vec<usize>> {
-    if let Some(name) = over.iter().find(|name| index(parameters, name) == usize::MAX) {
-        return Err(Error::parameter("over", unknown(parameters, name)));
-    }
+fn varied(family: &dyn Family, over: &[String]) -> Result<Vec<usize>> {
     if !over.is_empty() {
-        return Ok(over.iter().map(|name| index(parameters, name)).collect());
+        return over.iter().map(|name| position(family, "over", name)).collect();
     }
-    let first = parameters.first().map(|parameter| parameter.name.as_str());
-    let partner = first.and_then(|name| name.strip_suffix("_x")).map(|stem| format!("{stem}_y"));
-    let both = first.into_iter().chain(partner.as_deref());
-    Ok(both.map(|name| index(parameters, name)).filter(|&k| k < parameters.len()).collect())
-}
-
-fn unknown(parameters: &[Parameter], name: &str) -> String {
-    let known: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    match known[..] {
-        [] => format!("there is no parameter \"{name}\": the BSDF has none"),
-        _ => format!("there is no parameter \"{name}\"; there are: {}", known.join(", ")),
-    }
+    let names: Vec<String> = family.parameters().into_iter().map(|parameter| parameter.name).collect();
+    let partner = names.first().and_then(|name| name.strip_suffix("_x")).map(|stem| format!("{stem}_y"));
+    let both = names.first().into_iter().chain(partner.as_ref());
+    Ok(both.filter_map(|name| names.iter().position(|known| known == name)).collect())
 }
 
 /// The direction at an angle with the normal, in degrees.
@@ -375,7 +345,7 @@ mod tests {
             assert!(error.contains(name), "{error}");
         };
         let usual = request([2, 2]);
-        refused(Request { over: vec!["beta".into()], ..usual.clone() }, "there is no parameter \"beta\"");
+        refused(Request { over: vec!["beta".into()], ..usual.clone() }, "has no parameter \"beta\"");
         refused(Request { set: vec![("eta".into(), 1e9)], ..usual.clone() }, "is not from");
         refused(Request { set: vec![("alpha_x".into(), 0.5)], ..usual.clone() }, "goes over it");
         refused(Request { cells: [0, 3], ..usual.clone() }, "0 x 3");

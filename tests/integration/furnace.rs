@@ -43,7 +43,7 @@ fn what_is_too_coarse_or_makes_no_sense_has_its_exit_code() {
         (&["diffuse", "--size", "99999999x99999999"], "cells"),
         (&["diffuse", "--error", "nan"], "--error"),
         (&["diffuse", "--error", "0"], "--error"),
-        (&["ggx", "--over", "beta"], "there is no parameter \"beta\""),
+        (&["ggx", "--over", "beta"], "has no parameter \"beta\""),
         (&["ggx", "--set", "eta=1e9"], "--set"),
         (&["ggx", "--set", "eta"], "NAME=VALUE"),
         (&["ggx", "--set", "eta=inf"], "NAME=VALUE"),

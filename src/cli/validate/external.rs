@@ -1,19 +1,20 @@
 //! Samplers and BSDFs of other programs, samplers in files: the arguments of `validate` for them.
 
 use crate::cli::console::Console;
+use crate::cli::program::reply_limit;
+use crate::cli::values::setting;
 use crate::error::{Error, Result};
 use crate::import::program::bsdf::Program;
 use crate::import::program::sampler::Client;
 use crate::import::program::{self, External};
 use crate::import::sampler::files::{GridDensity, SampleFile};
 use crate::import::sampler::{Coordinates, Space, Visitor};
-use crate::study::validation::{Case, WholeBsdf};
+use crate::study::validation::{Case, WholeBsdf, families};
 use clap::Args;
 use etalon_stats::examine;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 /// An external sampler or BSDF.
 #[derive(Args)]
@@ -29,8 +30,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
     /// A parameter of the program's BSDF (may be repeated; default: the usual value, which the program says)
-    #[arg(long, value_name = "NAME=VALUE", requires = "exec")]
-    set: Vec<String>,
+    #[arg(long, value_name = "NAME=VALUE", requires = "exec", value_parser = setting)]
+    set: Vec<(String, f64)>,
     /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
     pdf: Option<PathBuf>,
@@ -95,13 +96,12 @@ impl Arguments {
     }
 
     fn program(&self, command: &str, space: Option<Space>) -> Result<Subject> {
-        let chosen = self.set.iter().map(|text| parameter(text)).collect::<Result<Vec<_>>>()?;
         match program::start(command, space, reply_limit(self.timeout)?)? {
             External::Bsdf(program) => {
-                let values = program.values(&chosen)?;
+                let values = families::values(&program, &self.set)?;
                 Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
             }
-            External::Sampler(_) if !chosen.is_empty() => {
+            External::Sampler(_) if !self.set.is_empty() => {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
             }
             External::Sampler(client) => {
@@ -109,22 +109,6 @@ impl Arguments {
             }
         }
     }
-}
-
-/// The time that a program has for each reply.
-pub fn reply_limit(seconds: f64) -> Result<Duration> {
-    const LONGEST: f64 = 86_400.0;
-    if !(seconds > 0.0 && seconds <= LONGEST) {
-        return Err(Error::parameter("timeout", format!("{seconds} s is not from 0 to {LONGEST} s")));
-    }
-    Ok(Duration::from_secs_f64(seconds))
-}
-
-/// A name and its value.
-fn parameter(text: &str) -> Result<(String, f64)> {
-    let read = |(name, value): (&str, &str)| Some((name.to_owned(), value.parse().ok()?));
-    let wrong = || Error::parameter("set", format!("\"{text}\" is not NAME=VALUE")).with_hint("such as alpha=0.2");
-    text.split_once('=').and_then(read).ok_or_else(wrong)
 }
 
 struct ProgramCase(Client);

@@ -15,7 +15,6 @@ use crate::study::validation::{Tested, Validation, run, select, suite};
 use crate::view::{junit, validation as view, validation_cells as cells};
 use clap::Args;
 use etalon_stats::{Protocol, SampleCount};
-pub use external::reply_limit;
 use external::{SampleSource, Subject};
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -12,7 +12,7 @@
 use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
 use super::properties::declared;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::import::number::real;
 use crate::import::place::quote;
 use crate::import::sampler::write_numbers;
@@ -63,27 +63,6 @@ impl Program {
         let parameters = greeting.lines.iter().map(|line| parameter(&greeting.program, line)).collect::<Result<_>>()?;
         let state = Mutex::new(State { connection: Box::new(connection), set: None });
         Ok(Self { name, parameters, properties, state })
-    }
-
-    /// The usual values of the parameters, with those of `chosen` in their place.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for a name that is unknown and a value that is out of its range.
-    pub fn values(&self, chosen: &[(String, f64)]) -> Result<Vec<f64>> {
-        let mut values: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
-        for (name, value) in chosen {
-            let Some(at) = self.parameters.iter().position(|parameter| parameter.name == *name) else {
-                let names: Vec<&str> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-                return Err(Error::parameter("set", format!("{} has no parameter {}", self.name, quote(name)))
-                    .with_hint(format!("its parameters: {}", names.join(", "))));
-            };
-            let [from, to] = self.parameters[at].range;
-            if !(from..=to).contains(value) {
-                return Err(Error::parameter("set", format!("{name} = {value} is not from {from} to {to}")));
-            }
-            values[at] = *value;
-        }
-        Ok(values)
     }
 }
 
@@ -310,16 +289,6 @@ mod tests {
         let lobes = bsdf.delta_lobes(&[up; 2]).unwrap();
         assert_eq!((lobes[0].len(), lobes[1].len()), (2, 0));
         assert_eq!(lobes[0][1], DeltaLobe { wi: [0.0, 0.0, -1.0], probability: 0.75, throughput: [1.0; 3] });
-    }
-
-    #[test]
-    fn values_are_chosen_by_name() {
-        let program = program(glass).0.unwrap();
-        let chosen = |name: &str, value| program.values(&[(name.to_owned(), value)]);
-        assert_eq!((program.values(&[]).unwrap(), chosen("eta", 2.0).unwrap()), (vec![1.5], vec![2.0]));
-        assert!(chosen("alpha", 2.0).unwrap_err().hint().unwrap().contains("eta"));
-        assert!(chosen("eta", 4.0).unwrap_err().to_string().contains("from 1 to 3"));
-        assert!(chosen("eta", f64::NAN).is_err());
     }
 
     #[test]

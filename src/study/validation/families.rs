@@ -3,6 +3,7 @@
 use super::scattering::Scattering;
 use crate::bsdf::NormalSampling;
 use crate::errata::Conventions;
+use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA, ScatterModel};
 use etalon_stats::bsdf::{self, Energy, Parameter};
@@ -90,6 +91,38 @@ fn glass(v: &[f32], distribution: Distribution) -> Material {
     Material::Dielectric(Dielectric { alpha: [v[0], v[1]], distribution, ..Dielectric::clear(v[2]) })
 }
 
+/// The usual values of a family's parameters, with those of `chosen` in their place.
+///
+/// # Errors
+/// [`Error::Parameter`] for a name that is unknown and a value that is out of its range.
+pub fn values(family: &dyn bsdf::Family, chosen: &[(String, f64)]) -> Result<Vec<f64>> {
+    let parameters = family.parameters();
+    let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+    for (name, value) in chosen {
+        let at = position(family, "set", name)?;
+        let [from, to] = parameters[at].range;
+        if !(from..=to).contains(value) {
+            return Err(Error::parameter("set", format!("{name} = {value} is not from {from} to {to}")));
+        }
+        values[at] = *value;
+    }
+    Ok(values)
+}
+
+/// The number of a family's parameter, which `argument` names.
+///
+/// # Errors
+/// [`Error::Parameter`] if there is no such parameter.
+pub fn position(family: &dyn bsdf::Family, argument: &'static str, name: &str) -> Result<usize> {
+    let parameters = family.parameters();
+    let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    names.iter().position(|known| *known == name).ok_or_else(|| {
+        let hint =
+            if names.is_empty() { "it has none".to_owned() } else { format!("its parameters: {}", names.join(", ")) };
+        Error::parameter(argument, format!("{} has no parameter \"{name}\"", family.name())).with_hint(hint)
+    })
+}
+
 /// The registry.
 pub fn all() -> Vec<Family> {
     const ROUGH_METAL: &[Declared] = &[ALPHAS[0], ALPHAS[1], METAL[0], METAL[1]];
@@ -161,5 +194,16 @@ mod tests {
         assert_eq!([alpha.at(0.0), alpha.at(1.0)], [1e-4, 1.0]);
         assert!((alpha.at(0.5) - 0.01).abs() < 1e-12, "logarithmic");
         assert_eq!(Parameter::new("albedo", 0.5, [0.0, 1.0]).at(0.25), 0.25);
+    }
+
+    #[test]
+    fn values_are_chosen_by_name() {
+        let all = all();
+        let glass = all.iter().find(|family| family.name() == "dielectric").unwrap();
+        let chosen = |name: &str, value| values(glass, &[(name.to_owned(), value)]);
+        assert_eq!((values(glass, &[]).unwrap(), chosen("eta", 2.0).unwrap()), (vec![1.5], vec![2.0]));
+        assert!(chosen("alpha", 2.0).unwrap_err().hint().unwrap().contains("eta"));
+        assert!(chosen("eta", 4.0).unwrap_err().to_string().contains("is not from"));
+        assert!(chosen("eta", f64::NAN).is_err());
     }
 }
