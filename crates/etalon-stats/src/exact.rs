@@ -85,7 +85,7 @@ pub fn repeatable<D: Domain>(domain: &D, density: &dyn Density<D::Point>, probes
 const FEWEST: usize = 1000;
 /// Values of an axis that are fewer than this and further apart than that share of themselves are no rounding of f32, whose
 /// values are 2⁻²⁴ apart, also where a projection magnifies it a thousand times.
-pub const VALUES: f64 = 16_384.0;
+const VALUES: f64 = 16_384.0;
 const SPACING: f64 = 1.0 / (1 << 18) as f64;
 /// Chance explains what is less likely than this for no sampler.
 const IMPOSSIBLE: f64 = 1e-9;

@@ -10,6 +10,9 @@ const CELL_BITS: u32 = 3;
 /// The first halvings of an axis are quantiles of the pilot samples.
 const QUANTILE_BITS: u32 = 4;
 
+/// The relative error of coordinates in single precision.
+const ROUNDING: f64 = f32::EPSILON as f64;
+
 /// One axis of the chart in 2ʲ parts: about equally many pilot samples in each of the first 16, which are cut evenly.
 #[derive(Debug, Clone)]
 pub struct Axis {
@@ -20,6 +23,8 @@ pub struct Axis {
     density: Vec<f64>,
     /// The share of pairs of pilot samples with equal coordinates: the inverse of the number of values that there are.
     pub coincidence: f64,
+    /// Whether its coordinates are those of a finite set, which have no rounding.
+    pub finite: bool,
 }
 
 impl Axis {
@@ -35,7 +40,7 @@ impl Axis {
         let ends: Vec<f64> = (0..=count).map(quantile).collect();
         let parts = ((1 << bits) / count) as f64;
         let density = ends.windows(2).map(|e| parts / (e[1] - e[0])).collect();
-        Self { bits, ends, density, coincidence: coincidence(&pilot) }
+        Self { bits, ends, density, coincidence: coincidence(&pilot), finite: false }
     }
 
     /// The number of halvings.
@@ -57,6 +62,13 @@ impl Axis {
         quantile * parts + (((at - self.ends[quantile]) * self.density[quantile]) as usize).min(parts - 1)
     }
 
+    /// The mean square of the displacement of a coordinate by rounding to f32, in units of the width of one of `parts` parts.
+    pub fn rounding(&self, parts: usize) -> f64 {
+        let ends: Vec<f64> = self.ends().into_iter().step_by((1 << self.bits) / parts).collect();
+        let square = |e: &[f64]| (ROUNDING * e[1] / (e[1] - e[0]).max(f64::MIN_POSITIVE)).powi(2);
+        ends.windows(2).map(square).sum::<f64>() / parts as f64
+    }
+
     /// The ends of all parts, ascending.
     pub fn ends(&self) -> Vec<f64> {
         subdivided(&self.ends, (1 << self.bits) / (self.ends.len() - 1))
@@ -66,7 +78,6 @@ impl Axis {
 /// The share of pairs of sorted values that are equal, or equal up to rounding of f32: that are nearer than they would be
 /// if values were spread as evenly as over sixteen times this distance.
 fn coincidence(values: &[f64]) -> f64 {
-    const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
     const WIDER: f64 = 16.0;
     let near = |distance: f64| {
         let mut last = 0;
@@ -79,8 +90,8 @@ fn coincidence(values: &[f64]) -> f64 {
         }
         pairs as f64
     };
-    let (equal, narrow) = (near(0.0), near(ROUNDING));
-    let even = (near(WIDER * ROUNDING) - narrow) / (WIDER - 1.0);
+    let (equal, narrow) = (near(0.0), near(2.0 * ROUNDING));
+    let even = (near(2.0 * WIDER * ROUNDING) - narrow) / (WIDER - 1.0);
     // Three standard deviations are chance.
     let rounded = narrow - even - 3.0 * (narrow + even).sqrt();
     let n = values.len() as f64;
@@ -135,8 +146,16 @@ impl<'a> Fine<'a> {
 
     /// The same parts of a finite set, whose values are known.
     pub fn of_finite_set(mut self) -> Self {
-        self.axes.iter_mut().for_each(|axis| axis.coincidence = 0.0);
+        self.axes.iter_mut().for_each(|axis| axis.finite = true);
         self
+    }
+
+    /// The mean square of the displacement of a coordinate by rounding to f32, in units of the width of the parts of cells that
+    /// are halved `depth` times.
+    pub fn rounding(&self, depth: u32) -> f64 {
+        let wider = f64::from(1 << (self.depth - depth));
+        let square = |[from, density]: &[f64; 2]| (ROUNDING * from * density / wider).powi(2);
+        self.cells.iter().flatten().map(square).sum::<f64>() / self.cells.len() as f64
     }
 
     /// The number of the part of a cell in row `x` and column `y`: the bits of both, interleaved.

@@ -145,17 +145,22 @@ impl Scales {
     pub fn new(fine: &Fine, axes: [&str; 2], observed: &Parts<u64>, shares: &Shares, found: f64, samples: u64) -> Self {
         let mut scales = Self::default();
         let [n, of_cells] = [samples as f64, fine.grid.len() as f64];
-        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V.
-        let is_good = |halves: &Halves, values: f64| {
-            let missed = n * found * found * halves.parts as f64;
-            halves.is_testable(missed + n / (values * values))
+        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to f32
+        // moves samples over the ends of parts.
+        let finite = fine.axes.iter().all(|axis| axis.finite);
+        let is_good = |halves: &Halves, values: f64, rounding: f64| {
+            let missed = found * found * halves.parts as f64;
+            let lattice = if finite { 0.0 } else { 1.0 / (values * values) + rounding };
+            halves.is_testable(n * (missed + lattice))
         };
         for (axis, name) in (0..fine.axes.len()).zip(axes) {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..fine.axes[axis].bits() {
                 let (halves, ends) = halve(name, &mut observed, &mut values, &mut errors);
-                if is_good(&halves, 1.0 / (fine.axes[axis].coincidence * halves.parts as f64)) {
+                let along = &fine.axes[axis];
+                let values = 1.0 / (along.coincidence * halves.parts as f64);
+                if is_good(&halves, values, along.rounding(halves.parts)) {
                     scales.halves.push(halves);
                     scales.ends.extend(ends);
                 }
@@ -170,7 +175,8 @@ impl Scales {
             let halves = Halves { parts, ..columns.plus(&rows) };
             // Columns are about twice as many as rows.
             let coincidence = fine.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
-            if is_good(&halves, 1.0 / (coincidence * (2.0 * parts as f64).sqrt())) {
+            let values = 1.0 / (coincidence * (2.0 * parts as f64).sqrt());
+            if is_good(&halves, values, fine.rounding(depth)) {
                 scales.halves.push(halves);
             }
         }

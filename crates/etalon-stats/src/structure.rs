@@ -2,8 +2,7 @@
 
 use crate::chi_square::ChiSquare;
 use crate::cubature::Shares;
-use crate::exact::VALUES;
-use crate::fine::{Axis, Fine};
+use crate::fine::Fine;
 use crate::multiple::weighted;
 use crate::order::Labels;
 use crate::power::chi_square_below;
@@ -74,8 +73,7 @@ impl Counted<'_> {
         let mut worst: Vec<&Scale> = decide.into_iter().filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
         let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();
-        let mut remarks: Vec<String> =
-            fine.axes.iter().zip(self.axes).filter_map(|(axis, name)| few(axis, name)).collect();
+        let mut remarks = Vec::new();
         if is_even {
             let order = order.filter(|order| order.p < own * self.level).map_or("", |_| " and depend on each other");
             remarks.push(format!(
@@ -86,16 +84,6 @@ impl Counted<'_> {
         }
         Structure { scales, p, words, remarks }
     }
-}
-
-/// That an axis has few values, so that scales with few of them in a part are not tested.
-fn few(axis: &Axis, name: &str) -> Option<String> {
-    let values = 1.0 / axis.coincidence;
-    (values < VALUES).then(|| {
-        format!(
-            "{name} takes about {values:.0} values, equal up to rounding of f32; scales as fine as these are not tested"
-        )
-    })
 }
 
 /// The test of dependence as a scale.
