@@ -27,7 +27,7 @@ fn parts_of_a_sweep_merge_to_what_one_machine_finds() {
         (&["merge", "part-1.csv", "part-1.csv"], "part 1 of 2, as part-1.csv"),
         (&["merge", "part-1.csv", "whole.csv"], "part 1 of 1, but part-1.csv is one of 2"),
         (&["sweep", "mirror", "--configurations", "3", "--shard", "4/4"], "--shard"),
-        (&["sweep", "mirror", "--resume", "part-1.csv"], "another sweep (configurations: 9 here, 100 there)"),
+        (&["sweep", "mirror", "--resume", "part-1.csv"], "another sweep (configurations: 100 here, 9 there)"),
         (&["sweep", "miror"], "there is no family \"miror\""),
         (&["sweep", "mirror", "--configurations", "0"], "--configurations"),
         (&["sweep", "mirror", "--detect", "2"], "--detect"),

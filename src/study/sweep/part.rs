@@ -21,8 +21,10 @@ struct Header {
 }
 
 const FORMAT: u32 = 1;
-/// Most bytes of a part: that of ten million configurations.
-const LARGEST: u64 = 2 << 30;
+/// Most configurations of a part.
+pub const MOST: u64 = 2_000_000;
+/// Most bytes of a part: twice those of so many configurations.
+const LARGEST: u64 = 600 << 20;
 /// Columns before those of the checks.
 const FIRST: [&str; 6] = ["number", "family", "parameters", "theta_deg", "phi_deg", "seed"];
 
@@ -247,6 +249,9 @@ pub fn merge(
             let message = format!("not of the same sweep as {} ({difference})", first.display());
             return Err(Error::input(path, message).with_hint("make all parts with the same arguments and version"));
         }
+        if u64::from(of) > plan.len() {
+            return Err(Error::input(path, format!("one of {of} parts of {} configurations", plan.len())));
+        }
         if of != count {
             return Err(Error::input(path, format!("part {index} of {of}, but {} is one of {count}", first.display()))
                 .with_hint("make all parts with the same number of shards"));
@@ -278,11 +283,11 @@ pub fn merge(
         crate::interrupt::check()?;
         take(path, &Part::read(path)?)?;
     }
-    let missing: Vec<String> =
-        (1..=count).filter(|index| !held.contains_key(index)).map(|i| format!("{i}/{count}")).collect();
-    if !missing.is_empty() {
-        let some = missing[..missing.len().min(20)].join(", ");
-        let dots = if missing.len() > 20 { ", …" } else { "" };
+    let mut missing = (1..=count).filter(|index| !held.contains_key(index)).map(|index| format!("{index}/{count}"));
+    let some: Vec<String> = missing.by_ref().take(20).collect();
+    if !some.is_empty() {
+        let dots = if missing.next().is_some() { ", …" } else { "" };
+        let some = some.join(", ");
         return Err(Error::input(first, format!("of its sweep the parts {some}{dots} are missing"))
             .with_hint("run the missing parts, by `shard`, and merge all of them"));
     }

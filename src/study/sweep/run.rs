@@ -1,6 +1,6 @@
 //! A share of a sweep, computed.
 
-use super::part::Part;
+use super::part::{MOST, Part};
 use super::plan::Plan;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -16,8 +16,13 @@ const SAVE: Duration = Duration::from_secs(60);
 /// process is asked to stop, what is finished is saved; the part then lacks the rest.
 ///
 /// # Errors
-/// Those of the checks, but for interruption, and of `save`.
+/// [`Error::Parameter`] for a part that is too large; those of the checks, but for interruption, and of `save`.
 pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
+    let count = u64::from(part.shard().count);
+    if plan.len().div_ceil(count) > MOST {
+        return Err(Error::parameter("shard", format!("{} configurations in {count} parts", plan.len()))
+            .with_hint(format!("use at least {} parts", plan.len().div_ceil(MOST))));
+    }
     let missing: Vec<u64> = part.shard().numbers(plan.len()).filter(|&number| !part.has(number)).collect();
     let mut saved = Instant::now();
     for batch in missing.chunks(BATCH) {
