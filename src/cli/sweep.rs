@@ -12,7 +12,7 @@ use crate::study::sweep::{self, Conclusion, Description, Families, Part, Plan, c
 use crate::study::validation::families;
 use crate::view::sweep as view;
 use clap::Args;
-use etalon_stats::bsdf::ALL;
+use etalon_stats::bsdf::{ALL, Family};
 use etalon_stats::sweep::{Finding, State, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -236,8 +236,7 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
 
 /// The families of these names, or all.
 fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
-    let known: Vec<String> =
-        families::all().iter().map(|family| etalon_stats::bsdf::Family::name(family).to_owned()).collect();
+    let known: Vec<String> = families::all().iter().map(|family| Family::name(family).to_owned()).collect();
     for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
         if !known.iter().any(|known| known == name) {
             return Err(Error::parameter("names", format!("there is no family \"{name}\""))
@@ -249,7 +248,7 @@ fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
     }
     let mut chosen: Families = Vec::new();
     for family in families::all() {
-        let name = etalon_stats::bsdf::Family::name(&family);
+        let name = Family::name(&family);
         if names.is_empty() || names.iter().any(|wanted| wanted.as_ref() == name) {
             chosen.push(Box::new(family));
         }
@@ -263,11 +262,11 @@ fn list(families: &Families, console: &Console) {
         name: String,
         parameters: Vec<(String, f64, [f64; 2])>,
     }
-    let line = |family: &Box<dyn etalon_stats::bsdf::Family>| Line {
+    let line = |family: &dyn Family| Line {
         name: family.name().to_owned(),
         parameters: family.parameters().into_iter().map(|p| (p.name, p.value, p.range)).collect(),
     };
-    let lines: Vec<Line> = families.iter().map(line).collect();
+    let lines: Vec<Line> = families.iter().map(|family| line(&**family)).collect();
     console.result(&std::collections::BTreeMap::from([("families", &lines)]), || {
         let text = |line: &Line| {
             let of =

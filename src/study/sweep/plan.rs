@@ -82,14 +82,14 @@ impl Description {
         if !(level > 0.0 && level < 1.0) {
             return Err(Error::parameter("level", format!("level {level}")).with_hint("use a probability such as 0.01"));
         }
-        let described = |family: &Box<dyn Family>| Described {
+        let described = |family: &dyn Family| Described {
             name: family.name().to_owned(),
             parameters: family.parameters().into_iter().map(|p| (p.name, p.value, p.range)).collect(),
         };
         let name = STRATEGIES.iter().find(|(_, known)| *known == strategy).map_or("", |(name, _)| name);
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            families: families.iter().map(described).collect(),
+            families: families.iter().map(|family| described(&**family)).collect(),
             strategy: name.to_owned(),
             configurations,
             seed,
@@ -181,9 +181,8 @@ impl Plan {
     /// Those of [`Family::with`].
     pub fn new(description: Description, families: Families) -> Result<Self> {
         let strategy = strategy(&description.strategy);
-        let space =
-            |family: &Box<dyn Family>| Space::new(&**family, strategy, description.configurations, description.seed);
-        let spaces = families.iter().map(space).collect::<etalon_stats::Result<_>>()?;
+        let space = |family: &dyn Family| Space::new(family, strategy, description.configurations, description.seed);
+        let spaces = families.iter().map(|family| space(&**family)).collect::<etalon_stats::Result<_>>()?;
         Ok(Self { description, families, spaces })
     }
 
