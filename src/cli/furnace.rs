@@ -9,7 +9,7 @@ use crate::output;
 use crate::study::albedo::{Request, Table, WEAK, albedo_table};
 use crate::study::validation::families;
 use crate::view::furnace as view;
-use clap::Args;
+use clap::{ArgAction, Args};
 use etalon_stats::bsdf::Family;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
     after_help = "The directional albedo is the share of the power of uniform light that a surface scatters to the viewer; above 1 it \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if an albedo is impossible, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx-dielectric \
-                  --over eta --set alpha_x=0.5 --set alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
+                  --over eta --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
 pub struct Furnace {
     /// BSDFs (see --list)
@@ -30,10 +30,10 @@ pub struct Furnace {
     #[arg(long)]
     list: bool,
     /// The parameter that varies, or several that vary together (default: the first; with NAME_x also NAME_y)
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     over: Vec<String>,
-    /// The value of another parameter (repeatable)
-    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    /// Values of other parameters
+    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "AxV", default_value = "32x32")]

@@ -169,7 +169,10 @@ pub fn albedo_table(
         let parameter = over.first().map_or(0.0, |&k| configurations[i][k]);
         cell(&*bsdfs[i], facets(&configurations[i]), request, tests, [theta_deg, parameter])
     };
-    let rows = (0..tests).into_par_iter().map(one).collect::<Result<Vec<_>>>()?.concat();
+    let rows = match family.is_sequential() {
+        true => (0..tests).map(one).collect::<Result<Vec<_>>>()?.concat(),
+        false => (0..tests).into_par_iter().map(one).collect::<Result<Vec<_>>>()?.concat(),
+    };
     Ok(Table {
         family: family.name().to_owned(),
         is_logarithmic: over.first().is_some_and(|&k| parameters[k].is_logarithmic()),

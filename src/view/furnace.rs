@@ -32,7 +32,8 @@ fn map(table: &Table) -> Drawing {
     let [across, up] = [ends(&table.thetas_deg, false), ends(&table.parameters, table.is_logarithmic)];
     let axis = if table.is_logarithmic { Axis::log(name) } else { Axis::linear(name) };
     let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    let title = format!("{}, {columns} /{{×}} {rows} cells", [&[table.family.clone()], &fixed[..]].concat().join(", "));
+    let title =
+        format!("{}, {columns} /{{×}} {rows} cells", [std::slice::from_ref(&table.family), &fixed].concat().join(", "));
     let panel = Panel::new(
         Axis::linear("angle of /{ω}o with the normal (degrees)").range(across[0], across[1]),
         axis.range(up[0], up[1]),

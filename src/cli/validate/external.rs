@@ -10,7 +10,7 @@ use crate::import::program::{self, External};
 use crate::import::sampler::files::{GridDensity, SampleFile};
 use crate::import::sampler::{Coordinates, Space, Visitor};
 use crate::study::validation::{Case, WholeBsdf, families};
-use clap::Args;
+use clap::{ArgAction, Args};
 use etalon_stats::examine;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -29,8 +29,8 @@ pub struct Arguments {
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
-    /// A parameter of the program's BSDF (may be repeated; default: the usual value, which the program says)
-    #[arg(long, value_name = "NAME=VALUE", requires = "exec", value_parser = setting)]
+    /// Parameters of the program's BSDF (default: the usual values, which the program says)
+    #[arg(long, value_name = "NAME=VALUE,...", requires = "exec", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]

@@ -86,6 +86,11 @@ impl Family for Program {
         self.parameters.clone()
     }
 
+    /// Each change of parameters is a request.
+    fn is_sequential(&self) -> bool {
+        true
+    }
+
     fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn BatchBsdf + '_>> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let answer = state.set(values)?.to_owned();

@@ -198,6 +198,12 @@ impl Plan {
         self.len() == 0
     }
 
+    /// Whether configurations should be computed one after the other: see [`Family::is_sequential`].
+    #[must_use]
+    pub fn is_sequential(&self) -> bool {
+        self.families.iter().any(|family| family.is_sequential())
+    }
+
     /// The largest number of configurations of a family.
     #[must_use]
     pub fn largest(&self) -> u64 {

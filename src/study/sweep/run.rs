@@ -34,7 +34,10 @@ pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part
             Err(Error::Interrupted) => Ok(None),
             Err(error) => Err(error),
         };
-        let found: Vec<_> = batch.par_iter().map(one).collect::<Result<_>>()?;
+        let found: Vec<_> = match plan.is_sequential() {
+            true => batch.iter().map(one).collect::<Result<_>>()?,
+            false => batch.par_iter().map(one).collect::<Result<_>>()?,
+        };
         for (number, findings) in found.into_iter().flatten() {
             part.add(plan, number, &findings);
         }

@@ -12,6 +12,11 @@ pub trait Family: Sync {
     /// Its parameters with their ranges; the values are the usual ones.
     fn parameters(&self) -> Vec<Parameter>;
 
+    /// Whether BSDFs with different parameters should be used one after the other: they share a state, and changing it takes time.
+    fn is_sequential(&self) -> bool {
+        false
+    }
+
     /// The BSDF whose parameters have these values, in the order of [`parameters`](Self::parameters).
     ///
     /// # Errors
