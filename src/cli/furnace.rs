@@ -38,7 +38,7 @@ pub struct Furnace {
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "AxV", default_value = "32x32")]
     size: String,
-    /// The largest error of an albedo (default: 0.0001; 0.01 with --exec)
+    /// The largest error of an albedo (default: 0.001; 0.01 with --exec)
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]
@@ -61,7 +61,7 @@ impl Furnace {
         let cells = self.cells()?;
         self.external.check_no_names(&self.names)?;
         let program = self.external.start()?;
-        let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-4 });
+        let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-3 });
         let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };
         // A program's BSDFs, or ours with what is known of their microfacets.
         let subjects: Vec<(&dyn Family, Option<&families::Family>)> = match &program {

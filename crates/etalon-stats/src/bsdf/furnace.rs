@@ -24,14 +24,17 @@ const CELLS: usize = 4;
 const PASSES: usize = 16;
 /// Points at a time, so few that their samples stay in the cache.
 const BATCH: u64 = 1 << 10;
-/// Points that say which channels are equal, where the nodes missed something, and how many points a bound takes.
+/// Points that say which channels are equal.
 const PILOT: u64 = 1 << 10;
+/// Differences up to this share of the largest weight have a mean of their own: they are many, but small, and a bound of their
+/// mean grows with their size.
+const SMALL: f64 = 1.0 / 64.0;
 /// Points at which the largest weight is looked for where none is declared.
 const WEIGHTS: u64 = 1 << 12;
 /// It may be so many times the largest that is found.
 const LARGEST: f64 = 2.0;
 /// Most random points that measure the error.
-const POINTS: u64 = 1 << 22;
+const POINTS: u64 = 1 << 20;
 /// The shares of [`RISK`] of two attempts to reach an error: if the first shows that more points are needed, the second has them.
 const ATTEMPTS: [f64; 2] = [0.9 * RISK, 0.1 * RISK];
 /// Randomizations of a low-discrepancy sequence, and the quantile of Student's distribution for their mean: P(|t₁₅| > 2.947) = [`RISK`].
@@ -69,7 +72,7 @@ impl Albedo {
         match self.basis {
             // Hoeffding's bound grows with the logarithm of the number, as long as nothing is seen.
             Basis::Certified(_) | Basis::LargestWeight(_) => {
-                self.error[channel] * (1.0 + (tests as f64).ln() / (2.0 / RISK).ln())
+                self.error[channel] * (1.0 + (tests as f64).ln() / (4.0 / RISK).ln())
             }
             Basis::Normal => {
                 let freedom = (REPLICATES - 1) as f64;
@@ -83,7 +86,7 @@ impl Albedo {
     }
 }
 
-/// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice.
+/// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²⁰ points suffice.
 ///
 /// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
 /// It is integrated over the unit square by adaptive cubature. The mean difference between the weight and the polynomials that
@@ -221,20 +224,17 @@ fn integral(mapped: &Mapped, channel: usize, largest: f64, error: f64) -> Result
     let subject = mapped.subject;
     let weight = Weight { mapped, channel };
     let grid = Grid::equal([CELLS; 2], None);
-    let mut integration = Integration::new(&Square, &weight, &grid, &[], subject.protocol.cancelled)?;
-    let Integration::Refined(refinement) = &mut integration else { return Ok([0.0, f64::INFINITY]) };
-    // Learn where the nodes missed something.
-    let found = refinement.check(PILOT, subject.protocol.seed, 0xf0)?.found;
-    refinement.learn(&found)?;
+    let integration = Integration::new(&Square, &weight, &grid, &[], subject.protocol.cancelled)?;
+    let Integration::Refined(refinement) = &integration else { return Ok([0.0, f64::INFINITY]) };
     let polynomials: f64 = refinement.integrals().values.iter().sum();
-    // A few points say how large the differences are, and so how many points the bound takes.
-    let (mut seen, mut points) = (differences(mapped, channel, largest, refinement, PILOT, 0x11)?, PILOT);
+    // As many points as the bound takes if all differences are small; more if they are not.
+    let (mut seen, mut points) = ([0.0; 4], BATCH);
     let mut result = [polynomials, f64::INFINITY];
     for (attempt, risk) in ATTEMPTS.into_iter().enumerate() {
-        while points < POINTS && bound(seen, points, risk)[1] * largest > 0.95 * error {
+        while points < POINTS && bound(seen, points, risk)[1] * largest > 0.9 * error {
             points += points / 8;
         }
-        seen = differences(mapped, channel, largest, refinement, points, 0x12 + attempt as u64)?;
+        seen = differences(mapped, channel, largest, refinement, points, 0x11 + attempt as u64)?;
         let [correction, bound] = bound(seen, points, risk);
         result = [polynomials + largest * correction, largest * bound];
         if result[1] <= error {
@@ -244,8 +244,8 @@ fn integral(mapped: &Mapped, channel: usize, largest: f64, error: f64) -> Result
     Ok(result)
 }
 
-/// The means of the positive and of the negative differences between the weight and the polynomials of the rules, in units of the
-/// largest weight, at independent random points.
+/// The means of the differences between the weight and the polynomials of the rules at independent random points, in units of the
+/// largest weight: of positive ones up to [`SMALL`], of what is above that, and the same of negative ones.
 fn differences(
     mapped: &Mapped,
     channel: usize,
@@ -253,27 +253,33 @@ fn differences(
     refinement: &Refinement<Square>,
     points: u64,
     purpose: u64,
-) -> Result<[f64; 2]> {
+) -> Result<[f64; 4]> {
     let subject = mapped.subject;
-    let of_batch = |batch: u64| -> Result<[Share; 2]> {
+    let of_batch = |batch: u64| -> Result<[Share; 4]> {
         poll(subject.protocol.cancelled)?;
-        let (mut rng, mut sums) = (subject.random(purpose, batch), [Share::default(); 2]);
+        let (mut rng, mut sums) = (subject.random(purpose, batch), [Share::default(); 4]);
         let places: Vec<[f64; 2]> = (0..BATCH.min(points - batch * BATCH)).map(|_| rng.random()).collect();
         for (&at, weight) in places.iter().zip(mapped.weights(&places)?) {
-            let difference = weight[channel] - refinement.polynomial(at);
-            sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs() / largest));
+            let difference = (weight[channel] - refinement.polynomial(at)) / largest;
+            let (first, size) = (2 * usize::from(difference <= 0.0), difference.abs());
+            // A sum has a resolution of 2⁻²⁹ of its largest number.
+            sums[first].add(Share::new(size.min(SMALL) / SMALL));
+            sums[first + 1].add(Share::new((size - SMALL).max(0.0)));
         }
         Ok(sums)
     };
     let sums = (0..points.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
-    Ok([0, 1].map(|sign| Share::total(sums.iter().map(|sums| sums[sign])) / points as f64))
+    let mean = |part: usize| Share::total(sums.iter().map(|sums| sums[part])) / points as f64;
+    Ok([SMALL * mean(0), mean(1), SMALL * mean(2), mean(3)])
 }
 
-/// The difference of two means of so many numbers between 0 and 1, and the bound of its error, which may fail with
-/// probability `risk`: neither expected value is below 0, so that only the upper ends of both intervals count.
-fn bound(means: [f64; 2], points: u64, risk: f64) -> [f64; 2] {
-    let [above, below] = means.map(|mean| mean_interval(mean, points, risk)[1]);
-    let difference = means[0] - means[1];
+/// The mean of the positive differences minus that of the negative ones, and the bound of its error, which may fail with probability
+/// `risk`. No expected value is below 0, so that only upper ends of intervals count: of two parts for either sign.
+fn bound(means: [f64; 4], points: u64, risk: f64) -> [f64; 2] {
+    let end = |mean: f64| mean_interval(mean.min(1.0), points, 0.5 * risk)[1];
+    let most = |small: f64, large: f64| SMALL * end(small / SMALL) + end(large);
+    let [above, below] = [most(means[0], means[1]), most(means[2], means[3])];
+    let difference = means[0] + means[1] - means[2] - means[3];
     [difference, (above - difference).max(difference + below)]
 }
 
@@ -407,6 +413,6 @@ mod tests {
         assert!((one.error_of(0, 1) / 0.01 - 1.0).abs() < 1e-3);
         assert!(one.error_of(0, 1000) > 0.018);
         let certified = Albedo { basis: Basis::Certified(1.0), ..one };
-        assert!(certified.error_of(0, 1) == 0.01 && certified.error_of(0, 200) < 0.0201);
+        assert!(certified.error_of(0, 1) == 0.01 && certified.error_of(0, 400) < 0.0201);
     }
 }
