@@ -32,11 +32,11 @@ pub struct Furnace {
     /// The parameter that varies, or several that vary together (default: the first; with NAME_x also NAME_y)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     over: Vec<String>,
-    /// Values of other parameters
+    /// Values of parameters that do not vary (default: see --list)
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// Number of angles, and of values of the parameter
-    #[arg(long, value_name = "AxV", default_value = "32x32")]
+    #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
     size: String,
     /// The largest error of an albedo (default: 0.001; 0.01 with --exec)
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -86,7 +86,7 @@ impl Furnace {
         bar.finish_and_clear();
         let written = target.written(files);
         console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(text).collect());
-        let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(|weak| weak > WEAK);
+        let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(is_wrong);
         let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > error);
         Ok(if tables.iter().any(is_bad) {
             Verdict::Rejected
@@ -128,6 +128,11 @@ fn list(all: &[families::Family], console: &Console) {
     });
 }
 
+/// Whether a deviation of the weak furnace test is an error; NaN is.
+fn is_wrong(deviation: f64) -> bool {
+    deviation.is_nan() || deviation > WEAK
+}
+
 /// What a table says, in a few lines.
 fn text(table: &Table) -> String {
     let Some([least, most]) = table.extremes() else { return String::new() };
@@ -147,7 +152,9 @@ fn text(table: &Table) -> String {
     }
     if let Some(row) = table.least_certain() {
         let basis = match (row.basis, row.largest_weight) {
-            ("certified", _) => "99 % confidence for each cell, without assumptions".to_owned(),
+            ("certified", _) => {
+                "99 % confidence for each cell, if no mean weight exceeds the declared bound".to_owned()
+            }
             ("largest weight", Some(weight)) => {
                 format!("99 % confidence for each cell, if no mean weight exceeds {weight:.2}")
             }
@@ -167,7 +174,7 @@ fn text(table: &Table) -> String {
         );
     }
     if let Some(weak) = table.weak_deviation() {
-        let verdict = if weak > WEAK {
+        let verdict = if is_wrong(weak) {
             "an ERROR of the distribution or of its masking"
         } else {
             "so masking belongs to the distribution"
@@ -175,7 +182,10 @@ fn text(table: &Table) -> String {
         text += &format!("  weak furnace     1 within {weak:.0e}: {verdict}\n");
     }
     text += &match table.violations() {
-        0 => "  no albedo is impossible".to_owned(),
+        0 if table.above_one() > 0 => {
+            format!("  {} albedos above 1, which this BSDF declares as possible", table.above_one())
+        }
+        0 => "  no albedo contradicts what the BSDF declares".to_owned(),
         n => format!("  {n} IMPOSSIBLE albedos: more light than arrives, or less from a BSDF that conserves energy"),
     };
     text + &format!("; {:.1} s\n", table.seconds)

@@ -102,10 +102,15 @@ impl Table {
 
     /// The largest albedo over the channels, by value of the parameters and angle.
     #[must_use]
-    pub fn brightest(&self) -> Vec<f64> {
-        let channels = self.rows.len() / (self.parameters.len() * self.thetas_deg.len()).max(1);
+    pub fn largest_channels(&self) -> Vec<f64> {
         let largest = |rows: &[Row]| rows.iter().map(|row| row.albedo).fold(f64::MIN, f64::max);
-        self.rows.chunks(channels.max(1)).map(largest).collect()
+        self.rows.chunk_by(|_, next| next.channel != 0).map(largest).collect()
+    }
+
+    /// The number of albedos above 1 by more than their error, which the BSDF may declare as possible.
+    #[must_use]
+    pub fn above_one(&self) -> usize {
+        self.rows.iter().filter(|row| row.albedo > 1.0 + row.error).count()
     }
 }
 
@@ -222,7 +227,8 @@ fn cell(
     let lost_by_single_scattering = lost.map(|albedo| 1.0 - albedo.value[0]);
     // From below, the facets that are seen are those from above, turned over.
     let weak_furnace = facets.map(|facets| weak_furnace(&facets, [wo[0], wo[1], wo[2].abs()])).transpose()?;
-    let channels = if found.value[..properties.channels].iter().all(|v| *v == found.value[0]) { 1 } else { 3 };
+    let values = &found.value[..properties.channels];
+    let channels = if values.iter().all(|v| *v == values[0]) { 1 } else { values.len() };
     let row = |channel: usize| Row {
         theta_deg,
         parameter,
@@ -238,7 +244,7 @@ fn cell(
             Basis::Certified(weight) | Basis::LargestWeight(weight) => Some(weight),
             Basis::Normal => None,
         },
-        is_violation: is_violation(&found, channel, properties.energy, tests),
+        is_violation: is_violation(&found, channel, properties.energy, tests * channels),
         lost_by_single_scattering,
         weak_furnace,
     };
@@ -329,6 +335,25 @@ mod tests {
             !of(0.5, Energy::AtMostOne) && of(0.5, Energy::Conserved(1e-3)) && !of(0.9985, Energy::Conserved(1e-3))
         );
         assert!(!of(1.5, Energy::MayExceedOne("for a test")));
+    }
+
+    #[test]
+    fn the_largest_channel_of_each_cell_is_drawn() {
+        let row = |channel, albedo| Row { channel, albedo, ..Row::default() };
+        // Channels are equal in the first and in the last cell.
+        let rows = vec![row(0, 0.1), row(0, 0.2), row(1, 0.5), row(2, 0.3), row(0, 0.4)];
+        let [family, over, fixed] = [String::new(), String::new(), String::new()];
+        let table = Table {
+            family,
+            over: vec![over],
+            is_logarithmic: false,
+            fixed: vec![(fixed, 0.0)],
+            thetas_deg: vec![0.0; 3],
+            parameters: vec![0.0],
+            rows,
+            seconds: 0.0,
+        };
+        assert_eq!(table.largest_channels(), [0.1, 0.5, 0.4]);
     }
 
     #[test]

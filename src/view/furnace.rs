@@ -23,7 +23,7 @@ pub fn drawing(table: &Table) -> Drawing {
 fn map(table: &Table) -> Drawing {
     let (columns, rows) = (table.thetas_deg.len(), table.parameters.len());
     // The first row of a heat map is at the top.
-    let values: Vec<f64> = table.brightest().chunks(columns).rev().flatten().copied().collect();
+    let values: Vec<f64> = table.largest_channels().chunks(columns).rev().flatten().copied().collect();
     let (low, high) = values.iter().fold((1.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
     let low = if high - low < 1e-3 { high - 1e-3 } else { low };
     let map = Heatmap::new(columns, values, Shading::Linear, "directional albedo").range(low, high.max(1.0));
@@ -54,7 +54,7 @@ fn ends(values: &[f64], is_logarithmic: bool) -> [f64; 2] {
 /// Spheres seen from far away. A point of a convex body in uniform light of radiance 1 has the radiance of its directional albedo.
 fn spheres(table: &Table) -> Vec<(String, Image)> {
     let (angles, rows) = (table.thetas_deg.len(), table.parameters.len());
-    let albedos = table.brightest();
+    let albedos = table.largest_channels();
     let count = SPHERES.min(rows);
     let numbers = (0..count).map(|i| if count > 1 { i * (rows - 1) / (count - 1) } else { 0 });
     let sphere = |row: usize| {

@@ -91,7 +91,7 @@ impl Albedo {
 /// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
 /// It is integrated over the unit square by adaptive cubature. The mean difference between the weight and the polynomials that
 /// the rules integrate is measured at independent random points and added. Weights lie between 0 and a bound, so that
-/// [Hoeffding's inequality](mean_interval) bounds the error of this mean without an assumption on their distribution: a lobe that hides
+/// Hoeffding's inequality bounds the error of this mean without an assumption on their distribution: a lobe that hides
 /// between the nodes is found by the points as often as it is sampled.
 ///
 /// Other BSDFs are averaged over a randomized Sobol' sequence, 16 times.

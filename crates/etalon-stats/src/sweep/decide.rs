@@ -13,7 +13,7 @@
 //! very many survive, only those with the smallest p-values are run again.
 //!
 //! *Power.* An error is found if it survives and is rejected: the screen finds the stated error with 90 % probability, and the second
-//! run, with four times the samples, finds what survived almost certainly.
+//! run, with six to seven times the samples, finds what survived almost certainly.
 
 use super::screen::{Finding, SCREEN, State};
 use crate::error::Result;
