@@ -23,7 +23,7 @@ const DETECT: f64 = 0.05;
 /// Test whole BSDFs over their parameters and directions
 #[derive(Args)]
 #[command(after_help = "\
-Writes sweep.csv with a row for each configuration, and sweep-survivors.csv with the tests that were run again. With --shard it writes \
+Writes sweep-NAME.csv with a row for each configuration, and sweep-NAME-survivors.csv with the tests that were run again. With --shard it writes \
 a part, for `etalon merge`, which decides on all parts together.
 
 Ctrl-C keeps what is finished: the same command with --resume FILE continues.
