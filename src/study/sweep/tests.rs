@@ -137,7 +137,7 @@ fn parts_that_do_not_belong_together_are_refused() {
         (format!("{text}{}\n", rows[2]), "is there twice"),
         (text.replace("\"sweep\":1", "\"sweep\":2"), "another version"),
         (text.replace("\"index\":2", "\"index\":4"), "makes no sense"),
-        (text.replace("\"count\":3", "\"count\":4000000000"), "no number of a configuration"),
+        (text.replace("\"count\":3", "\"count\":4000000000"), "one of 4000000000 parts"),
         (text.replace("\"configurations\":4", "\"configurations\":99999999999"), "configurations of each family"),
         (text.replace("[0.0,1.0]", "[0.0,2.0]"), "parameters of the families"),
         (String::new(), "no part of a sweep"),
