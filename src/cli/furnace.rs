@@ -19,8 +19,8 @@ use std::collections::BTreeMap;
 #[command(
     after_help = "The directional albedo is the share of the power of uniform light that a surface scatters to the viewer; above 1 it \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if an albedo is impossible, 3 if errors \
-                  are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx-dielectric \
-                  --over eta --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
+                  are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx \
+                  --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
 pub struct Furnace {
     /// BSDFs (see --list)
