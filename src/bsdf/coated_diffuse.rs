@@ -17,7 +17,7 @@ use crate::math::Rgb;
 use crate::optics::dielectric::fresnel;
 use crate::sampling::warp;
 use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 /// A diffuse surface under a smooth coat, on either side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,5 +90,10 @@ impl Scatter for CoatedDiffuse {
 
     fn lobe_probability(&self, wo: Vec3, lobe: Lobe) -> f32 {
         if lobe == Lobe::SpecularReflection { self.reflection(wo).1 } else { 0.0 }
+    }
+
+    /// That of a coat which reflects nothing.
+    fn largest_weight(&self) -> Option<f32> {
+        Some(self.strength.max_element() * PI)
     }
 }

@@ -154,6 +154,12 @@ pub trait Scatter {
         true
     }
 
+    /// A bound of the weights of samples other than of delta lobes, times η², in the mean over the lobes that `uc` chooses for the
+    /// same `u`; `None` if none is known from theory.
+    fn largest_weight(&self) -> Option<f32> {
+        self.is_delta().then_some(0.0)
+    }
+
     /// [`sample`](Self::sample) of the adjoint f(wi, wo), for a path that starts at a light, towards which `wo` points, and that
     /// transports importance; of a BSDF that [`is_reciprocal`](Self::is_reciprocal).
     ///

@@ -53,4 +53,8 @@ impl Scatter for Diffuse {
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample::reflected(wi, self.albedo, pdf, Lobe::DiffuseReflection))
     }
+
+    fn largest_weight(&self) -> Option<f32> {
+        Some(1.0)
+    }
 }

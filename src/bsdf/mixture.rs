@@ -106,4 +106,10 @@ impl<B: Scatter> Scatter for Mixture<B> {
     fn sample_adjoint(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         self.sample_by(wo, uc, u, B::sample_adjoint, B::eval_adjoint)
     }
+
+    /// By the balance heuristic, the largest of its parts times the sum of their weights.
+    fn largest_weight(&self) -> Option<f32> {
+        let total: f32 = self.parts.iter().map(|part| part.weight).sum();
+        self.parts.iter().try_fold(0.0f32, |largest, part| Some(largest.max(total * part.bsdf.largest_weight()?)))
+    }
 }

@@ -107,6 +107,12 @@ macro_rules! bsdfs {
                 }
             }
 
+            fn largest_weight(&self) -> Option<f32> {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.largest_weight(),)*
+                }
+            }
+
             fn is_delta(&self) -> bool {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.is_delta(),)*

@@ -226,4 +226,9 @@ impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
         let weight = self.fresnel.reflectance(facet.cos) * self.weight(wo, wi, &facet);
         Some(BsdfSample::reflected(wi, weight, pdf, Lobe::GlossyReflection))
     }
+
+    /// F G₂/G₁ by visible normals, and less by those that are bounded.
+    fn largest_weight(&self) -> Option<f32> {
+        matches!(self.normals, NormalSampling::Vndf | NormalSampling::Bounded).then_some(1.0)
+    }
 }

@@ -240,4 +240,9 @@ impl<D: SampleNormals<f32>> Scatter for RoughDielectric<D> {
     fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         self.sample_lane(wo, uc, u).if_possible()
     }
+
+    /// F G₁(wi) of the reflected and (1 − F) G₁(wi) of the transmitted direction.
+    fn largest_weight(&self) -> Option<f32> {
+        Some(1.0)
+    }
 }

@@ -38,7 +38,7 @@ pub struct Furnace {
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
     size: String,
-    /// The largest error of an albedo (default: 0.001; 0.01 with --exec)
+    /// The largest error of an albedo (default: 0.0001; 0.01 with --exec)
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]
@@ -61,7 +61,7 @@ impl Furnace {
         let cells = self.cells()?;
         self.external.check_no_names(&self.names)?;
         let program = self.external.start()?;
-        let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-3 });
+        let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-4 });
         let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };
         // A program's BSDFs, or ours with what is known of their microfacets.
         let subjects: Vec<(&dyn Family, Option<&families::Family>)> = match &program {
@@ -151,17 +151,18 @@ fn text(table: &Table) -> String {
         text += &format!("  {name} albedo   {:.5} ± {:.0e} {}\n", row.albedo, row.error, at(row));
     }
     if let Some(row) = table.least_certain() {
-        let basis = match (row.basis, row.largest_weight) {
-            ("certified", _) => {
-                "99 % confidence for each cell, if no mean weight exceeds the declared bound".to_owned()
+        text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
+    }
+    for (basis, count) in table.bases() {
+        let of = if count == table.rows.len() { String::new() } else { format!(" of {count} cells") };
+        let confidence = format!("  confidence       99 % for each error{of}");
+        text += &match basis {
+            "certified" => format!("{confidence}, as no weight exceeds what the BSDF declares\n"),
+            "exceeded" => {
+                format!("  {count} cells with WEIGHTS ABOVE what the BSDF declares: nothing is known of their errors\n")
             }
-            ("largest weight", Some(weight)) => {
-                format!("99 % confidence for each cell, if no mean weight exceeds {weight:.2}")
-            }
-            _ => "99 % confidence for each cell, if means over the randomized sequence are normally distributed"
-                .to_owned(),
+            _ => format!("{confidence}, if means are normally distributed\n"),
         };
-        text += &format!("  largest error    {:.1e} {}; {basis}\n", row.error, at(row));
     }
     let lost = table.rows.iter().filter(|row| row.lost_by_single_scattering.is_some());
     if let Some(row) = lost.max_by(|a, b| {
@@ -186,7 +187,9 @@ fn text(table: &Table) -> String {
             format!("  {} albedos above 1, which this BSDF declares as possible", table.above_one())
         }
         0 => "  no albedo contradicts what the BSDF declares".to_owned(),
-        n => format!("  {n} IMPOSSIBLE albedos: more light than arrives, or less from a BSDF that conserves energy"),
+        n => format!(
+            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, or weights above the largest"
+        ),
     };
     text + &format!("; {:.1} s\n", table.seconds)
 }

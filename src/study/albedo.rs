@@ -9,6 +9,7 @@ use etalon_stats::cubature::integrate;
 use etalon_stats::{Grid, Protocol, Square, density};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// What is tabulated.
@@ -41,9 +42,10 @@ pub struct Row {
     pub error: f64,
     /// What the bound rests on.
     pub basis: &'static str,
-    /// The largest mean weight that the bound allows for.
+    /// The largest mean weight that the BSDF declares, with room for rounding.
     pub largest_weight: Option<f64>,
-    /// Whether the albedo is impossible: above 1, or other than 1 if the BSDF conserves energy.
+    /// Whether the BSDF contradicts what it declares: an albedo above 1, or other than 1 if it conserves energy, or a weight above
+    /// the largest.
     pub is_violation: bool,
     /// The share that a metal loses because light which facets reflect more than once is not added: 1 minus the albedo
     /// for a Fresnel reflectance of 1.
@@ -94,7 +96,15 @@ impl Table {
         self.rows.iter().filter_map(|row| row.weak_furnace).map(|weak| (weak - 1.0).abs()).max_by(f64::total_cmp)
     }
 
-    /// The number of impossible albedos.
+    /// What the bounds of the errors rest on, with the numbers of albedos.
+    #[must_use]
+    pub fn bases(&self) -> BTreeMap<&'static str, usize> {
+        let mut bases = BTreeMap::new();
+        self.rows.iter().for_each(|row| *bases.entry(row.basis).or_default() += 1);
+        bases
+    }
+
+    /// The number of albedos with a violation.
     #[must_use]
     pub fn violations(&self) -> usize {
         self.rows.iter().filter(|row| row.is_violation).count()
@@ -110,7 +120,7 @@ impl Table {
     /// The number of albedos above 1 by more than their error, which the BSDF may declare as possible.
     #[must_use]
     pub fn above_one(&self) -> usize {
-        self.rows.iter().filter(|row| row.albedo > 1.0 + row.error).count()
+        self.rows.iter().filter(|row| row.albedo > 1.0 + row.error + ROUNDING).count()
     }
 }
 
@@ -237,12 +247,12 @@ fn cell(
         error: found.error[channel],
         basis: match found.basis {
             Basis::Certified(_) => "certified",
-            Basis::LargestWeight(_) => "largest weight",
-            Basis::Normal => "normal",
+            Basis::Exceeded { .. } => "exceeded",
+            Basis::Normal(_) => "normal",
         },
         largest_weight: match found.basis {
-            Basis::Certified(weight) | Basis::LargestWeight(weight) => Some(weight),
-            Basis::Normal => None,
+            Basis::Certified(weight) | Basis::Exceeded { declared: weight, .. } => Some(weight),
+            Basis::Normal(_) => None,
         },
         is_violation: is_violation(&found, channel, properties.energy, tests * channels),
         lost_by_single_scattering,
@@ -251,12 +261,12 @@ fn cell(
     Ok((0..channels).map(row).collect())
 }
 
-/// Whether an albedo is impossible for what the BSDF declares of its energy.
+/// Whether an albedo is impossible for what the BSDF declares of its energy and its weights.
 fn is_violation(albedo: &Albedo, channel: usize, energy: Energy, tests: usize) -> bool {
     let excess = albedo.value[channel] - 1.0;
     let error = albedo.error_of(channel, tests) + ROUNDING;
     match energy {
-        _ if !albedo.value[channel].is_finite() => true,
+        _ if !albedo.value[channel].is_finite() || matches!(albedo.basis, Basis::Exceeded { .. }) => true,
         Energy::Conserved(known) => excess.abs() > error + known,
         Energy::AtMostOne => excess > error,
         Energy::MayExceedOne(_) => false,

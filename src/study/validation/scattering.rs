@@ -1,7 +1,7 @@
 //! A BSDF of the renderer under the contract of the tests.
 
 use super::suite::inputs::short;
-use crate::bsdf::{Bsdf, BsdfSample, Lobe, NormalSampling, Scatter};
+use crate::bsdf::{Bsdf, BsdfSample, Lobe, Scatter};
 use crate::math::Rgb;
 use crate::scene::{Conductor, Dielectric, Material, ScatterModel};
 use etalon_stats::bsdf::{self, DeltaLobe, Density, Direction, Energy, Parameter, Properties, Reciprocity, Spectrum};
@@ -17,8 +17,6 @@ pub struct Scattering {
     pub energy: Energy,
     /// Whether its lobes are wide enough for derivatives of directions in single precision.
     pub is_wide: bool,
-    /// A bound of the weights, if one is known.
-    pub largest_weight: Option<f64>,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
 }
@@ -48,8 +46,7 @@ impl Scattering {
             _ => true,
         };
         let bsdf = material.bsdf(model);
-        let largest_weight = largest_weight(&bsdf);
-        Self { bsdf, eta, energy, is_wide, largest_weight, parameters: Vec::new() }
+        Self { bsdf, eta, energy, is_wide, parameters: Vec::new() }
     }
 
     fn lobe_index(&self, lobe: Lobe) -> usize {
@@ -71,18 +68,6 @@ impl Scattering {
     }
 }
 
-/// The largest weight of a sample, times η²: by visible normals it is F G₂/G₁ ≤ 1, and a choice between lobes by their weights
-/// leaves the mean at 1 at most.
-fn largest_weight(bsdf: &Bsdf) -> Option<f64> {
-    let by_visible_normals = |normals| normals == NormalSampling::Vndf;
-    match bsdf {
-        Bsdf::Diffuse(_) | Bsdf::BeckmannDielectric(_) | Bsdf::GgxDielectric(_) => Some(1.0),
-        Bsdf::Beckmann(metal) if by_visible_normals(metal.normals) => Some(1.0),
-        Bsdf::Ggx(metal) if by_visible_normals(metal.normals) => Some(1.0),
-        _ => None,
-    }
-}
-
 impl bsdf::Bsdf for Scattering {
     fn properties(&self) -> Properties {
         let lobes = self.bsdf.lobes();
@@ -99,7 +84,7 @@ impl bsdf::Bsdf for Scattering {
             },
             energy: self.energy,
             narrow: !self.is_wide,
-            largest_weight: self.largest_weight,
+            largest_weight: self.bsdf.largest_weight().map(f64::from),
             precision: f64::from(f32::EPSILON),
             parameters: self.parameters.clone(),
             ..Properties::default()

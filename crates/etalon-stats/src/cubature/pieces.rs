@@ -83,11 +83,6 @@ impl Piece {
         ((probe.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).clamp(-1.0, 1.0)
     }
 
-    /// The rule's polynomial.
-    pub(super) fn polynomial(&self, at: [f64; 2]) -> f64 {
-        self.top * interpolate(&self.shape, &self.part.at, at)
-    }
-
     /// The integral of the largest density that the piece is expected to reach.
     #[inline]
     pub(super) fn reach(&self, measure: f64) -> f64 {

@@ -92,12 +92,6 @@ impl<'a, D: Domain> Refinement<'a, D> {
         share_within(top, probe.pdf)
     }
 
-    /// The polynomial that the rules integrate, at chart coordinates.
-    pub fn polynomial(&self, at: [f64; 2]) -> f64 {
-        let (piece, _) = self.tree.find(at);
-        self.pieces[piece].polynomial(at)
-    }
-
     /// Where a rectangle is cut before any rule is applied: where its known probes are halved, and graded from there, so
     /// that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
     fn first_cut(&mut self, part: Part) -> Vec<Part> {
