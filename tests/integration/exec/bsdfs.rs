@@ -10,10 +10,10 @@ fn validate(command: &str, more: &[&str]) -> Ran {
     etalon(folder.path(), &[&["validate", "--detect", "0.09", "--exec", command], more].concat())
 }
 
-/// Validates a BSDF with a mistake, for which one angle and fewer samples do.
+/// Validates a BSDF with a mistake, for which fewer samples do.
 fn validate_wrong(command: &str) -> Ran {
     let folder = tempdir().unwrap();
-    etalon(folder.path(), &["validate", "*/60", "--samples", "10000", "--exec", command])
+    etalon(folder.path(), &["validate", "--samples", "10000", "--exec", command])
 }
 
 /// Whether a run rejects, and names these checks for it.
@@ -28,11 +28,10 @@ fn rejects(ran: &Ran, checks: &[&str]) {
 #[test]
 fn a_python_client_is_tested() {
     if has("python3", &["--version"]) {
+        // The furnace test below finds the mistake of this client, in less time.
         let command = format!("python3 '{}'", example("bsdf.py"));
-        // Plain Python is slow: an angle above the surface and one below it. The client in C is tested at all.
-        let ran = validate(&command, &["*/30", "*/110", "--set", "exponent=5"]);
+        let ran = validate(&command, &["--set", "exponent=5"]);
         assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
-        rejects(&validate_wrong(&format!("{command} wrong")), &["formula", "albedo", "weights"]);
     }
 }
 
