@@ -137,7 +137,7 @@ fn an_integral_that_stays_uncertain_is_not_a_pass() {
         2.0 * unit_f64((x.to_bits() ^ y.to_bits().rotate_left(32)).wrapping_mul(0x9e37_79b9_7f4a_7c15))
     });
     let uniform = sampler(2, |u: &[f64]| Some(Sample::new([u[0], u[1]])));
-    let few = Protocol { samples: SampleCount::Fixed(1 << 24), ..Protocol::default() };
+    let few = Protocol { samples: SampleCount::Fixed(1 << 20), ..Protocol::default() };
     let outcome = examine(&Square, &uniform, &noise, &few, 0).unwrap();
     assert!(outcome.p.is_none() && outcome.inconclusive_reason.is_some(), "{outcome}");
 }

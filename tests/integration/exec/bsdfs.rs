@@ -28,10 +28,10 @@ fn rejects(ran: &Ran, checks: &[&str]) {
 #[test]
 fn a_python_client_is_tested() {
     if has("python3", &["--version"]) {
+        // The furnace test below finds the mistake of this client, in less time.
         let command = format!("python3 '{}'", example("bsdf.py"));
         let ran = validate(&command, &["--set", "exponent=5"]);
         assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
-        rejects(&validate_wrong(&format!("{command} wrong")), &["formula", "albedo", "weights"]);
     }
 }
 

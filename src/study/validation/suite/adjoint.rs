@@ -9,6 +9,7 @@ use super::bsdfs::metal;
 use super::inputs::short;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::error::Result;
+use crate::interrupt;
 use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;
 use crate::render::geometry::Surface;
@@ -102,32 +103,35 @@ pub fn equal_means(name: String, estimators: [Estimator; 2]) -> Case {
     Case::new(name, move |protocol, round| -> Result<Outcome> {
         protocol.check()?;
         let start = Instant::now();
-        let compare = |samples: u64, pass: u64| -> ImageComparison {
-            let mean = |k: usize| {
+        let compare = |samples: u64, pass: u64| -> Result<ImageComparison> {
+            let mean = |k: usize| -> Result<Mean> {
                 let (mut sum, mut square) = (0.0, 0.0);
                 for i in 0..samples {
+                    if i % (1 << 16) == 0 {
+                        interrupt::check()?;
+                    }
                     let stream = Independent::new(protocol.seed, 4 * round + 2 * pass + k as u64, i as u32);
                     let value = estimators[k]([0, 1, 2].map(|dimension| stream.pair(dimension)));
                     (sum, square) = (sum + value, square + value * value);
                 }
                 let (n, value) = (samples as f64, sum / samples as f64);
                 let variance = (square / n - value * value).max(0.0) / (n - 1.0);
-                Mean::of_samples(samples as u32, value, variance.sqrt())
+                Ok(Mean::of_samples(samples as u32, value, variance.sqrt()))
             };
-            let pair = [mean(0), mean(1)];
+            let pair = [mean(0)?, mean(1)?];
             // Directions in f32.
-            welch::compare(&[pair], 2e-6 * pair[0].value)
+            Ok(welch::compare(&[pair], 2e-6 * pair[0].value))
         };
         let level = protocol.own_level();
         let samples = match protocol.samples {
             SampleCount::Fixed(n) => n,
             SampleCount::Detect(w) => {
-                let found = compare(RANGE[0], 0).detectable(level).unwrap_or(w);
+                let found = compare(RANGE[0], 0)?.detectable(level).unwrap_or(w);
                 (RANGE[0] as f64 * (found / w).powi(2)) as u64
             }
         };
         let samples = samples.clamp(RANGE[0], RANGE[1]);
-        let found = compare(samples, 1);
+        let found = compare(samples, 1)?;
         Ok(Outcome {
             statistic: found.statistic,
             dof: found.dof,

@@ -152,13 +152,19 @@ fn layered() -> Vec<(&'static str, Case)> {
     let (half, sphere) = (Directions::hemisphere(Pole::Z), Directions::sphere(Pole::Z));
     let model = ScatterModel::default();
     for (name, distribution) in DISTRIBUTIONS {
+        let registered = match distribution {
+            Distribution::Beckmann => "compensated-beckmann",
+            Distribution::Ggx => "compensated-ggx",
+        };
         for (alpha, angles) in [([0.1, 0.1], [60.0, 89.0]), ([1.0, 1.0], [0.0, 80.0]), ([0.1, 0.6], [40.0, 89.0])] {
             for degrees in angles {
                 let metal = Conductor::new(SILVER.eta_rgb(), SILVER.k_rgb(), 0.0, distribution);
                 let alpha = alpha.map(|alpha: f64| alpha as f32);
-                let bsdf = Material::Conductor(Conductor { alpha, multiple_scattering: true, ..metal }).bsdf(model);
+                // It computes a table.
+                let make =
+                    move || Material::Conductor(Conductor { alpha, multiple_scattering: true, ..metal }).bsdf(model);
                 let name = format!("bsdf/{name}/multiple/{}-{}/{degrees}", alpha[0], alpha[1]);
-                cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
+                cases.push((registered, made_when_run(name, half, make, towards(degrees), Mass::AtMostOne)));
             }
         }
     }
@@ -223,12 +229,23 @@ fn coat_probability(cos: f64, albedo: f64) -> f64 {
 /// One sample in so many is compared, to the last bit, with that of the scalar code.
 const COMPARED: usize = 8;
 
-/// The directions that `bsdf` samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
+/// The directions that `bsdf` samples for `wo`, with the BSDF's name in the registry.
 fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass) -> (&'static str, Case) {
+    (bsdf.name(), made_when_run(name, domain, move || bsdf.clone(), wo, mass))
+}
+
+/// The directions that the BSDF samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
+fn made_when_run(
+    name: String,
+    domain: Directions,
+    make: impl Fn() -> Bsdf + Send + Sync + 'static,
+    wo: DVec3,
+    mass: Mass,
+) -> Case {
     let wo: Vec3 = wo.as_vec3();
-    let registered = bsdf.name();
-    let case = Case::of(name, domain, move || {
-        let (bsdf, of_pdf) = (bsdf.clone(), bsdf.clone());
+    Case::of(name, domain, move || {
+        let bsdf = make();
+        let of_pdf = bsdf.clone();
         let views = wo.to_array().map(|x| [x; LANES]);
         let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
@@ -263,8 +280,7 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
         };
         let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
         (in_lanes(draw), direction_density(pdf).with_mass(mass))
-    });
-    (registered, case)
+    })
 }
 
 /// Directions in which the kernel lets paths continue at diffuse surfaces.
