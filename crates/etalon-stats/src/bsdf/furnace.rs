@@ -8,7 +8,7 @@ use crate::examine::Protocol;
 use integral::{Weights, integral};
 use mapped::Mapped;
 use sequence::by_sequence;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// The probability with which the error of an albedo may exceed its bound.
 pub const RISK: f64 = 0.01;
@@ -59,10 +59,14 @@ impl Albedo {
     }
 }
 
-/// The value that the absolute value of a number with Student's distribution exceeds with probability `risk`; with so many degrees of
-/// freedom that it is the normal distribution, of that.
+/// The value that the absolute value of a number with Student's distribution, the normal one for infinitely many degrees of freedom,
+/// exceeds with probability `risk`.
 fn student(risk: f64, freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - 0.5 * risk))
+    let at = 1.0 - 0.5 * risk;
+    if freedom.is_infinite() {
+        return Normal::standard().inverse_cdf(at);
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(at))
 }
 
 /// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice.
@@ -97,7 +101,7 @@ fn of_deltas(subject: &Subject, channel: usize) -> f64 {
 fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
     let Properties { channels, largest_weight, precision, .. } = subject.properties;
     let largest = largest_weight.map(|declared| declared * (1.0 + ROUNDING * precision.sqrt()));
-    let basis = largest.map_or(Basis::Normal(f64::from(u32::MAX)), Basis::Certified);
+    let basis = largest.map_or(Basis::Normal(f64::INFINITY), Basis::Certified);
     let mut albedo = Albedo { value: [0.0; 3], error: [0.0; 3], basis };
     let mapped = Mapped { subject, map };
     // For each channel those that have the same weights everywhere.

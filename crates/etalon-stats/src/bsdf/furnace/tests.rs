@@ -147,6 +147,9 @@ fn bounds_for_many_are_wider() {
     let one = Albedo { value: [1.0; 3], error: [0.01; 3], basis: Basis::Normal(15.0) };
     assert!((one.error_of(0, 1) / 0.01 - 1.0).abs() < 1e-3);
     assert!(one.error_of(0, 1000) > 0.018);
+    // By the normal distribution 2.576 and 4.417 standard errors.
+    let normal = Albedo { basis: Basis::Normal(f64::INFINITY), ..one };
+    assert!((normal.error_of(0, 1000) / 0.01 - 4.417 / 2.576).abs() < 1e-3);
     let certified = Albedo { basis: Basis::Certified(1.0), ..one };
     // ln(2 · 200/risk) is twice ln(2/risk).
     assert!(certified.error_of(0, 1) == 0.01 && (certified.error_of(0, 200) - 0.02).abs() < 1e-12);
