@@ -1,6 +1,8 @@
 //! The albedo: its two estimates agree, and it is what the BSDF declares.
 
 use super::contract::{Direction, Energy, PdfKind, Spectrum};
+#[cfg(doc)]
+use super::light::Uncertainty;
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::Subject;
 use super::sums::{BATCH, CellSum, sums};
@@ -39,35 +41,82 @@ fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIn
     Ok((grid, integrals))
 }
 
+/// What the BSDF says of an albedo.
+struct Claim {
+    /// The albedo, or the largest one.
+    albedo: f64,
+    /// How far the claim itself may be from the truth.
+    known: f64,
+    is_upper_bound: bool,
+}
+
+impl Claim {
+    /// What is declared of the albedo in a channel, or of the energy; `None` if that is nothing.
+    fn of(energy: Energy, declared: Option<f64>) -> Option<Self> {
+        match (declared, energy) {
+            (Some(albedo), _) => Some(Self { albedo, known: 0.0, is_upper_bound: false }),
+            (None, Energy::Conserved(known)) => Some(Self { albedo: 1.0, known, is_upper_bound: false }),
+            (None, Energy::AtMostOne) => Some(Self { albedo: 1.0, known: 0.0, is_upper_bound: true }),
+            (None, Energy::MayExceedOne(_)) => None,
+        }
+    }
+
+    /// How far an albedo is from what is claimed.
+    fn error_of(&self, value: f64) -> f64 {
+        let error = value - self.albedo;
+        (if self.is_upper_bound { error } else { error.abs() }) - self.known - ROUNDING
+    }
+}
+
 /// Energy: the power that is scattered to `wo`, as a share of that of uniform light, against 1 or the declared value. For a
 /// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
+///
+/// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing is left to chance,
+/// as for delta lobes alone, there is none.
 pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     let (_, integrals) = integrals(subject, true)?;
     let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
-    let (mut violation, mut largest) = (None, 0f64);
+    let level = sidak(subject.protocol.own_level(), integrals.len());
+    let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
     for (channel, integrals) in &integrals {
-        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
-        let (value, error) = (integrals.total() + deltas, integrals.total_error + ROUNDING);
-        largest = largest.max(error);
-        let conserved = match subject.properties.energy {
-            Energy::Conserved(error) => Some((1.0, error)),
-            _ => None,
-        };
-        let expected = declared.map(|albedo| (albedo[*channel], 0.0)).or(conserved);
-        let at = || format!("wo {}: the albedo is {value:.5} ± {error:.1e}", place(subject.wo));
-        let found = match expected {
-            Some((expected, known)) if (value - expected).abs() > error + known => {
-                Some(format!("{}, not {expected:.5}", at()))
-            }
-            None if matches!(subject.properties.energy, Energy::AtMostOne) && value > 1.0 + error => {
-                Some(format!("{}, more than 1", at()))
-            }
-            _ => None,
-        };
         let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
-        violation = violation.or(invalid).or(found);
+        violation = violation.or(invalid);
+        let Some(claim) = Claim::of(subject.properties.energy, declared.map(|albedo| albedo[*channel])) else {
+            continue;
+        };
+        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
+        let (value, uncertainty) = (integrals.total() + deltas, integrals.uncertainty);
+        let p = if value.is_finite() { uncertainty.p_value(claim.error_of(value)) } else { 0.0 };
+        let message = || {
+            let not = if claim.is_upper_bound { "more than" } else { "not" };
+            let (wo, error, albedo) = (place(subject.wo), uncertainty.systematic + ROUNDING, claim.albedo);
+            let deviation = uncertainty.deviation;
+            format!(
+                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}"
+            )
+        };
+        detectable = detectable.max(uncertainty.detectable(level) + ROUNDING);
+        if uncertainty.is_deterministic() {
+            violation = violation.or_else(|| (p < 1.0).then(message));
+        } else if least.as_ref().is_none_or(|(least, _)| p < *least) {
+            least = Some((p, message()));
+        }
     }
-    Ok(Some(Outcome { detectable: Some(largest), violation, ..Outcome::open(integrals.len() as u64) }))
+    let reason = (detectable > subject.protocol.coarsest()).then(|| {
+        format!(
+            "the integral is too uncertain: an error of the albedo below {:.0} % would remain undetected",
+            100.0 * detectable
+        )
+    });
+    let p = least.as_ref().map(|(p, _)| (p * integrals.len() as f64).min(1.0));
+    Ok(Some(Outcome {
+        p,
+        detectable: Some(detectable),
+        diagnosis: least.filter(|_| p.is_some_and(|p| p < SUSPECT)).map(|(_, message)| message),
+        violation,
+        inconclusive_reason: reason,
+        ..Outcome::open(integrals.len() as u64)
+    }))
 }
 
 /// Values and pdfs in random directions all over the sphere.
@@ -129,7 +178,8 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         let sampled = (found.squares / n - mean * mean).max(0.0) / (n - 1.0);
         let deviation = (sampled + integrals.variances.iter().sum::<f64>()).sqrt();
         // Errors of cubature and of single precision explain a part of the difference.
-        let explained = if subject.is_deterministic() { integrals.total_error } else { 0.0 } + ROUNDING * expected;
+        let error = if subject.is_deterministic() { integrals.uncertainty.bound(0.5 * CHANCE * CHANCE) } else { 0.0 };
+        let explained = error + ROUNDING * expected;
         let explained = explained + all_over.unseen(*channel, found.largest.sqrt(), n);
         let excess = ((mean - expected).abs() - explained).max(0.0);
         let z = if excess == 0.0 { 0.0 } else { excess / deviation };

@@ -115,7 +115,7 @@ pub fn integrate<D: Domain>(domain: &D, density: &dyn Density<D::Point>, grid: &
 }
 
 /// The first of `values` that is negative or not finite.
-fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
+pub(crate) fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
     let mut all = points.iter().zip(values).map(|(&point, &value)| InvalidPdf { point, value });
     all.find(|InvalidPdf { value, .. }| !(value.is_finite() && *value >= 0.0))
 }

@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 pub const SCREEN: f64 = 1e-3;
 /// The level for which the samples of the second run are counted: that of one in ten thousand survivors at 1 % for all together.
 pub const CONFIRM: f64 = 1e-6;
-/// Cells of a test: a quarter of the usual number, which takes half of the samples for an error of the same size.
+/// Cells of a test: a quarter of the default number, which takes half of the samples for an error of the same size.
 const CELLS: usize = 50;
 
 /// What a check says.
@@ -20,9 +20,10 @@ pub enum State {
     Holds,
     /// It cannot say.
     Inconclusive,
-    /// The p-value is below [`SCREEN`], or a bound that may fail by chance, such as that of an integral, does not hold.
+    /// The p-value of a statistical check is below [`SCREEN`], or it found a violation, which counts as a p-value of 0: a bound that may
+    /// fail by chance, such as that of an integral, does not hold.
     Suspicious,
-    /// Something is wrong for certain.
+    /// An exact check found something wrong.
     Violated,
 }
 
@@ -33,7 +34,7 @@ pub struct Finding {
     pub check: usize,
     /// In short.
     pub state: State,
-    /// The p-value of a statistical check; 0 for a violation of a bound that may fail by chance.
+    /// The p-value of a statistical check; 0 for a violation.
     pub p: Option<f64>,
     /// The error that would have been found, with 90 % probability.
     pub detectable: Option<f64>,

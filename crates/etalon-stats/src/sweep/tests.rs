@@ -1,8 +1,11 @@
 //! Spaces visit what they say; configurations survive their text; faults are found and shrunk.
 
 use super::*;
-use crate::bsdf::{ALL, BatchBsdf, Bsdf, BsdfSample, Density, Direction, Family, Parameter, Properties, Spectrum};
+use crate::bsdf::{
+    ALL, BatchBsdf, Bsdf, BsdfSample, Density, Direction, Energy, Family, Parameter, Properties, Spectrum,
+};
 use crate::error::Result;
+use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 
@@ -225,4 +228,61 @@ fn what_is_right_does_not_fail() {
     assert!(states.contains(&("jacobian", State::Violated)) && states.contains(&("sampling", State::Suspicious)));
     let usual = Configuration::usual(&family);
     assert_eq!(shrink(&family, &usual, 1, 0.05, || false).unwrap(), None);
+}
+
+/// A white surface whose values are random numbers: 0 or twice its value; `excess` times too bright.
+struct Walk {
+    excess: f64,
+}
+
+impl Bsdf for Walk {
+    fn properties(&self) -> Properties {
+        Properties { eval_dimension: 1, energy: Energy::Conserved(0.0), ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        [if u[0] < 0.5 && wo[2] > 0.0 && wi[2] > 0.0 { 2.0 * self.excess / PI } else { 0.0 }; 3]
+    }
+
+    fn pdf(&self, _: Direction, wi: Direction) -> f64 {
+        wi[2].max(0.0) / PI
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let sample = Bsdf::sample(&Lambertian { pdf: 1.0, bend: 1.0, transmission: false }, wo, u)?;
+        Some(BsdfSample { weight: [self.excess; 3], ..sample })
+    }
+}
+
+impl Family for Walk {
+    fn name(&self) -> &str {
+        "walk"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn with(&self, _: &[f64]) -> Result<Box<dyn BatchBsdf + '_>> {
+        Ok(Box::new(Self { ..*self }))
+    }
+}
+
+#[test]
+fn the_energy_of_stochastic_values_is_a_matter_of_chance() {
+    let energy = ALL.iter().position(|check| check.name == "energy").unwrap();
+    let of = |excess: f64, seed: u64| {
+        let family = Walk { excess };
+        let configuration = Configuration { seed, ..Configuration::usual(&family) };
+        confirm(&family, &configuration, energy, 0.05, || false).unwrap().unwrap()
+    };
+    // Right ones: one or two of 500 lie beyond three standard errors.
+    let right: Vec<Finding> = (0..500).into_par_iter().map(|seed| of(1.0, seed)).collect();
+    assert!(right.iter().all(|finding| finding.state != State::Violated));
+    let survivors = right.iter().filter(|finding| finding.p.unwrap() < SCREEN).count();
+    assert!(survivors <= 3, "{survivors} of 500 at level 0.001");
+    // A surface that is too bright by five percent survives the screen and is rejected by the second run.
+    let wrong = of(1.05, 1);
+    assert!(wrong.state == State::Suspicious && wrong.p.unwrap() < CONFIRM, "{wrong:?}");
+    assert!(wrong.detectable.unwrap() < 0.05 && wrong.message.unwrap().contains("the albedo is 1.0"));
 }
