@@ -17,7 +17,7 @@ use etalon_stats::sweep::{Finding, State, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// The usual error that a sweep looks for.
+/// The default error that a sweep looks for.
 const DETECT: f64 = 0.05;
 
 /// Test whole BSDFs over their parameters and directions
@@ -48,7 +48,7 @@ pub struct Sweep {
     #[arg(long, default_value = "random", value_parser = choice([
         ("grid", "equally spaced values of every parameter, ends included", Strategy::Grid),
         ("random", "a low-discrepancy sequence, shifted at random", Strategy::Random),
-        ("edges", "ends of ranges, usual values, 1 and beside it, equal parameters, grazing angles", Strategy::Edges),
+        ("edges", "ends of ranges, default values, 1 and beside it, equal parameters, grazing angles", Strategy::Edges),
     ]))]
     strategy: Strategy,
     /// Configurations of each family, at most

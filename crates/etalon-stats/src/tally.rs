@@ -5,12 +5,12 @@ use crate::density::{Atom, Density};
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
-use crate::fine::{Fine, Parts};
 use crate::fixed::{Share, add};
 use crate::hash::{mix32, mix64};
 use crate::order::{Labels, Order, Past};
 use crate::sampler::{Sample, Sampler};
 use crate::stream::CounterRng;
+use crate::subdivision::{Parts, Subdivision};
 use crate::text::tuple;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -71,7 +71,7 @@ impl Tally {
 
 /// What samples are counted by.
 pub struct Counters<'a, 'i, D: Domain> {
-    pub fine: &'a Fine<'a>,
+    pub subdivision: &'a Subdivision<'a>,
     pub labels: Labels,
     pub atoms: &'a [Atom<D::Point>],
     pub integration: &'a Integration<'i, D>,
@@ -116,10 +116,10 @@ impl<D: Domain> Source<'_, D> {
 
     /// Counts samples in cells, in their parts and at atoms, and what the integration misses at them.
     pub fn tally(&self, stream: u64, count: u64, counters: &Counters<D>) -> Result<Tally> {
-        let cells = counters.fine.grid.len();
+        let cells = counters.subdivision.grid.len();
         let empty = || Tally {
             observed: vec![0; cells + counters.atoms.len()],
-            parts: Parts::new(counters.fine),
+            parts: Parts::new(counters.subdivision),
             order: Order::new(&counters.labels),
             missed: vec![Share::default(); cells],
             ..Tally::default()
@@ -138,7 +138,7 @@ impl<D: Domain> Source<'_, D> {
     }
 
     fn count(&self, samples: &[Option<Sample<D::Point>>], counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
-        let Counters { fine, labels, atoms, integration } = counters;
+        let Counters { subdivision, labels, atoms, integration } = counters;
         let mut past = Past::default();
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
@@ -158,12 +158,12 @@ impl<D: Domain> Source<'_, D> {
                 tally.violation.get_or_insert(violation);
             }
             tally.outside_support += u64::from(pdf == 0.0);
-            let (cell, probe) = (fine.grid.find(at), Probe { at, pdf });
+            let (cell, probe) = (subdivision.grid.find(at), Probe { at, pdf });
             tally.observed[cell] += 1;
-            tally.parts.cells[fine.find(cell, at)] += 1;
+            tally.parts.cells[subdivision.find(cell, at)] += 1;
             let mut parts = [0; 2];
             for (axis, (part, counts)) in parts.iter_mut().zip(&mut tally.parts.axes).enumerate() {
-                *part = fine.axes[axis].find(at[axis]);
+                *part = subdivision.axes[axis].find(at[axis]);
                 counts[*part] += 1;
             }
             tally.order.count(labels, &mut past, parts, at);
@@ -184,7 +184,7 @@ impl<D: Domain> Source<'_, D> {
         // Match samples at atoms with the declared ones.
         for sample in samples.iter().flatten().filter(|sample| sample.atom) {
             match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
-                Some(i) => tally.observed[fine.grid.len() + i] += 1,
+                Some(i) => tally.observed[subdivision.grid.len() + i] += 1,
                 None => {
                     let violation = || format!("the sample {} is at none of the density's atoms", tuple(&sample.point));
                     tally.violation.get_or_insert_with(violation);

@@ -119,10 +119,10 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     }))
 }
 
-/// Values and pdfs in random directions all over the sphere.
-struct AllOver(Vec<(Spectrum, f64)>);
+/// Values and pdfs in uniformly distributed directions.
+struct UniformDirections(Vec<(Spectrum, f64)>);
 
-impl AllOver {
+impl UniformDirections {
     /// Nothing, if the pdf is not known or values are stochastic.
     fn new(subject: &Subject) -> Result<Self> {
         if subject.properties.pdf != PdfKind::Exact || !subject.is_deterministic() {
@@ -170,7 +170,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
     };
     let found: Vec<CellSum> = sums(subject, &grid, &channels, count, 8, false)?.iter().map(whole).collect();
     let n = count as f64;
-    let all_over = AllOver::new(subject)?;
+    let uniform = UniformDirections::new(subject)?;
     let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, None, None);
     for ((channel, integrals), found) in integrals.iter().zip(&found) {
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel]).sum::<f64>();
@@ -180,7 +180,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         // Errors of cubature and of single precision explain a part of the difference.
         let error = if subject.is_deterministic() { integrals.uncertainty.bound(0.5 * CHANCE * CHANCE) } else { 0.0 };
         let explained = error + ROUNDING * expected;
-        let explained = explained + all_over.unseen(*channel, found.largest.sqrt(), n);
+        let explained = explained + uniform.unseen(*channel, found.largest.sqrt(), n);
         let excess = ((mean - expected).abs() - explained).max(0.0);
         let z = if excess == 0.0 { 0.0 } else { excess / deviation };
         let at = || {

@@ -39,7 +39,7 @@ pub fn fails(
     Ok(found.filter(|found| found.state == State::Violated || found.p.is_some_and(|p| p < CONFIRM)))
 }
 
-/// Moves parameters to their usual or round values and the direction to simple angles, one at a time, as long as the check fails.
+/// Moves parameters to their default or to round values and the direction to simple angles, one at a time, as long as the check fails.
 /// Tests of candidates have the level [`CONFIRM`], so that none fails by chance. `None` if the check does not fail at this level in
 /// `configuration` itself.
 ///
@@ -106,10 +106,10 @@ fn simpler(configuration: &Configuration, parameters: &[Parameter], axis: usize)
     is_simpler.map(moved).collect()
 }
 
-/// Values of the last parameter from the simplest: the usual one, those of parameters before it with the same range (widths of an
+/// Values of the last parameter from the simplest: the default, those of parameters before it with the same range (widths of an
 /// isotropic surface), a power of ten, one digit, the nearest end of the range, two digits.
 fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
-    let ([before @ .., value], [others @ .., Parameter { value: usual, range, .. }]) = (values, parameters) else {
+    let ([before @ .., value], [others @ .., Parameter { value: default, range, .. }]) = (values, parameters) else {
         return Vec::new();
     };
     let [from, to] = *range;
@@ -117,6 +117,6 @@ fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
     let power = if *value > 0.0 { 10f64.powi(value.log10().round() as i32) } else { 0.0 };
     let nearest = if value - from < to - value { from } else { to };
     let equal = before.iter().zip(others).filter(|(_, other)| other.range == *range).map(|(value, _)| *value);
-    let all = [*usual].into_iter().chain(equal).chain([power, digits(0), nearest, digits(1)]);
+    let all = [*default].into_iter().chain(equal).chain([power, digits(0), nearest, digits(1)]);
     all.filter(|value| (from..=to).contains(value)).collect()
 }

@@ -104,8 +104,8 @@ fn configurations_differ_lie_in_range_and_survive_their_text() {
 fn texts_that_cannot_be_run_are_refused() {
     let family = Planted { transmission: false, fault: |_| RIGHT };
     let read = |text: &str| Configuration::parse(&family, text);
-    let (usual, _) = read("").unwrap();
-    assert_eq!(usual, Configuration::usual(&family));
+    let (default, _) = read("").unwrap();
+    assert_eq!(default, Configuration::default_of(&family));
     let (found, check) = read(" alpha_y=1e-3 wo=100 check=energy seed=18446744073709551615").unwrap();
     assert_eq!((found.values, found.wo, found.seed), (vec![0.3, 1e-3, 1.5], [100.0, 0.0], u64::MAX));
     assert_eq!(check.as_deref(), Some("energy"));
@@ -177,8 +177,8 @@ fn a_fault_of_unequal_widths_is_found_by_all_and_shrunk() {
     for strategy in STRATEGIES {
         let (_, shrunk) = found(&family, strategy, "jacobian");
         let shrunk = shrunk.unwrap();
-        let usual = shrunk.configuration.values.iter().filter(|value| [0.3, 1.5].contains(*value)).count();
-        assert!(shrunk.finding.state == State::Violated && usual == 2, "{strategy:?}: {shrunk:?}");
+        let defaults = shrunk.configuration.values.iter().filter(|value| [0.3, 1.5].contains(*value)).count();
+        assert!(shrunk.finding.state == State::Violated && defaults == 2, "{strategy:?}: {shrunk:?}");
     }
     // The converse is met by edges alone: other strategies set no two values equal, but for ends of the grid.
     let fault = |values: &[f64]| if values[0] == values[1] && values[0] < 1.0 { [1.1, 1.0] } else { RIGHT };
@@ -224,10 +224,10 @@ fn what_is_right_does_not_fail() {
         assert!(states.iter().all(|(_, state)| *state == State::Holds), "{states:?}");
     }
     let bent = Planted { transmission: false, fault: |_| [1.0, 1.3] };
-    let states = states(&bent, &Configuration::usual(&bent));
+    let states = states(&bent, &Configuration::default_of(&bent));
     assert!(states.contains(&("jacobian", State::Violated)) && states.contains(&("sampling", State::Suspicious)));
-    let usual = Configuration::usual(&family);
-    assert_eq!(shrink(&family, &usual, 1, 0.05, || false).unwrap(), None);
+    let default = Configuration::default_of(&family);
+    assert_eq!(shrink(&family, &default, 1, 0.05, || false).unwrap(), None);
 }
 
 /// A white surface whose values are random numbers: 0 or twice its value; `excess` times too bright.
@@ -273,7 +273,7 @@ fn the_energy_of_stochastic_values_is_a_matter_of_chance() {
     let energy = ALL.iter().position(|check| check.name == "energy").unwrap();
     let of = |excess: f64, seed: u64| {
         let family = Walk { excess };
-        let configuration = Configuration { seed, ..Configuration::usual(&family) };
+        let configuration = Configuration { seed, ..Configuration::default_of(&family) };
         confirm(&family, &configuration, energy, 0.05, || false).unwrap().unwrap()
     };
     // Right ones: one or two of 500 lie beyond three standard errors.
