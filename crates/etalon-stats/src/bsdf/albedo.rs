@@ -5,7 +5,7 @@ use super::contract::{Direction, Energy, PdfKind, Spectrum};
 use super::light::Uncertainty;
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::Subject;
-use super::sums::{BATCH, CellSum, sums};
+use super::sums::{BATCH, CellSum, Sums, sums};
 use super::vector::{place, sphere};
 use crate::domain::Domain;
 use crate::error::Result;
@@ -158,7 +158,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
     let level = sidak(subject.protocol.own_level(), channels.len());
     let whole = |cells: &Vec<CellSum>| cells.iter().fold(CellSum::default(), |sum, cell| sum.plus(*cell));
     // The relative variance of weights of a first run says how many samples to take.
-    let first: Vec<CellSum> = sums(subject, &grid, &channels, 2 * BATCH, 7, false)?.iter().map(whole).collect();
+    let first: Vec<CellSum> = sums(subject, &grid, &channels, 2 * BATCH, 7, false)?.cells.iter().map(whole).collect();
     let count = match subject.protocol.samples {
         SampleCount::Fixed(n) => n,
         SampleCount::Detect(w) => {
@@ -168,10 +168,11 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
             ((noncentrality(1, level) * variance / (w * w)) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
-    let found: Vec<CellSum> = sums(subject, &grid, &channels, count, 8, false)?.iter().map(whole).collect();
+    let Sums { cells, violation: above_bound } = sums(subject, &grid, &channels, count, 8, false)?;
+    let found: Vec<CellSum> = cells.iter().map(whole).collect();
     let n = count as f64;
     let uniform = UniformDirections::new(subject)?;
-    let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, None, None);
+    let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, above_bound, None);
     for ((channel, integrals), found) in integrals.iter().zip(&found) {
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel]).sum::<f64>();
         let (expected, mean) = (integrals.total() + deltas, found.sum / n);

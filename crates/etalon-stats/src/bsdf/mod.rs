@@ -84,7 +84,7 @@ impl Check {
 pub const ALL: [Check; 10] = [
     Check {
         name: "values",
-        finds: "NaN, infinite and negative values, pdfs and weights; light on a side that is not declared",
+        finds: "NaN, infinite and negative numbers; light on an undeclared side; weights above the declared bound",
         is_statistical: false,
         run: values::check,
     },

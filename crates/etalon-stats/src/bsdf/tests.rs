@@ -30,6 +30,7 @@ enum Fault {
     Asymmetric,
     Bright,
     WrongMap,
+    AboveBound,
     Stochastic,
 }
 
@@ -39,7 +40,12 @@ struct Lambertian(Fault);
 impl Bsdf for Lambertian {
     fn properties(&self) -> Properties {
         let eval_dimension = usize::from(self.0 == Fault::Stochastic);
-        Properties { eval_dimension, ..Properties::default() }
+        let largest_weight = match self.0 {
+            Fault::None => Some(0.8),
+            Fault::AboveBound => Some(0.79),
+            _ => None,
+        };
+        Properties { eval_dimension, largest_weight, ..Properties::default() }
     }
 
     fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
@@ -171,19 +177,22 @@ fn right_bsdfs_are_accepted() {
 
 #[test]
 fn every_check_rejects_what_it_is_there_for() {
-    let expected: [(Fault, &[&str]); 6] = [
+    let expected: [(Fault, &[&str]); 7] = [
         (Fault::Weight, &["formula", "albedo", "weights"]),
         (Fault::Pdf, &["jacobian", "sampling"]),
         (Fault::Value, &["energy"]),
         (Fault::Negative, &["values"]),
         (Fault::Asymmetric, &["reciprocity"]),
         (Fault::WrongMap, &["jacobian", "sampling", "weights"]),
+        (Fault::AboveBound, &["values", "albedo", "weights"]),
     ];
     for (fault, checks) in expected {
         let found = rejecting(&Lambertian(fault));
         assert!(checks.iter().all(|check| found.contains(check)), "{checks:?} of {found:?}");
     }
     assert!(rejecting(&Lambertian(Fault::Bright)).contains(&"energy"));
+    let text = test("faulty", &Lambertian(Fault::AboveBound), &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("above the declared bound 0.79"), "{text}");
     let text = test("faulty", &Lambertian(Fault::WrongMap), &[towards(40.0)], &quick()).unwrap().to_string();
     assert!(text.contains("too few within") && text.contains("of the horizon"), "{text}");
 }
