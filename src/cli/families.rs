@@ -52,8 +52,9 @@ pub fn list(families: &Families, console: &Console) {
     let lines: Vec<Line> = families.iter().map(line).collect();
     console.result(&BTreeMap::from([("families", &lines)]), || {
         let text = |line: &Line| {
+            let short = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
             let of = |(name, value, [from, to]): &(String, f64, [f64; 2])| {
-                format!("{name} = {value} ({from:.4} to {to:.4})")
+                format!("{name} = {value} ({} to {})", short(*from), short(*to))
             };
             let parameters: Vec<String> = line.parameters.iter().map(of).collect();
             format!("{:<22} {}\n", line.name, parameters.join(", "))
