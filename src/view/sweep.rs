@@ -2,7 +2,7 @@
 
 use super::text::counted;
 use crate::study::sweep::{Conclusion, Description, Failure, Group};
-use etalon_stats::sweep::CONFIRM;
+use etalon_stats::sweep::CONFIRM_LEVEL;
 
 /// The table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
 /// for its last argument.
@@ -35,7 +35,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         let many = counted(*configurations as usize, "configuration");
         let which = match shrunk {
             true => "the simplest found".to_owned(),
-            false => format!("not shrunk, which takes p < {CONFIRM:.0e}"),
+            false => format!("not shrunk, which takes p < {CONFIRM_LEVEL:.0e}"),
         };
         text += &format!("\n{family}: {check} rejects in {many}, such as\n  {example}\n{which}{p}:\n");
         text += &format!("  {replay_by} '{replay}'\n");

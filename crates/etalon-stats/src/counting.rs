@@ -7,7 +7,7 @@ use crate::domain::Domain;
 use crate::error::Result;
 use crate::fixed::Share;
 use crate::mass::Integral;
-use crate::order::Labels;
+use crate::serial::Labels;
 use crate::subdivision::Subdivision;
 use crate::tally::{Counters, Source, Tally};
 

@@ -10,10 +10,10 @@ use crate::error::{Error, Result};
 use crate::exact;
 use crate::grid::{Cell, Grid};
 use crate::multiple::sidak;
-use crate::order::Labels;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{POWER, chi_square_below, detectable, samples_for};
 use crate::sampler::Sampler;
+use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
 use crate::subdivision::Subdivision;
 use crate::tally::Source;
@@ -251,7 +251,7 @@ pub fn examine<D: Domain>(
     let violations = [pdf_violation, mass_violation, corner_violation, tally.violation.clone()];
     let violation = violations.into_iter().flatten().next();
     let violation =
-        violation.or_else(|| exact::same_batches(domain, &tally.order)).or_else(|| exact::discrete(domain, &pilot));
+        violation.or_else(|| exact::same_batches(domain, &tally.serial)).or_else(|| exact::discrete(domain, &pilot));
     let none = tally.none;
     let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
     let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);

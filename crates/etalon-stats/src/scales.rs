@@ -1,9 +1,9 @@
 //! The test of structure finer than the cells: counts in the halves of parts of the domain, scale by scale.
 //!
-//! Let a part with n samples be halved, and let q be the expected share of its first half. Given n, the count O of this half is
-//! binomial, and z = (O − nq)/√(nq(1 − q)) has E z² = 1 and Var z² = 2 + (1 − 6q(1 − q))/(nq(1 − q)), exactly. Halves of
-//! different parts, and those of different scales, are independent: each scale has a test of its own, T = Σ z², whose
-//! mean M and variance V are known. Its distribution is taken for that of V/2M · χ² with 2M²/V degrees of freedom.
+//! Let a part with n samples be halved, and let q be the expected share of its first half. Given n, the count O of this
+//! half is binomial, and z = (O − nq)/√(nq(1 − q)) has E z² = 1 and Var z² = 2 + (1 − 6q(1 − q))/(nq(1 − q)), exactly.
+//! Halves of different parts, and those of different scales, are independent: each scale has a test of its own, T = Σ z²,
+//! whose mean M and variance V are known. Its distribution is taken for that of V/2M · χ² with 2M²/V degrees of freedom.
 //!
 //! If the relative error of the pdf is a ripple of root mean square w with the period 1/f, then parts of width 2h add
 //! λ = N w² r² with r = sin²(πfh)/(πfh) to the mean of T. For periods of 2h to 4h, r is at least 2/π: one of the scales, each
@@ -135,14 +135,14 @@ impl ScaleTest {
 pub struct Scales {
     /// One for each scale.
     pub tests: Vec<ScaleTest>,
-    /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number as far
-    /// from what is expected.
+    /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number
+    /// as far from what is expected.
     ends: Vec<(f64, String)>,
 }
 
 impl Scales {
-    /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` is the share of samples in places
-    /// that the shares are known to miss.
+    /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` is the share of samples in
+    /// places that the shares are known to miss.
     pub fn new(
         subdivision: &Subdivision,
         axes: [&str; 2],
@@ -153,8 +153,8 @@ impl Scales {
     ) -> Self {
         let mut scales = Self::default();
         let [n, of_cells] = [samples as f64, subdivision.grid.len() as f64];
-        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to f32
-        // moves samples over the ends of parts.
+        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to
+        // f32 moves samples over the ends of parts.
         let finite = subdivision.axes.iter().all(|axis| axis.finite);
         let is_good = |test: &ScaleTest, values: f64, rounding: f64| {
             let missed = found * found * test.parts as f64;
@@ -201,8 +201,8 @@ impl Scales {
     }
 }
 
-/// The test of one scale, which compares the halves of each part, with the p-values of the halves at the two ends of the axis. It leaves the
-/// sums over the parts for the next scale.
+/// The test of one scale, which compares the halves of each part, with the p-values of the halves at the two ends of the
+/// axis. It leaves the sums over the parts for the next scale.
 fn halve(
     of: &str,
     observed: &mut Vec<u64>,

@@ -3,9 +3,9 @@
 use crate::chi_square::ChiSquare;
 use crate::cubature::Shares;
 use crate::multiple::weighted;
-use crate::order::Labels;
 use crate::power::chi_square_below;
 use crate::scales::{Scale, Scales};
+use crate::serial::Labels;
 use crate::subdivision::Subdivision;
 use crate::tally::Tally;
 use crate::text::p_value;
@@ -56,11 +56,11 @@ impl Counted<'_> {
         // Recognize stratified samples first: they depend on each other on purpose.
         let uniform = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();
         let of_scales = scales.tests.iter().map(|test| test.below());
-        let uniform: Vec<f64> = uniform.chain(of_scales).chain(tally.order.stratification()).collect();
+        let uniform: Vec<f64> = uniform.chain(of_scales).chain(tally.serial.stratification()).collect();
         let least = uniform.iter().copied().fold(1.0, f64::min) * uniform.len() as f64;
         let is_stratified = least < STRATIFIED;
 
-        let dependence = tally.order.dependence(&labels);
+        let dependence = tally.serial.dependence(&labels);
         let (ends, order) = (scales.ends(), dependence.map(dependent));
         let count = scales.tests.len() + usize::from(ends.is_some()) + usize::from(order.is_some());
         let own = (1.0 - CELLS) / count.max(1) as f64;

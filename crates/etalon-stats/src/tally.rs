@@ -7,8 +7,8 @@ use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
 use crate::fixed::{Share, add};
 use crate::hash::{mix32, mix64};
-use crate::order::{Labels, Order, Past};
 use crate::sampler::{Sample, Sampler};
+use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;
 use crate::subdivision::{Parts, Subdivision};
 use crate::text::tuple;
@@ -41,7 +41,7 @@ pub struct Tally {
     /// Counts of finer parts.
     pub parts: Parts<u64>,
     /// Counts of what follows what.
-    pub order: Order,
+    pub serial: SerialCounts,
     /// Samples that were "no sample".
     pub none: u64,
     /// Samples where the pdf is 0.
@@ -58,7 +58,7 @@ impl Tally {
     fn plus(mut self, other: Self) -> Self {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.parts.add(&other.parts);
-        self.order.add(other.order);
+        self.serial.add(other.serial);
         self.none += other.none;
         self.outside_support += other.outside_support;
         add(&mut self.missed, &other.missed);
@@ -120,7 +120,7 @@ impl<D: Domain> Source<'_, D> {
         let empty = || Tally {
             observed: vec![0; cells + counters.atoms.len()],
             parts: Parts::new(counters.subdivision),
-            order: Order::new(&counters.labels),
+            serial: SerialCounts::new(&counters.labels),
             missed: vec![Share::default(); cells],
             ..Tally::default()
         };
@@ -166,7 +166,7 @@ impl<D: Domain> Source<'_, D> {
                 *part = subdivision.axes[axis].find(at[axis]);
                 counts[*part] += 1;
             }
-            tally.order.count(labels, &mut past, parts, at);
+            tally.serial.count(labels, &mut past, parts, at);
             let within = match integration {
                 Integration::Exact(..) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
@@ -179,7 +179,7 @@ impl<D: Domain> Source<'_, D> {
             }
         }
 
-        tally.order.end(past);
+        tally.serial.end(past);
 
         // Match samples at atoms with the declared ones.
         for sample in samples.iter().flatten().filter(|sample| sample.atom) {

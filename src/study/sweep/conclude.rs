@@ -43,8 +43,8 @@ pub struct Failure {
     pub configurations: u64,
     /// One of them.
     pub example: String,
-    /// Whether simpler configurations were tried; otherwise the p-value is not below [`CONFIRM`](etalon_stats::sweep::CONFIRM), so that
-    /// the check might accept simpler ones by chance.
+    /// Whether simpler configurations were tried; otherwise the p-value is not below
+    /// [`CONFIRM_LEVEL`](etalon_stats::sweep::CONFIRM_LEVEL), so that the check might accept simpler ones by chance.
     pub shrunk: bool,
     /// The simplest one that was found, or the same, as `etalon sweep --replay` takes it.
     pub replay: String,
@@ -218,7 +218,7 @@ pub fn conclude(
         inconclusive: sums.inconclusive + undecided.difference(&rejected).count() as u64,
         survivors: all,
         left_out,
-        expected_survivors: etalon_stats::sweep::SCREEN * tests as f64,
+        expected_survivors: etalon_stats::sweep::SCREEN_LEVEL * tests as f64,
         min_fresh_p: decided.iter().filter_map(|d| d.fresh.as_ref()?.p).min_by(f64::total_cmp),
         groups: sums.groups.into_iter().map(named).collect(),
         failures,

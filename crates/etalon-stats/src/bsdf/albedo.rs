@@ -71,8 +71,8 @@ impl Claim {
 /// Energy: the power that is scattered to `wo`, as a share of that of uniform light, against 1 or the declared value. For a
 /// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
 ///
-/// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing is left to chance,
-/// as for delta lobes alone, there is none.
+/// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing
+/// is left to chance, as for delta lobes alone, there is none.
 pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     let (_, integrals) = integrals(subject, true)?;
     let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
@@ -136,8 +136,8 @@ impl UniformDirections {
         Ok(Self(light.zip(subject.bsdf.pdf(&pairs)?).collect()))
     }
 
-    /// A bound of the light that only weights above twice the `largest` of `n` samples carry, where the pdf lets fewer than a few
-    /// of them be expected. Their variance is not in that of the samples.
+    /// A bound of the light that only weights above twice the `largest` of `n` samples carry, where the pdf lets fewer than
+    /// a few of them be expected. Their variance is not in that of the samples.
     fn unseen(&self, channel: usize, largest: f64, n: f64) -> f64 {
         let size = 4.0 * PI / DIRECTIONS as f64;
         let is_unseen = |(light, pdf): &&(Spectrum, f64)| *pdf > 0.0 && light[channel] > 2.0 * largest * pdf;

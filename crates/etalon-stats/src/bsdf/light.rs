@@ -115,11 +115,12 @@ pub struct Uncertainty {
 impl Uncertainty {
     /// The error that is exceeded with a probability of 3 e⁻ᵗ at most: systematic + √(2t) deviation + t single.
     ///
-    /// For means of random values this is the empirical Bernstein bound (Maurer and Pontil, "Empirical Bernstein Bounds and Sample
-    /// Variance Penalization", COLT 2009, theorem 4) with 7/3 of the largest value's contribution as `single`: one event for the
-    /// variance, one for each sign of the error. It holds for sums over strata too. It assumes that no value is larger than the largest
-    /// one found. For measured errors of cubature the mean difference is taken as normally distributed, whose tail is below e⁻ᵗ at
-    /// √(2t) standard errors; and n samples all miss the places that hold a share t/n of them with probability e⁻ᵗ.
+    /// For means of random values this is the empirical Bernstein bound (Maurer and Pontil, "Empirical Bernstein Bounds and
+    /// Sample Variance Penalization", COLT 2009, theorem 4) with 7/3 of the largest value's contribution as `single`: one
+    /// event for the variance, one for each sign of the error. It holds for sums over strata too. It assumes that no value
+    /// is larger than the largest one found. For measured errors of cubature the mean difference is taken as normally
+    /// distributed, whose tail is below e⁻ᵗ at √(2t) standard errors; and n samples all miss the places that hold a share
+    /// t/n of them with probability e⁻ᵗ.
     pub fn bound(&self, t: f64) -> f64 {
         self.systematic + (2.0 * t).sqrt() * self.deviation + t * self.single
     }
@@ -155,8 +156,8 @@ impl Light<'_> {
         Ok(samples.places.iter().zip(self.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf }).collect())
     }
 
-    /// The random points of [`Refinement::check`] lie where the nodes predict light and do not meet narrow tails between the nodes.
-    /// Fresh samples do.
+    /// The random points of [`Refinement::check`] lie where the nodes predict light and do not meet narrow tails between
+    /// the nodes. Fresh samples do.
     fn missed(&self, refinement: &Refinement<Directions>, grid: &Grid) -> Result<MissedLight> {
         let samples = Pilot::of(self.subject, SAMPLES, 2)?;
         let (n, mut squares, mut largest) = (SAMPLES as f64, 0.0, 0f64);

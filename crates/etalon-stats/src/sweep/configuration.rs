@@ -14,7 +14,8 @@ pub struct Configuration {
     pub seed: u64,
 }
 
-/// The largest angle of `wo` with the normal, in degrees: directions along the surface are not tested, as nothing is scattered to them.
+/// The largest angle of `wo` with the normal, in degrees: directions along the surface are not tested, as nothing is
+/// scattered to them.
 pub(super) const LARGEST_ANGLE: f64 = 89.99;
 /// The angle of directions along the surface with the normal, in degrees.
 const HORIZON: f64 = 90.0;
@@ -48,8 +49,8 @@ impl Configuration {
         format!("{}{values} wo={},{} seed={}", family.name(), self.wo[0], self.wo[1], self.seed)
     }
 
-    /// Reads the part of a text after the name of the family. Parameters that are left out have their default values, `wo` is at
-    /// 45°, the seed 1. The second result is the name after `check=`, if there is one.
+    /// Reads the part of a text after the name of the family. Parameters that are left out have their default values, `wo`
+    /// is at 45°, the seed 1. The second result is the name after `check=`, if there is one.
     ///
     /// # Errors
     /// [`Error::Parameter`] with the name `replay`.

@@ -161,7 +161,7 @@ fn a_fault_of_narrow_lobes_is_found_by_all_and_shrunk() {
     for strategy in STRATEGIES {
         let (count, shrunk) = found(&family, strategy, "sampling");
         let shrunk = shrunk.unwrap();
-        assert!(count > 50 && shrunk.finding.p.unwrap() < CONFIRM, "{strategy:?}: {count}");
+        assert!(count > 50 && shrunk.finding.p.unwrap() < CONFIRM_LEVEL, "{strategy:?}: {count}");
         let Configuration { values, wo, .. } = shrunk.configuration;
         assert!(
             [1e-4, 1e-3, 2e-3].contains(&values[0]) && values[1..] == [0.3, 1.5] && wo == [0.0, 0.0],
@@ -279,10 +279,10 @@ fn the_energy_of_stochastic_values_is_a_matter_of_chance() {
     // Right ones: one or two of 500 lie beyond three standard errors.
     let right: Vec<Finding> = (0..500).into_par_iter().map(|seed| of(1.0, seed)).collect();
     assert!(right.iter().all(|finding| finding.state != State::Violated));
-    let survivors = right.iter().filter(|finding| finding.p.unwrap() < SCREEN).count();
+    let survivors = right.iter().filter(|finding| finding.p.unwrap() < SCREEN_LEVEL).count();
     assert!(survivors <= 3, "{survivors} of 500 at level 0.001");
     // A surface that is too bright by five percent survives the screen and is rejected by the second run.
     let wrong = of(1.05, 1);
-    assert!(wrong.state == State::Suspicious && wrong.p.unwrap() < CONFIRM, "{wrong:?}");
+    assert!(wrong.state == State::Suspicious && wrong.p.unwrap() < CONFIRM_LEVEL, "{wrong:?}");
     assert!(wrong.detectable.unwrap() < 0.05 && wrong.message.unwrap().contains("the albedo is 1.0"));
 }

@@ -1,8 +1,8 @@
 //! Tests of whether samples depend on those before them.
 //!
-//! Samples are labelled by the parts of the axes that they lie in. A table counts how often each label follows each label of
-//! the past. If samples are independent, then given the past the next label is multinomial with the same probabilities in every
-//! row, also where rows overlap, and Pearson's statistic with estimated margins is chi-square distributed with
+//! Samples are labelled by the parts of the axes that they lie in. A table counts how often each label follows each label
+//! of the past. If samples are independent, then given the past the next label is multinomial with the same probabilities
+//! in every row, also where rows overlap, and Pearson's statistic with estimated margins is chi-square distributed with
 //! (rows − 1)(columns − 1) degrees of freedom. Source: Billingsley, "Statistical Methods in Markov Chains", Annals of
 //! Mathematical Statistics 32, 1961.
 
@@ -63,9 +63,9 @@ impl Labels {
     }
 }
 
-/// The order of samples, as far as it is counted.
+/// Counts of which samples follow which: what tests of serial dependence need.
 #[derive(Debug, Clone, Default)]
-pub struct Order {
+pub struct SerialCounts {
     /// How often each label follows each label of the past.
     table: Vec<u64>,
     /// Over the batches, for each axis: Σ L² and Σ L n, where L of the n samples of a batch are in the lower half.
@@ -86,7 +86,7 @@ pub struct Past {
     head: Vec<u64>,
 }
 
-impl Order {
+impl SerialCounts {
     pub fn new(labels: &Labels) -> Self {
         Self { table: vec![0; 1 << (3 * labels.bits)], ..Self::default() }
     }
@@ -154,8 +154,8 @@ impl Order {
         Some([statistic, dof, chi_square_tail(dof, statistic)])
     }
 
-    /// The probability that batches of independent samples have as equal a share in the lower half of an axis as these, of the axis where
-    /// it is smaller; `None` with few batches.
+    /// The probability that batches of independent samples have as equal a share in the lower half of an axis as these, of
+    /// the axis where it is smaller; `None` with few batches.
     pub fn stratification(&self) -> Option<f64> {
         const FEWEST: u64 = 8;
         let [batches, samples, squares] = self.batches;
