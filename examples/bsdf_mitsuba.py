@@ -106,27 +106,28 @@ def properties(values):
 
 
 bsdf = load([default for default, _, _ in PARAMETERS.values()])
-for request in sys.stdin:
-    verb, *words = request.split()
-    if verb == "etalon":
-        print(f"etalon 1 kind=bsdf name=mitsuba-{PLUGIN} precision=single")
-        for name, (default, start, end) in PARAMETERS.items():
-            print(name, default, start, end)
-    elif verb == "set":
-        values = [float(word) for word in words]
-        bsdf = load(values)
-        print(properties(values))
-    elif verb == "quit":
-        break
-    else:
-        numbers = np.array([line.split() for line in islice(sys.stdin, int(words[0]))], float)
-        wo, rest = numbers[:, :3], numbers[:, 3:]
-        if verb == "lobes":
-            answer(lobes(wo))
-        elif verb == "sample":
-            rows = zip(*sample(wo, rest))
-            answer([*["delta"] * bool(d), *wi, w, pdf] if valid else [] for wi, w, pdf, d, valid in rows)
+if __name__ == "__main__":
+    for request in sys.stdin:
+        verb, *words = request.split()
+        if verb == "etalon":
+            print(f"etalon 1 kind=bsdf name=mitsuba-{PLUGIN} precision=single")
+            for name, (default, start, end) in PARAMETERS.items():
+                print(name, default, start, end)
+        elif verb == "set":
+            values = [float(word) for word in words]
+            bsdf = load(values)
+            print(properties(values))
+        elif verb == "quit":
+            break
         else:
-            f, pdf = evaluate(wo, rest)
-            answer(zip(f if verb == "eval" else pdf))
-    print("end", flush=True)
+            numbers = np.array([line.split() for line in islice(sys.stdin, int(words[0]))], float)
+            wo, rest = numbers[:, :3], numbers[:, 3:]
+            if verb == "lobes":
+                answer(lobes(wo))
+            elif verb == "sample":
+                rows = zip(*sample(wo, rest))
+                answer([*["delta"] * bool(d), *wi, w, pdf] if valid else [] for wi, w, pdf, d, valid in rows)
+            else:
+                f, pdf = evaluate(wo, rest)
+                answer(zip(f if verb == "eval" else pdf))
+        print("end", flush=True)
