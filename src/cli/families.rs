@@ -45,11 +45,11 @@ pub fn list(families: &Families, console: &Console) {
         parameters: Vec<(String, f64, [f64; 2])>,
     }
     let parameter = |Parameter { name, value, range }: Parameter| (name, value, range);
-    let line = |family: &Box<dyn Family>| Line {
+    let line = |family: &dyn Family| Line {
         name: family.name().to_owned(),
         parameters: family.parameters().into_iter().map(parameter).collect(),
     };
-    let lines: Vec<Line> = families.iter().map(line).collect();
+    let lines: Vec<Line> = families.iter().map(|family| line(&**family)).collect();
     console.result(&BTreeMap::from([("families", &lines)]), || {
         let text = |line: &Line| {
             let short = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
