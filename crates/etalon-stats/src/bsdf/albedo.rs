@@ -33,10 +33,9 @@ const EXPECTED: f64 = 10.0;
 const CHANCE: f64 = 3.0;
 
 /// The integrals of f |cos θᵢ| for every channel that differs from the others.
-fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
-    let pilot = Pilot::new(subject)?;
+fn integrals(subject: &Subject, pilot: &Pilot, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
     let grid = pilot.grid(CELLS);
-    let of = |channel: usize| Ok((channel, integrate(subject, &pilot, &grid, [channel, 1 << 10], power)?));
+    let of = |channel: usize| Ok((channel, integrate(subject, pilot, &grid, [channel, 1 << 10], power)?));
     let integrals = pilot.channels(subject).into_iter().map(of).collect::<Result<Vec<_>>>()?;
     Ok((grid, integrals))
 }
@@ -74,7 +73,11 @@ impl Claim {
 /// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing
 /// is left to chance, as for delta lobes alone, there is none.
 pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
-    let (_, integrals) = integrals(subject, true)?;
+    let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
+    let (_, integrals) = integrals(subject, &pilot, true)?;
     let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
     let level = sidak(subject.protocol.own_level(), integrals.len());
     let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
@@ -153,7 +156,11 @@ impl UniformDirections {
 
 /// Two estimates of one albedo: the mean of the weights of samples, and the integral of the values.
 pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
-    let (grid, integrals) = integrals(subject, false)?;
+    let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
+    let (grid, integrals) = integrals(subject, &pilot, false)?;
     let channels: Vec<usize> = integrals.iter().map(|(channel, _)| *channel).collect();
     let level = sidak(subject.protocol.own_level(), channels.len());
     let whole = |cells: &Vec<CellSum>| cells.iter().fold(CellSum::default(), |sum, cell| sum.plus(*cell));

@@ -1,6 +1,6 @@
 //! The light that a BSDF scatters into each cell of the sphere: ∫ f |cos θᵢ| over the cell, with its error.
 
-use super::contract::Direction;
+use super::contract::{Direction, Spectrum};
 use super::subject::Subject;
 use super::vector::sphere;
 use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid};
@@ -8,6 +8,7 @@ use crate::density::Density;
 use crate::domain::{Directions, Domain};
 use crate::error::{Result, poll};
 use crate::grid::{Cell, Grid};
+use crate::outcome::Outcome;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -47,6 +48,37 @@ impl Pilot {
             }
         }
         Ok(Self { places, weights })
+    }
+
+    /// Why values cannot be integrated: in the mean over samples they change by more than the coarsest error that a test may
+    /// leave undetected when a coordinate of `wi` moves by its last place. Such a lobe is about as narrow as the distance of the
+    /// directions that its arithmetic can tell apart.
+    pub fn unresolved(&self, subject: &Subject) -> Result<Option<Outcome>> {
+        const SAMPLES: usize = 1 << 8;
+        if !subject.is_deterministic() {
+            return Ok(None);
+        }
+        let step = 1.0 + subject.properties.precision;
+        let moved = |wi: Direction, axis: usize| {
+            let mut wi = wi;
+            wi[axis] *= step;
+            wi
+        };
+        let of_sample = |&at: &[f64; 2]| {
+            let wi = sphere().point_at(at);
+            [wi, moved(wi, 0), moved(wi, 1), moved(wi, 2)]
+        };
+        let wis: Vec<Direction> = self.places.iter().take(SAMPLES).flat_map(of_sample).collect();
+        let values = subject.bsdf.eval(&subject.pairs(&wis), &[])?;
+        let changed = |[f, moved @ ..]: &[Spectrum; 4]| {
+            let change = |other: &Spectrum| (other[0] - f[0]).abs() / f[0].max(other[0]).max(f64::MIN_POSITIVE);
+            moved.iter().map(change).fold(0.0, f64::max)
+        };
+        let (of_samples, _) = values.as_chunks::<4>();
+        let mean = of_samples.iter().map(changed).sum::<f64>() / of_samples.len().max(1) as f64;
+        let reason = || format!("the rounding of directions changes values by {:.0} %", 100.0 * mean);
+        let is_coarse = mean > subject.protocol.coarsest();
+        Ok(is_coarse.then(|| Outcome { inconclusive_reason: Some(reason()), ..Outcome::open(SAMPLES as u64) }))
     }
 
     /// The channels whose weights differ from those of the channels before.

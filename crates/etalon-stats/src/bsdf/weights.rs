@@ -149,6 +149,9 @@ impl Cells {
 /// Compares the sums of weights with the light of every cell, for each channel that differs from the others.
 pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
     let (channels, own) = (pilot.channels(subject), subject.protocol.own_level());
     let grid = pilot.grid(CELLS.min(subject.protocol.cells));
     let dof = grid.len() + subject.deltas.len();
