@@ -172,7 +172,7 @@ impl Bsdf for Single {
         let sample = self.0.sample(single(wo), u)?;
         let wi = single(sample.wi);
         let pdf = self.pdf(wo, wi);
-        (pdf > 0.0).then(|| BsdfSample { wi, density: Density::Pdf(pdf), ..sample })
+        (pdf > 0.0).then_some(BsdfSample { wi, density: Density::Pdf(pdf), ..sample })
     }
 }
 
