@@ -56,7 +56,7 @@ for request in sys.stdin:
     verb, *words = request.split()
     if verb == "etalon":
         print("etalon 1 kind=bsdf name=phong-python reciprocal=yes energy=at-most-1 dimension=3")
-        print("diffuse 0.5 0 1\nexponent 20 1 1000")  # name, usual value, range
+        print("diffuse 0.5 0 1\nexponent 20 1 1000")  # name, default value, range
     elif verb == "set":
         diffuse, exponent = map(float, words)
     elif verb == "quit":

@@ -13,7 +13,7 @@ mi.set_variant("llvm_ad_mono")
 PLUGIN, DISTRIBUTION = sys.argv[1], (sys.argv[2:] or ["ggx"])[0]
 ALPHA, ALBEDO, ETA = (0.3, 0.01, 1), (0.5, 0, 1), (1.5, 1.05, 2.4)
 SHARE, METAL = (0, 0, 1), {"eta": (0.2, 0.1, 4), "k": (3.9, 0, 10)}
-# Parameters (usual value, range), and how the names of the plugin's own follow from them.
+# Parameters (default value, range), and how the names of the plugin's own follow from them.
 PLUGINS = {
     "roughconductor": ({"alpha_u": ALPHA, "alpha_v": ALPHA, **METAL}, lambda p: p),
     "roughdielectric": ({"alpha": ALPHA, "eta": ETA}, lambda p: {"alpha": p["alpha"], "int_ior": p["eta"], "ext_ior": 1.0}),
@@ -105,28 +105,29 @@ def properties(values):
     return f"scatters={scatters} delta={'yes' if mi.has_flag(flags, FLAGS.Delta) else 'no'} eta={eta}"
 
 
-bsdf = load([usual for usual, _, _ in PARAMETERS.values()])
-for request in sys.stdin:
-    verb, *words = request.split()
-    if verb == "etalon":
-        print(f"etalon 1 kind=bsdf name=mitsuba-{PLUGIN} precision=single")
-        for name, (usual, start, end) in PARAMETERS.items():
-            print(name, usual, start, end)
-    elif verb == "set":
-        values = [float(word) for word in words]
-        bsdf = load(values)
-        print(properties(values))
-    elif verb == "quit":
-        break
-    else:
-        numbers = np.array([line.split() for line in islice(sys.stdin, int(words[0]))], float)
-        wo, rest = numbers[:, :3], numbers[:, 3:]
-        if verb == "lobes":
-            answer(lobes(wo))
-        elif verb == "sample":
-            rows = zip(*sample(wo, rest))
-            answer([*["delta"] * bool(d), *wi, w, pdf] if valid else [] for wi, w, pdf, d, valid in rows)
+bsdf = load([default for default, _, _ in PARAMETERS.values()])
+if __name__ == "__main__":
+    for request in sys.stdin:
+        verb, *words = request.split()
+        if verb == "etalon":
+            print(f"etalon 1 kind=bsdf name=mitsuba-{PLUGIN} precision=single")
+            for name, (default, start, end) in PARAMETERS.items():
+                print(name, default, start, end)
+        elif verb == "set":
+            values = [float(word) for word in words]
+            bsdf = load(values)
+            print(properties(values))
+        elif verb == "quit":
+            break
         else:
-            f, pdf = evaluate(wo, rest)
-            answer(zip(f if verb == "eval" else pdf))
-    print("end", flush=True)
+            numbers = np.array([line.split() for line in islice(sys.stdin, int(words[0]))], float)
+            wo, rest = numbers[:, :3], numbers[:, 3:]
+            if verb == "lobes":
+                answer(lobes(wo))
+            elif verb == "sample":
+                rows = zip(*sample(wo, rest))
+                answer([*["delta"] * bool(d), *wi, w, pdf] if valid else [] for wi, w, pdf, d, valid in rows)
+            else:
+                f, pdf = evaluate(wo, rest)
+                answer(zip(f if verb == "eval" else pdf))
+        print("end", flush=True)

@@ -1,6 +1,7 @@
 //! `etalon furnace`: directional albedos over the angle and parameters.
 
 use super::console::Console;
+use super::families::{families, list};
 use super::global::{Global, Verdict};
 use super::program::ExternalBsdf;
 use super::values::setting;
@@ -11,7 +12,6 @@ use crate::study::validation::families;
 use crate::view::furnace as view;
 use clap::{ArgAction, Args};
 use etalon_stats::bsdf::Family;
-use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
@@ -45,19 +45,13 @@ pub struct Furnace {
     external: ExternalBsdf,
 }
 
-#[derive(Serialize)]
-struct Listed {
-    bsdf: String,
-    parameters: BTreeMap<String, [f64; 3]>,
-}
-
 impl Furnace {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let all = families::all();
         if self.list {
-            list(&all, console);
+            list(&families(&self.external, &self.names)?, console);
             return Ok(Verdict::Good);
         }
+        let all = families::all();
         let cells = self.cells()?;
         self.external.check_no_names(&self.names)?;
         let program = self.external.start()?;
@@ -108,24 +102,6 @@ fn find<'a>(all: &'a [families::Family], name: &str) -> Result<&'a families::Fam
     all.iter()
         .find(|family| Family::name(*family) == name)
         .ok_or_else(|| Error::parameter("names", format!("there is no BSDF \"{name}\"")).with_hint("`list` shows all"))
-}
-
-fn list(all: &[families::Family], console: &Console) {
-    let listed = all.iter().map(|family| Listed {
-        bsdf: Family::name(family).to_owned(),
-        parameters: family.parameters().into_iter().map(|p| (p.name, [p.range[0], p.value, p.range[1]])).collect(),
-    });
-    let listed: Vec<Listed> = listed.collect();
-    console.result(&BTreeMap::from([("bsdfs", &listed)]), || {
-        let lines = all.iter().map(|family| {
-            let parameters = family.parameters().into_iter().map(|p| {
-                let [from, to] = p.range;
-                format!("{} = {} ({from:.4} to {to:.4})", p.name, p.value)
-            });
-            format!("{:<22} {}\n", Family::name(family), parameters.collect::<Vec<_>>().join(", "))
-        });
-        lines.collect()
-    });
 }
 
 /// Whether a deviation of the weak furnace test is an error; NaN is.

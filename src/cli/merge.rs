@@ -2,9 +2,10 @@
 
 use super::arguments::command_line;
 use super::console::Console;
+use super::families::families;
 use super::global::{Global, Verdict};
 use super::program::ExternalBsdf;
-use super::sweep::{concluded, decided, families};
+use super::sweep::{concluded, decided};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::output;

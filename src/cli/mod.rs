@@ -5,6 +5,7 @@ mod compare;
 mod console;
 mod converge;
 mod envmap;
+mod families;
 mod flags;
 mod fresnel;
 mod furnace;

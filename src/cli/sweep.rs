@@ -1,6 +1,7 @@
 //! `etalon sweep`: whole BSDFs over their parameters and directions.
 
 use super::console::Console;
+use super::families::{families, list};
 use super::global::{Global, Verdict};
 use super::program::ExternalBsdf;
 use super::shard::Shard;
@@ -8,16 +9,15 @@ use super::values::choice;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::output::{self, Written};
-use crate::study::sweep::{self, Conclusion, Description, Families, Part, Plan, conclude, replay, run};
-use crate::study::validation::families;
+use crate::study::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
 use crate::view::sweep as view;
 use clap::Args;
-use etalon_stats::bsdf::{ALL, Family};
+use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Finding, State, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// The usual error that a sweep looks for.
+/// The default error that a sweep looks for.
 const DETECT: f64 = 0.05;
 
 /// Test whole BSDFs over their parameters and directions
@@ -48,7 +48,7 @@ pub struct Sweep {
     #[arg(long, default_value = "random", value_parser = choice([
         ("grid", "equally spaced values of every parameter, ends included", Strategy::Grid),
         ("random", "a low-discrepancy sequence, shifted at random", Strategy::Random),
-        ("edges", "ends of ranges, usual values, 1 and beside it, equal parameters, grazing angles", Strategy::Edges),
+        ("edges", "ends of ranges, default values, 1 and beside it, equal parameters, grazing angles", Strategy::Edges),
     ]))]
     strategy: Strategy,
     /// Configurations of each family, at most
@@ -71,14 +71,6 @@ pub struct Sweep {
     replay: Option<String>,
     #[command(flatten)]
     external: ExternalBsdf,
-}
-
-/// The family of the program, or those of this program that are named, or all.
-pub fn families(external: &ExternalBsdf, names: &[String]) -> Result<Families> {
-    match external.start()? {
-        Some(program) => Ok(vec![Box::new(program)]),
-        None => chosen(names),
-    }
 }
 
 /// The command that runs a configuration again, but for its last argument.
@@ -133,7 +125,6 @@ impl Sweep {
         if let Some(text) = &self.replay {
             return self.replay(text, console);
         }
-        self.external.check_no_names(&self.names)?;
         let families = families(&self.external, &self.names)?;
         if self.list {
             list(&families, console);
@@ -232,49 +223,6 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
     };
     let checks: Vec<CheckLine> = findings.into_iter().zip(rejected).map(line).collect();
     Replayed { configuration: text, rejected: checks.iter().any(|line| line.verdict == "reject"), checks }
-}
-
-/// The families of these names, or all.
-fn chosen<S: AsRef<str>>(names: &[S]) -> Result<Families> {
-    let known: Vec<String> = families::all().iter().map(|family| Family::name(family).to_owned()).collect();
-    for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
-        if !known.iter().any(|known| known == name) {
-            return Err(Error::parameter("names", format!("there is no family \"{name}\""))
-                .with_hint(format!("the families: {}", known.join(", "))));
-        }
-        if names[..i].iter().any(|other| other.as_ref() == name) {
-            return Err(Error::parameter("names", format!("{name} is given twice")).with_hint("give each family once"));
-        }
-    }
-    let mut chosen: Families = Vec::new();
-    for family in families::all() {
-        let name = Family::name(&family);
-        if names.is_empty() || names.iter().any(|wanted| wanted.as_ref() == name) {
-            chosen.push(Box::new(family));
-        }
-    }
-    Ok(chosen)
-}
-
-fn list(families: &Families, console: &Console) {
-    #[derive(Serialize)]
-    struct Line {
-        name: String,
-        parameters: Vec<(String, f64, [f64; 2])>,
-    }
-    let line = |family: &dyn Family| Line {
-        name: family.name().to_owned(),
-        parameters: family.parameters().into_iter().map(|p| (p.name, p.value, p.range)).collect(),
-    };
-    let lines: Vec<Line> = families.iter().map(|family| line(&**family)).collect();
-    console.result(&std::collections::BTreeMap::from([("families", &lines)]), || {
-        let text = |line: &Line| {
-            let of =
-                |(name, value, [from, to]): &(String, f64, [f64; 2])| format!("{name}={value} ({from:.4}..{to:.4})");
-            format!("{:<22} {}", line.name, line.parameters.iter().map(of).collect::<Vec<_>>().join("  "))
-        };
-        lines.iter().map(text).collect::<Vec<_>>().join("\n")
-    });
 }
 
 /// `held` if it is the same share of the same sweep.

@@ -2,6 +2,7 @@
 
 use super::text::counted;
 use crate::study::sweep::{Conclusion, Description, Failure, Group};
+use etalon_stats::sweep::CONFIRM_LEVEL;
 
 /// The table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
 /// for its last argument.
@@ -29,15 +30,19 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         );
     }
     for failure in &found.failures {
-        let Failure { family, check, configurations, example, replay, message, p } = failure;
+        let Failure { family, check, configurations, example, shrunk, replay, message, p } = failure;
         let p = p.map_or(String::new(), |p| format!(", p = {p:.1e}"));
         let many = counted(*configurations as usize, "configuration");
-        text += &format!("\n{family}: {check} rejects in {many}, such as\n  {example}\nthe simplest found{p}:\n");
+        let which = match shrunk {
+            true => "the simplest found".to_owned(),
+            false => format!("not shrunk, which takes p < {CONFIRM_LEVEL:.0e}"),
+        };
+        text += &format!("\n{family}: {check} rejects in {many}, such as\n  {example}\n{which}{p}:\n");
         text += &format!("  {replay_by} '{replay}'\n");
         text += &if message.is_empty() { String::new() } else { format!("  {message}\n") };
     }
     let survived = format!(
-        "{} survived the screen (p < 0.001; {:.1} expected of right BSDFs) and {} run again",
+        "{} survived the screen (p < 0.001; at most {:.1} expected of right BSDFs) and {} run again",
         counted(found.survivors, "test"),
         found.expected_survivors,
         if found.survivors == 1 { "was" } else { "were" }

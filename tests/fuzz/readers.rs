@@ -135,8 +135,8 @@ pub fn protocol(path: &Path) -> Result<()> {
 }
 
 fn ask_bsdf(family: &dyn Family) -> etalon_stats::Result<()> {
-    let usual: Vec<f64> = family.parameters().iter().map(|parameter| parameter.value).collect();
-    let bsdf = family.with(&usual)?;
+    let defaults: Vec<f64> = family.parameters().iter().map(|parameter| parameter.value).collect();
+    let bsdf = family.with(&defaults)?;
     let properties = bsdf.properties();
     let wos = [[0.6, 0.0, 0.8]; 4];
     bsdf.delta_lobes(&wos)?;

@@ -27,7 +27,8 @@ fn a_table_has_its_columns_and_files() {
     }
     assert_eq!(names.len(), 8);
     let listed = json(folder.path(), &["furnace", "--list"]);
-    assert!(listed["bsdfs"].as_array().unwrap().len() >= 14);
+    assert!(listed["families"].as_array().unwrap().len() >= 14);
+    assert_eq!(listed, json(folder.path(), &["sweep", "--list"]));
 }
 
 #[test]

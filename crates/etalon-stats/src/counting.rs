@@ -5,10 +5,10 @@ use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
 use crate::density::Atom;
 use crate::domain::Domain;
 use crate::error::Result;
-use crate::fine::Fine;
 use crate::fixed::Share;
 use crate::mass::Integral;
-use crate::order::Labels;
+use crate::serial::Labels;
+use crate::subdivision::Subdivision;
 use crate::tally::{Counters, Source, Tally};
 
 /// Random points at which integrals are checked: one for so many samples, between a least and a largest number.
@@ -34,7 +34,7 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 pub struct Counting<'a, D: Domain> {
     pub source: &'a Source<'a, D>,
     /// The cells and their parts.
-    pub fine: &'a Fine<'a>,
+    pub subdivision: &'a Subdivision<'a>,
     pub labels: Labels,
     /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom<D::Point>],
@@ -69,8 +69,8 @@ impl<D: Domain> Counting<'_, D> {
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
     pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted<D::Point>> {
         let Source { domain, sampler, density, seed, cancelled } = *self.source;
-        let Self { fine, labels, atoms, .. } = *self;
-        let mut integration = Integration::with_parts(domain, density, fine, pilot, cancelled)?;
+        let Self { subdivision, labels, atoms, .. } = *self;
+        let mut integration = Integration::with_parts(domain, density, subdivision, pilot, cancelled)?;
         if let Integration::Refined(refinement) = &mut integration {
             let [_, checks] = streams(round, 0);
             let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
@@ -82,11 +82,11 @@ impl<D: Domain> Counting<'_, D> {
         let mut attempt = 1;
         loop {
             let [stream, checks] = streams(round, attempt);
-            let counters = Counters { fine, labels, atoms, integration: &integration };
+            let counters = Counters { subdivision, labels, atoms, integration: &integration };
             let tally = self.source.tally(stream, self.samples, &counters)?;
             let mut integrals = integration.integrals();
             let Integration::Refined(refinement) = &mut integration else {
-                let (integral, shares) = (Integral::exact(&integrals), Some((integration.shares(fine), 0.0)));
+                let (integral, shares) = (Integral::exact(&integrals), Some((integration.shares(subdivision), 0.0)));
                 let (values, invalid) = (integrals.values, integrals.invalid);
                 return Ok(Counted { values, shares, integral, uncertain: false, invalid, tally });
             };
@@ -110,8 +110,8 @@ impl<D: Domain> Counting<'_, D> {
                 && (corrections.is_some()
                     || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
-                let all_found: f64 = (0..fine.grid.len()).map(found).sum();
-                let shares = corrections.is_none().then(|| (refinement.shares(fine), all_found));
+                let all_found: f64 = (0..subdivision.grid.len()).map(found).sum();
+                let shares = corrections.is_none().then(|| (refinement.shares(subdivision), all_found));
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
                 }
@@ -126,7 +126,7 @@ impl<D: Domain> Counting<'_, D> {
                     let ([within_reach, error], missed) = (check.difference(cell), missed(cell));
                     [within_reach + missed, error.hypot((missed / self.samples as f64).sqrt())]
                 };
-                corrections = Some((0..fine.grid.len()).map(correction).collect());
+                corrections = Some((0..subdivision.grid.len()).map(correction).collect());
             }
         }
     }

@@ -4,9 +4,9 @@ use crate::cubature::Probe;
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::Result;
-use crate::order::Order;
 use crate::power::chi_square_below;
 use crate::sampler::{Sample, Sampler};
+use crate::serial::SerialCounts;
 use crate::text::{count, tuple};
 use std::fmt::Debug;
 
@@ -161,8 +161,8 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
 }
 
 /// Finds batches that begin with the same samples though their random numbers or seeds differ.
-pub fn same_batches<D: Domain>(domain: &D, order: &Order) -> Option<String> {
-    let repeated = if domain.outcomes().is_none() { order.repeated_batches() } else { 0 };
+pub fn same_batches<D: Domain>(domain: &D, serial: &SerialCounts) -> Option<String> {
+    let repeated = if domain.outcomes().is_none() { serial.repeated_batches() } else { 0 };
     (repeated > 0).then(|| {
         format!(
             "samples repeat: {} with the same samples as another of a different seed",

@@ -8,14 +8,14 @@ use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact;
-use crate::fine::Fine;
 use crate::grid::{Cell, Grid};
 use crate::multiple::sidak;
-use crate::order::Labels;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{POWER, chi_square_below, detectable, samples_for};
 use crate::sampler::Sampler;
+use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
+use crate::subdivision::Subdivision;
 use crate::tally::Source;
 use crate::text::tuple;
 use std::time::Instant;
@@ -180,10 +180,10 @@ pub fn examine<D: Domain>(
     let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
     let risk = RISK * protocol.own_level();
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
-    let fine = Fine::new(&grid, domain.is_plane(), &charts, samples);
-    let fine = if domain.outcomes().is_some() { fine.of_finite_set() } else { fine };
-    let labels = Labels::new(&fine, samples);
-    let counting = Counting { source: &source, fine: &fine, labels, atoms: &atoms, samples, whole, risk };
+    let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, samples);
+    let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
+    let labels = Labels::new(&subdivision, samples);
+    let counting = Counting { source: &source, subdivision: &subdivision, labels, atoms: &atoms, samples, whole, risk };
     let Counted { values, shares, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
 
     // Compare the integral with the declared mass; derive the probability of "no sample".
@@ -221,8 +221,15 @@ pub fn examine<D: Domain>(
         expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
     let test = chi_square(&observed, &expected).filter(|_| !certain);
     let level = protocol.own_level();
-    let counted =
-        structure::Counted { fine: &fine, axes: domain.axes(), labels, tally: &tally, shares: &shares, samples, level };
+    let counted = structure::Counted {
+        subdivision: &subdivision,
+        axes: domain.axes(),
+        labels,
+        tally: &tally,
+        shares: &shares,
+        samples,
+        level,
+    };
     let structure = test.filter(|_| !uncertain).map(|test| counted.structure(test, SUSPECT));
     let p_of_counts = if certain { Some(1.0) } else { structure.as_ref().map(|structure| structure.p) };
     let p = p_of_counts
@@ -244,7 +251,7 @@ pub fn examine<D: Domain>(
     let violations = [pdf_violation, mass_violation, corner_violation, tally.violation.clone()];
     let violation = violations.into_iter().flatten().next();
     let violation =
-        violation.or_else(|| exact::same_batches(domain, &tally.order)).or_else(|| exact::discrete(domain, &pilot));
+        violation.or_else(|| exact::same_batches(domain, &tally.serial)).or_else(|| exact::discrete(domain, &pilot));
     let none = tally.none;
     let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
     let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);

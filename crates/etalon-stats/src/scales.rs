@@ -1,9 +1,9 @@
 //! The test of structure finer than the cells: counts in the halves of parts of the domain, scale by scale.
 //!
-//! Let a part with n samples be halved, and let q be the expected share of its first half. Given n, the count O of this half is
-//! binomial, and z = (O − nq)/√(nq(1 − q)) has E z² = 1 and Var z² = 2 + (1 − 6q(1 − q))/(nq(1 − q)), exactly. Halves of
-//! different parts, and those of different scales, are independent: each scale has a test of its own, T = Σ z², whose
-//! mean M and variance V are known. Its distribution is taken for that of V/2M · χ² with 2M²/V degrees of freedom.
+//! Let a part with n samples be halved, and let q be the expected share of its first half. Given n, the count O of this
+//! half is binomial, and z = (O − nq)/√(nq(1 − q)) has E z² = 1 and Var z² = 2 + (1 − 6q(1 − q))/(nq(1 − q)), exactly.
+//! Halves of different parts, and those of different scales, are independent: each scale has a test of its own, T = Σ z²,
+//! whose mean M and variance V are known. Its distribution is taken for that of V/2M · χ² with 2M²/V degrees of freedom.
 //!
 //! If the relative error of the pdf is a ripple of root mean square w with the period 1/f, then parts of width 2h add
 //! λ = N w² r² with r = sin²(πfh)/(πfh) to the mean of T. For periods of 2h to 4h, r is at least 2/π: one of the scales, each
@@ -13,9 +13,9 @@
 
 use crate::chi_square::FEWEST;
 use crate::cubature::Shares;
-use crate::fine::{Fine, Parts};
 use crate::multiple::any_of;
 use crate::power::{chi_square_below, chi_square_tail, noncentrality_near};
+use crate::subdivision::{Parts, Subdivision};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::f64::consts::FRAC_PI_2;
 
@@ -46,9 +46,9 @@ pub struct Scale {
     pub(crate) words: String,
 }
 
-/// Σ z² over the halves of one scale.
+/// The chi-square test of one scale: Σ z² over its pairs of halves.
 #[derive(Debug, Clone, Default)]
-pub struct Halves {
+pub struct ScaleTest {
     pub of: String,
     pub parts: usize,
     sum: f64,
@@ -60,7 +60,7 @@ pub struct Halves {
     shift: f64,
 }
 
-impl Halves {
+impl ScaleTest {
     /// Adds the halves with these counts, expected shares and errors of these.
     fn add(&mut self, observed: [u64; 2], expected: [f64; 2], error: f64) {
         let (n, both) = ((observed[0] + observed[1]) as f64, expected[0] + expected[1]);
@@ -133,51 +133,59 @@ impl Halves {
 /// The tests of all scales, and that of the ends of the axes.
 #[derive(Debug, Clone, Default)]
 pub struct Scales {
-    pub halves: Vec<Halves>,
-    /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number as far
-    /// from what is expected.
+    /// One for each scale.
+    pub tests: Vec<ScaleTest>,
+    /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number
+    /// as far from what is expected.
     ends: Vec<(f64, String)>,
 }
 
 impl Scales {
-    /// Counts `observed` in the parts of `fine` against the expected `shares`. `found` is the share of samples in places
-    /// that the shares are known to miss.
-    pub fn new(fine: &Fine, axes: [&str; 2], observed: &Parts<u64>, shares: &Shares, found: f64, samples: u64) -> Self {
+    /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` is the share of samples in
+    /// places that the shares are known to miss.
+    pub fn new(
+        subdivision: &Subdivision,
+        axes: [&str; 2],
+        observed: &Parts<u64>,
+        shares: &Shares,
+        found: f64,
+        samples: u64,
+    ) -> Self {
         let mut scales = Self::default();
-        let [n, of_cells] = [samples as f64, fine.grid.len() as f64];
-        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to f32
-        // moves samples over the ends of parts.
-        let finite = fine.axes.iter().all(|axis| axis.finite);
-        let is_good = |halves: &Halves, values: f64, rounding: f64| {
-            let missed = found * found * halves.parts as f64;
+        let [n, of_cells] = [samples as f64, subdivision.grid.len() as f64];
+        // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to
+        // f32 moves samples over the ends of parts.
+        let finite = subdivision.axes.iter().all(|axis| axis.finite);
+        let is_good = |test: &ScaleTest, values: f64, rounding: f64| {
+            let missed = found * found * test.parts as f64;
             let lattice = if finite { 0.0 } else { 1.0 / (values * values) + rounding };
-            halves.is_testable(n * (missed + lattice))
+            test.is_testable(n * (missed + lattice))
         };
-        for (axis, name) in (0..fine.axes.len()).zip(axes) {
+        for (axis, name) in (0..subdivision.axes.len()).zip(axes) {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
-            for _ in 0..fine.axes[axis].bits() {
-                let (halves, ends) = halve(name, &mut observed, &mut values, &mut errors);
-                let along = &fine.axes[axis];
-                let values = 1.0 / (along.coincidence * halves.parts as f64);
-                if is_good(&halves, values, along.rounding(halves.parts)) {
-                    scales.halves.push(halves);
+            for _ in 0..subdivision.axes[axis].bits() {
+                let (test, ends) = halve(name, &mut observed, &mut values, &mut errors);
+                let along = &subdivision.axes[axis];
+                let values = 1.0 / (along.coincidence * test.parts as f64);
+                if is_good(&test, values, along.rounding(test.parts)) {
+                    scales.tests.push(test);
                     scales.ends.extend(ends);
                 }
             }
         }
         let (mut observed, mut values, mut errors) =
             (observed.cells.clone(), shares.values.cells.clone(), shares.errors.cells.clone());
-        for depth in (1..=fine.depth).rev() {
+        for depth in (1..=subdivision.depth).rev() {
             let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
-            let halves = Halves { parts, ..columns.plus(&rows) };
+            let test = ScaleTest { parts, ..columns.plus(&rows) };
             // Columns are about twice as many as rows.
-            let coincidence = fine.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
+            let coincidence = subdivision.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
             let values = 1.0 / (coincidence * (2.0 * parts as f64).sqrt());
-            if is_good(&halves, values, fine.rounding(depth)) {
-                scales.halves.push(halves);
+            if is_good(&test, values, subdivision.rounding(depth)) {
+                scales.tests.push(test);
             }
         }
         scales
@@ -193,21 +201,22 @@ impl Scales {
     }
 }
 
-/// The halves of one scale, with the p-values of those at the two ends; leaves the parts that they are halves of.
+/// The test of one scale, which compares the halves of each part, with the p-values of the halves at the two ends of the
+/// axis. It leaves the sums over the parts for the next scale.
 fn halve(
     of: &str,
     observed: &mut Vec<u64>,
     values: &mut Vec<f64>,
     errors: &mut Vec<f64>,
-) -> (Halves, Vec<(f64, String)>) {
+) -> (ScaleTest, Vec<(f64, String)>) {
     let parts = observed.len();
-    let mut halves = Halves { of: of.to_owned(), parts, ..Halves::default() };
+    let mut test = ScaleTest { of: of.to_owned(), parts, ..ScaleTest::default() };
     let mut ends = Vec::new();
     for pair in 0..parts / 2 {
         let (first, second) = (2 * pair, 2 * pair + 1);
         let (counts, expected) = ([observed[first], observed[second]], [values[first], values[second]]);
         let error = errors[first].max(errors[second]);
-        halves.add(counts, expected, error);
+        test.add(counts, expected, error);
         for (end, at) in [(0, first), (1, second)] {
             if at == [0, parts - 1][end] {
                 ends.extend(end_of(of, parts, end, counts, expected));
@@ -219,7 +228,7 @@ fn halve(
     observed.truncate(parts / 2);
     values.truncate(parts / 2);
     errors.truncate(parts / 2);
-    (halves, ends)
+    (test, ends)
 }
 
 /// Whether one of the halves of a part with `n` samples expects fewer than Pearson's test needs.
@@ -259,8 +268,8 @@ mod tests {
                 observed[(u.sqrt() * 64.0) as usize] += 1;
             }
             let mut values: Vec<f64> = (0..64).map(|i| f64::from(2 * i + 1) / 4096.0).collect();
-            let (halves, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
-            halves.at_level(0.01, 3840).p
+            let (test, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
+            test.at_level(0.01, 3840).p
         };
         let found = uniformity(&(0..400).map(run).collect::<Vec<_>>());
         assert!(found.p > 1e-3, "{found:?}");
@@ -273,12 +282,12 @@ mod tests {
         use statrs::distribution::Discrete;
         let (mut mean, mut square) = (0.0, 0.0);
         for count in 0..=20 {
-            let mut halves = Halves::default();
-            halves.add([count, 20 - count], [0.3, 0.7], 0.0);
-            mean += binomial.pmf(count) * halves.sum;
-            square += binomial.pmf(count) * halves.sum * halves.sum;
+            let mut test = ScaleTest::default();
+            test.add([count, 20 - count], [0.3, 0.7], 0.0);
+            mean += binomial.pmf(count) * test.sum;
+            square += binomial.pmf(count) * test.sum * test.sum;
             if count == 20 {
-                assert!((mean - halves.mean).abs() < 1e-12 && (square - mean * mean - halves.variance).abs() < 1e-12);
+                assert!((mean - test.mean).abs() < 1e-12 && (square - mean * mean - test.variance).abs() < 1e-12);
             }
         }
     }

@@ -2,24 +2,24 @@
 
 use crate::chi_square::ChiSquare;
 use crate::cubature::Shares;
-use crate::fine::Fine;
 use crate::multiple::weighted;
-use crate::order::Labels;
 use crate::power::chi_square_below;
 use crate::scales::{Scale, Scales};
+use crate::serial::Labels;
+use crate::subdivision::Subdivision;
 use crate::tally::Tally;
 use crate::text::p_value;
 
 /// The share of a test's level that the counts of the cells have; scales, ends and order share the rest equally.
 pub const CELLS: f64 = 0.5;
-/// Samples are called too even where so few tests of independent samples would be as even.
-const EVEN: f64 = 1e-6;
+/// Samples are called stratified where the counts of independent ones would be as uniform with this probability at most.
+const STRATIFIED: f64 = 1e-6;
 /// Scales in words.
 const NAMED: usize = 2;
 
 /// The counted samples of a test, and what they are compared with.
 pub struct Counted<'a> {
-    pub fine: &'a Fine<'a>,
+    pub subdivision: &'a Subdivision<'a>,
     /// Names of the axes.
     pub axes: [&'static str; 2],
     pub labels: Labels,
@@ -48,33 +48,34 @@ impl Counted<'_> {
     /// Tests the scales, the ends and the order of the samples beside the `cells`, whose test is known; chance is thought
     /// not to explain what is less likely than `suspect`.
     pub fn structure(&self, cells: ChiSquare, suspect: f64) -> Structure {
-        let Self { fine, labels, tally, samples, .. } = *self;
+        let Self { subdivision, labels, tally, samples, .. } = *self;
         let known = self.shares.as_ref();
         let scales = known.map_or_else(Scales::default, |(shares, found)| {
-            Scales::new(fine, self.axes, &tally.parts, shares, *found, samples)
+            Scales::new(subdivision, self.axes, &tally.parts, shares, *found, samples)
         });
-        // Evenness first: samples that are spread on purpose depend on each other.
-        let even = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();
-        let even: Vec<f64> =
-            even.chain(scales.halves.iter().map(|halves| halves.below())).chain(tally.order.evenness()).collect();
-        let least = even.iter().copied().fold(1.0, f64::min) * even.len() as f64;
-        let is_even = least < EVEN;
+        // Recognize stratified samples first: they depend on each other on purpose.
+        let uniform = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();
+        let of_scales = scales.tests.iter().map(|test| test.below());
+        let uniform: Vec<f64> = uniform.chain(of_scales).chain(tally.serial.stratification()).collect();
+        let least = uniform.iter().copied().fold(1.0, f64::min) * uniform.len() as f64;
+        let is_stratified = least < STRATIFIED;
 
-        let dependence = tally.order.dependence(&labels);
+        let dependence = tally.serial.dependence(&labels);
         let (ends, order) = (scales.ends(), dependence.map(dependent));
-        let count = scales.halves.len() + usize::from(ends.is_some()) + usize::from(order.is_some());
+        let count = scales.tests.len() + usize::from(ends.is_some()) + usize::from(order.is_some());
         let own = (1.0 - CELLS) / count.max(1) as f64;
-        let halves = scales.halves.iter().map(|halves| halves.at_level(own * self.level, samples));
-        let scales: Vec<Scale> = halves.chain(ends).chain(order.clone()).collect();
-        // The order of even samples does not count; what is left has the whole level.
-        let decide: Vec<&Scale> = scales.iter().filter(|scale| !is_even || Some(*scale) != order.as_ref()).collect();
+        let tests = scales.tests.iter().map(|test| test.at_level(own * self.level, samples));
+        let scales: Vec<Scale> = tests.chain(ends).chain(order.clone()).collect();
+        // The order of stratified samples does not count; what is left has the whole level.
+        let decide: Vec<&Scale> =
+            scales.iter().filter(|scale| !is_stratified || Some(*scale) != order.as_ref()).collect();
         let cells = (cells.p, 1.0 - own * decide.len() as f64);
         let p = weighted(&decide.iter().map(|scale| (scale.p, own)).chain([cells]).collect::<Vec<_>>());
         let mut worst: Vec<&Scale> = decide.into_iter().filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
         let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();
         let mut remarks = Vec::new();
-        if is_even {
+        if is_stratified {
             let order = order.filter(|order| order.p < own * self.level).map_or("", |_| " and depend on each other");
             remarks.push(format!(
                 "counts agree with the pdf better than those of independent samples would ({}): samples are stratified, \

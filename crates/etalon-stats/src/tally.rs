@@ -5,12 +5,12 @@ use crate::density::{Atom, Density};
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
-use crate::fine::{Fine, Parts};
 use crate::fixed::{Share, add};
 use crate::hash::{mix32, mix64};
-use crate::order::{Labels, Order, Past};
 use crate::sampler::{Sample, Sampler};
+use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;
+use crate::subdivision::{Parts, Subdivision};
 use crate::text::tuple;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ pub struct Tally {
     /// Counts of finer parts.
     pub parts: Parts<u64>,
     /// Counts of what follows what.
-    pub order: Order,
+    pub serial: SerialCounts,
     /// Samples that were "no sample".
     pub none: u64,
     /// Samples where the pdf is 0.
@@ -58,7 +58,7 @@ impl Tally {
     fn plus(mut self, other: Self) -> Self {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.parts.add(&other.parts);
-        self.order.add(other.order);
+        self.serial.add(other.serial);
         self.none += other.none;
         self.outside_support += other.outside_support;
         add(&mut self.missed, &other.missed);
@@ -71,7 +71,7 @@ impl Tally {
 
 /// What samples are counted by.
 pub struct Counters<'a, 'i, D: Domain> {
-    pub fine: &'a Fine<'a>,
+    pub subdivision: &'a Subdivision<'a>,
     pub labels: Labels,
     pub atoms: &'a [Atom<D::Point>],
     pub integration: &'a Integration<'i, D>,
@@ -116,11 +116,11 @@ impl<D: Domain> Source<'_, D> {
 
     /// Counts samples in cells, in their parts and at atoms, and what the integration misses at them.
     pub fn tally(&self, stream: u64, count: u64, counters: &Counters<D>) -> Result<Tally> {
-        let cells = counters.fine.grid.len();
+        let cells = counters.subdivision.grid.len();
         let empty = || Tally {
             observed: vec![0; cells + counters.atoms.len()],
-            parts: Parts::new(counters.fine),
-            order: Order::new(&counters.labels),
+            parts: Parts::new(counters.subdivision),
+            serial: SerialCounts::new(&counters.labels),
             missed: vec![Share::default(); cells],
             ..Tally::default()
         };
@@ -138,7 +138,7 @@ impl<D: Domain> Source<'_, D> {
     }
 
     fn count(&self, samples: &[Option<Sample<D::Point>>], counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
-        let Counters { fine, labels, atoms, integration } = counters;
+        let Counters { subdivision, labels, atoms, integration } = counters;
         let mut past = Past::default();
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
@@ -158,15 +158,15 @@ impl<D: Domain> Source<'_, D> {
                 tally.violation.get_or_insert(violation);
             }
             tally.outside_support += u64::from(pdf == 0.0);
-            let (cell, probe) = (fine.grid.find(at), Probe { at, pdf });
+            let (cell, probe) = (subdivision.grid.find(at), Probe { at, pdf });
             tally.observed[cell] += 1;
-            tally.parts.cells[fine.find(cell, at)] += 1;
+            tally.parts.cells[subdivision.find(cell, at)] += 1;
             let mut parts = [0; 2];
             for (axis, (part, counts)) in parts.iter_mut().zip(&mut tally.parts.axes).enumerate() {
-                *part = fine.axes[axis].find(at[axis]);
+                *part = subdivision.axes[axis].find(at[axis]);
                 counts[*part] += 1;
             }
-            tally.order.count(labels, &mut past, parts, at);
+            tally.serial.count(labels, &mut past, parts, at);
             let within = match integration {
                 Integration::Exact(..) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
@@ -179,12 +179,12 @@ impl<D: Domain> Source<'_, D> {
             }
         }
 
-        tally.order.end(past);
+        tally.serial.end(past);
 
         // Match samples at atoms with the declared ones.
         for sample in samples.iter().flatten().filter(|sample| sample.atom) {
             match atoms.iter().position(|atom| self.domain.same(atom.point, sample.point)) {
-                Some(i) => tally.observed[fine.grid.len() + i] += 1,
+                Some(i) => tally.observed[subdivision.grid.len() + i] += 1,
                 None => {
                     let violation = || format!("the sample {} is at none of the density's atoms", tuple(&sample.point));
                     tally.violation.get_or_insert_with(violation);

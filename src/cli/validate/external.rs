@@ -29,7 +29,7 @@ pub struct Arguments {
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
-    /// Parameters of the program's BSDF (default: the usual values, which the program says)
+    /// Parameters of the program's BSDF (default: the default values that the program declares)
     #[arg(long, value_name = "NAME=VALUE,...", requires = "exec", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr

@@ -2,7 +2,7 @@
 //!
 //! | request | response |
 //! |---|---|
-//! | `etalon 1` | `etalon 1 kind=bsdf KEY=VALUE …`, then a line `name usual-value from to` for each parameter |
+//! | `etalon 1` | `etalon 1 kind=bsdf KEY=VALUE …`, then a line `name default from to` for each parameter |
 //! | `set VALUE …`, one for each parameter | nothing, or a line `KEY=VALUE …` of what these values change |
 //! | `eval N`, then N lines `wo wi [random numbers]` | N lines with f in every channel |
 //! | `pdf N`, then N lines `wo wi` | N lines with the pdf |

@@ -32,7 +32,7 @@ pub struct Group {
     pub powered: u64,
 }
 
-/// A failure of a check of a family, in the simplest configuration that was found.
+/// A failure of a check of a family, shrunk if its p-value allows that.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Failure {
     /// The family.
@@ -43,7 +43,10 @@ pub struct Failure {
     pub configurations: u64,
     /// One of them.
     pub example: String,
-    /// The simplest one that was found, as `etalon sweep --replay` takes it.
+    /// Whether simpler configurations were tried; otherwise the p-value is not below
+    /// [`CONFIRM_LEVEL`](etalon_stats::sweep::CONFIRM_LEVEL), so that the check might accept simpler ones by chance.
+    pub shrunk: bool,
+    /// The simplest one that was found, or the same, as `etalon sweep --replay` takes it.
     pub replay: String,
     /// What the check says there.
     pub message: String,
@@ -215,7 +218,7 @@ pub fn conclude(
         inconclusive: sums.inconclusive + undecided.difference(&rejected).count() as u64,
         survivors: all,
         left_out,
-        expected_survivors: etalon_stats::sweep::SCREEN * tests as f64,
+        expected_survivors: etalon_stats::sweep::SCREEN_LEVEL * tests as f64,
         min_fresh_p: decided.iter().filter_map(|d| d.fresh.as_ref()?.p).min_by(f64::total_cmp),
         groups: sums.groups.into_iter().map(named).collect(),
         failures,
@@ -224,13 +227,14 @@ pub fn conclude(
     Ok((conclusion, plan))
 }
 
-/// The failure in the simplest configuration.
+/// The failure, in the simplest configuration if it can be shrunk.
 fn failure(plan: &Plan, family: usize, check: usize, failed: Failed) -> Result<Failure> {
     let (_, configuration) = plan.get(failed.number);
     let family = plan.family(family);
     let name = ALL[check].name;
     let detect = plan.description.detect();
     let shrunk = shrink(family, &configuration, check, detect, interrupt::requested)?;
+    let is_shrunk = shrunk.is_some();
     let (simplest, message, p) = match shrunk {
         Some(shrunk) => (shrunk.configuration, shrunk.finding.message.unwrap_or_default(), shrunk.finding.p),
         None => (configuration.clone(), failed.message, failed.p),
@@ -240,6 +244,7 @@ fn failure(plan: &Plan, family: usize, check: usize, failed: Failed) -> Result<F
         check: name.to_owned(),
         configurations: failed.configurations,
         example: configuration.text(family),
+        shrunk: is_shrunk,
         replay: format!("{} check={name}", simplest.text(family)),
         message,
         p,

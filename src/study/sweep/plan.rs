@@ -32,7 +32,7 @@ impl Shard {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Described {
     name: String,
-    /// Name, usual value and range.
+    /// Name, default value and range.
     parameters: Vec<(String, f64, [f64; 2])>,
 }
 

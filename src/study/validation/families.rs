@@ -11,7 +11,7 @@ use etalon_stats::bsdf::{self, Energy, Parameter};
 /// One family: a name, parameters, and what material they make.
 pub struct Family {
     name: &'static str,
-    /// Name, usual value and range.
+    /// Name, default value and range.
     parameters: &'static [(&'static str, f64, [f64; 2])],
     material: fn(&[f32]) -> Material,
     model: ScatterModel,
@@ -91,7 +91,7 @@ fn glass(v: &[f32], distribution: Distribution) -> Material {
     Material::Dielectric(Dielectric { alpha: [v[0], v[1]], distribution, ..Dielectric::clear(v[2]) })
 }
 
-/// The usual values of a family's parameters, with those of `chosen` in their place.
+/// The default values of a family's parameters, with those of `chosen` in their place.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a name that is unknown and a value that is out of its range.

@@ -1,9 +1,11 @@
 //! The albedo: its two estimates agree, and it is what the BSDF declares.
 
 use super::contract::{Direction, Energy, PdfKind, Spectrum};
+#[cfg(doc)]
+use super::light::Uncertainty;
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::Subject;
-use super::sums::{BATCH, CellSum, sums};
+use super::sums::{BATCH, CellSum, Sums, sums};
 use super::vector::{place, sphere};
 use crate::domain::Domain;
 use crate::error::Result;
@@ -31,49 +33,99 @@ const EXPECTED: f64 = 10.0;
 const CHANCE: f64 = 3.0;
 
 /// The integrals of f |cos θᵢ| for every channel that differs from the others.
-fn integrals(subject: &Subject, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
-    let pilot = Pilot::new(subject)?;
+fn integrals(subject: &Subject, pilot: &Pilot, power: bool) -> Result<(Grid, Vec<(usize, CellIntegrals)>)> {
     let grid = pilot.grid(CELLS);
-    let of = |channel: usize| Ok((channel, integrate(subject, &pilot, &grid, [channel, 1 << 10], power)?));
+    let of = |channel: usize| Ok((channel, integrate(subject, pilot, &grid, [channel, 1 << 10], power)?));
     let integrals = pilot.channels(subject).into_iter().map(of).collect::<Result<Vec<_>>>()?;
     Ok((grid, integrals))
 }
 
-/// Energy: the power that is scattered to `wo`, as a share of that of uniform light, against 1 or the declared value. For a
-/// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
-pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
-    let (_, integrals) = integrals(subject, true)?;
-    let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
-    let (mut violation, mut largest) = (None, 0f64);
-    for (channel, integrals) in &integrals {
-        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
-        let (value, error) = (integrals.total() + deltas, integrals.total_error + ROUNDING);
-        largest = largest.max(error);
-        let conserved = match subject.properties.energy {
-            Energy::Conserved(error) => Some((1.0, error)),
-            _ => None,
-        };
-        let expected = declared.map(|albedo| (albedo[*channel], 0.0)).or(conserved);
-        let at = || format!("wo {}: the albedo is {value:.5} ± {error:.1e}", place(subject.wo));
-        let found = match expected {
-            Some((expected, known)) if (value - expected).abs() > error + known => {
-                Some(format!("{}, not {expected:.5}", at()))
-            }
-            None if matches!(subject.properties.energy, Energy::AtMostOne) && value > 1.0 + error => {
-                Some(format!("{}, more than 1", at()))
-            }
-            _ => None,
-        };
-        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
-        violation = violation.or(invalid).or(found);
-    }
-    Ok(Some(Outcome { detectable: Some(largest), violation, ..Outcome::open(integrals.len() as u64) }))
+/// What the BSDF says of an albedo.
+struct Claim {
+    /// The albedo, or the largest one.
+    albedo: f64,
+    /// How far the claim itself may be from the truth.
+    known: f64,
+    is_upper_bound: bool,
 }
 
-/// Values and pdfs in random directions all over the sphere.
-struct AllOver(Vec<(Spectrum, f64)>);
+impl Claim {
+    /// What is declared of the albedo in a channel, or of the energy; `None` if that is nothing.
+    fn of(energy: Energy, declared: Option<f64>) -> Option<Self> {
+        match (declared, energy) {
+            (Some(albedo), _) => Some(Self { albedo, known: 0.0, is_upper_bound: false }),
+            (None, Energy::Conserved(known)) => Some(Self { albedo: 1.0, known, is_upper_bound: false }),
+            (None, Energy::AtMostOne) => Some(Self { albedo: 1.0, known: 0.0, is_upper_bound: true }),
+            (None, Energy::MayExceedOne(_)) => None,
+        }
+    }
 
-impl AllOver {
+    /// How far an albedo is from what is claimed.
+    fn error_of(&self, value: f64) -> f64 {
+        let error = value - self.albedo;
+        (if self.is_upper_bound { error } else { error.abs() }) - self.known - ROUNDING
+    }
+}
+
+/// Energy: the power that is scattered to `wo`, as a share of that of uniform light, against 1 or the declared value. For a
+/// reciprocal BSDF it is the share of a beam from `wo` that is scattered.
+///
+/// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing
+/// is left to chance, as for delta lobes alone, there is none.
+pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
+    let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
+    let (_, integrals) = integrals(subject, &pilot, true)?;
+    let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
+    let level = sidak(subject.protocol.own_level(), integrals.len());
+    let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
+    for (channel, integrals) in &integrals {
+        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
+        violation = violation.or(invalid);
+        let Some(claim) = Claim::of(subject.properties.energy, declared.map(|albedo| albedo[*channel])) else {
+            continue;
+        };
+        let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
+        let (value, uncertainty) = (integrals.total() + deltas, integrals.uncertainty);
+        let p = if value.is_finite() { uncertainty.p_value(claim.error_of(value)) } else { 0.0 };
+        let message = || {
+            let not = if claim.is_upper_bound { "more than" } else { "not" };
+            let (wo, error, albedo) = (place(subject.wo), uncertainty.systematic + ROUNDING, claim.albedo);
+            let deviation = uncertainty.deviation;
+            format!(
+                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}"
+            )
+        };
+        detectable = detectable.max(uncertainty.detectable(level) + ROUNDING);
+        if uncertainty.is_deterministic() {
+            violation = violation.or_else(|| (p < 1.0).then(message));
+        } else if least.as_ref().is_none_or(|(least, _)| p < *least) {
+            least = Some((p, message()));
+        }
+    }
+    let reason = (detectable > subject.protocol.coarsest()).then(|| {
+        format!(
+            "the integral is too uncertain: an error of the albedo below {:.0} % would remain undetected",
+            100.0 * detectable
+        )
+    });
+    let p = least.as_ref().map(|(p, _)| (p * integrals.len() as f64).min(1.0));
+    Ok(Some(Outcome {
+        p,
+        detectable: Some(detectable),
+        diagnosis: least.filter(|_| p.is_some_and(|p| p < SUSPECT)).map(|(_, message)| message),
+        violation,
+        inconclusive_reason: reason,
+        ..Outcome::open(integrals.len() as u64)
+    }))
+}
+
+/// Values and pdfs in uniformly distributed directions.
+struct UniformDirections(Vec<(Spectrum, f64)>);
+
+impl UniformDirections {
     /// Nothing, if the pdf is not known or values are stochastic.
     fn new(subject: &Subject) -> Result<Self> {
         if subject.properties.pdf != PdfKind::Exact || !subject.is_deterministic() {
@@ -87,8 +139,8 @@ impl AllOver {
         Ok(Self(light.zip(subject.bsdf.pdf(&pairs)?).collect()))
     }
 
-    /// A bound of the light that only weights above twice the `largest` of `n` samples carry, where the pdf lets fewer than a few
-    /// of them be expected. Their variance is not in that of the samples.
+    /// A bound of the light that only weights above twice the `largest` of `n` samples carry, where the pdf lets fewer than
+    /// a few of them be expected. Their variance is not in that of the samples.
     fn unseen(&self, channel: usize, largest: f64, n: f64) -> f64 {
         let size = 4.0 * PI / DIRECTIONS as f64;
         let is_unseen = |(light, pdf): &&(Spectrum, f64)| *pdf > 0.0 && light[channel] > 2.0 * largest * pdf;
@@ -104,12 +156,16 @@ impl AllOver {
 
 /// Two estimates of one albedo: the mean of the weights of samples, and the integral of the values.
 pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
-    let (grid, integrals) = integrals(subject, false)?;
+    let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
+    let (grid, integrals) = integrals(subject, &pilot, false)?;
     let channels: Vec<usize> = integrals.iter().map(|(channel, _)| *channel).collect();
     let level = sidak(subject.protocol.own_level(), channels.len());
     let whole = |cells: &Vec<CellSum>| cells.iter().fold(CellSum::default(), |sum, cell| sum.plus(*cell));
     // The relative variance of weights of a first run says how many samples to take.
-    let first: Vec<CellSum> = sums(subject, &grid, &channels, 2 * BATCH, 7, false)?.iter().map(whole).collect();
+    let first: Vec<CellSum> = sums(subject, &grid, &channels, 2 * BATCH, 7, false)?.cells.iter().map(whole).collect();
     let count = match subject.protocol.samples {
         SampleCount::Fixed(n) => n,
         SampleCount::Detect(w) => {
@@ -119,18 +175,20 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
             ((noncentrality(1, level) * variance / (w * w)) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
-    let found: Vec<CellSum> = sums(subject, &grid, &channels, count, 8, false)?.iter().map(whole).collect();
+    let Sums { cells, violation: above_bound } = sums(subject, &grid, &channels, count, 8, false)?;
+    let found: Vec<CellSum> = cells.iter().map(whole).collect();
     let n = count as f64;
-    let all_over = AllOver::new(subject)?;
-    let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, None, None);
+    let uniform = UniformDirections::new(subject)?;
+    let (mut least, mut detectable, mut violation, mut reason) = (None, 0f64, above_bound, None);
     for ((channel, integrals), found) in integrals.iter().zip(&found) {
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel]).sum::<f64>();
         let (expected, mean) = (integrals.total() + deltas, found.sum / n);
         let sampled = (found.squares / n - mean * mean).max(0.0) / (n - 1.0);
         let deviation = (sampled + integrals.variances.iter().sum::<f64>()).sqrt();
         // Errors of cubature and of single precision explain a part of the difference.
-        let explained = if subject.is_deterministic() { integrals.total_error } else { 0.0 } + ROUNDING * expected;
-        let explained = explained + all_over.unseen(*channel, found.largest.sqrt(), n);
+        let error = if subject.is_deterministic() { integrals.uncertainty.bound(0.5 * CHANCE * CHANCE) } else { 0.0 };
+        let explained = error + ROUNDING * expected;
+        let explained = explained + uniform.unseen(*channel, found.largest.sqrt(), n);
         let excess = ((mean - expected).abs() - explained).max(0.0);
         let z = if excess == 0.0 { 0.0 } else { excess / deviation };
         let at = || {

@@ -9,7 +9,7 @@ pub trait Family: Sync {
     /// Its name.
     fn name(&self) -> &str;
 
-    /// Its parameters with their ranges; the values are the usual ones.
+    /// Its parameters with their ranges and default values.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Whether BSDFs with different parameters should be used one after the other: they share a state, and changing it takes time.

@@ -52,7 +52,7 @@ pub struct Check {
     pub name: &'static str,
     /// What it finds, in one line.
     pub finds: &'static str,
-    /// Whether it has a p-value.
+    /// Whether it takes random numbers for an estimate and has a p-value, but where the BSDF leaves nothing to chance.
     pub is_statistical: bool,
     run: fn(&Subject) -> Result<Option<Outcome>>,
 }
@@ -84,7 +84,7 @@ impl Check {
 pub const ALL: [Check; 10] = [
     Check {
         name: "values",
-        finds: "NaN, infinite and negative values, pdfs and weights; light on a side that is not declared",
+        finds: "NaN, infinite and negative numbers; light on an undeclared side; weights above the declared bound",
         is_statistical: false,
         run: values::check,
     },
@@ -121,7 +121,7 @@ pub const ALL: [Check; 10] = [
     Check {
         name: "energy",
         finds: "albedos above 1, or other than declared",
-        is_statistical: false,
+        is_statistical: true,
         run: albedo::energy,
     },
     Check {

@@ -129,6 +129,15 @@ impl<'a> Subject<'a> {
         PLACES * self.properties.precision * f.abs() + TINY
     }
 
+    /// A message on a sample whose weight contradicts the declared bound: the mean over lobes is at least what its lobe adds.
+    pub fn above_bound(&self, sample: &BsdfSample) -> Option<String> {
+        let bound = self.properties.largest_weight.filter(|_| !sample.is_delta())?;
+        let weight = sample.weight[..self.properties.channels].iter().copied().fold(0.0, f64::max);
+        let found = sample.lobe_probability * weight * self.eta2(sample.wi);
+        (found > bound + self.last_places(bound))
+            .then(|| format!("{}: a weight of {found}, above the declared bound {bound}", self.at(sample.wi)))
+    }
+
     /// The beginning of every message on two directions.
     pub fn at(&self, wi: Direction) -> String {
         format!("wo {}, wi {}", place(self.wo), place(wi))

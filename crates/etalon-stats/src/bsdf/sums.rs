@@ -40,6 +40,21 @@ impl CellSum {
     }
 }
 
+/// Sums over samples.
+#[derive(Default)]
+pub struct Sums {
+    /// For each channel and place.
+    pub cells: Vec<Vec<CellSum>>,
+    /// A weight above the declared bound.
+    pub violation: Option<String>,
+}
+
+impl Sums {
+    fn new(channels: usize, places: usize) -> Self {
+        Self { cells: vec![vec![CellSum::default(); places]; channels], violation: None }
+    }
+}
+
 /// Sums for each channel of `channels`: over the cells, then over the delta lobes, then over samples of delta lobes that are not
 /// declared.
 ///
@@ -52,9 +67,9 @@ pub fn sums(
     count: u64,
     purpose: u64,
     poisson: bool,
-) -> Result<Vec<Vec<CellSum>>> {
+) -> Result<Sums> {
     let places = grid.len() + subject.deltas.len() + 1;
-    let of_batch = |batch: u64| -> Result<Vec<Vec<CellSum>>> {
+    let of_batch = |batch: u64| -> Result<Sums> {
         poll(subject.protocol.cancelled)?;
         let mut rng = subject.random(purpose, batch + 1);
         let mean = BATCH.min(count - batch * BATCH);
@@ -67,15 +82,16 @@ pub fn sums(
             }
             u.extend((0..subject.properties.dimension).map(|_| rng.random::<f64>()));
         }
-        let mut sums = vec![vec![CellSum::default(); places]; channels.len()];
+        let mut sums = Sums::new(channels.len(), places);
         for sample in subject.sample(&u)?.into_iter().flatten() {
+            sums.violation = sums.violation.or_else(|| subject.above_bound(&sample));
             let place = if sample.is_delta() {
                 let known = subject.deltas.iter().position(|lobe| sphere().same(lobe.wi, sample.wi));
                 grid.len() + known.unwrap_or(subject.deltas.len())
             } else {
                 sphere().to_chart(sample.wi).map_or(places - 1, |place| grid.find(place))
             };
-            for (sums, &channel) in sums.iter_mut().zip(channels) {
+            for (sums, &channel) in sums.cells.iter_mut().zip(channels) {
                 sums[place].add(sample.weight[channel]);
             }
         }
@@ -83,11 +99,12 @@ pub fn sums(
     };
     let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
     // Add in the order of the batches: the sums are the same for any number of threads.
-    let mut total = vec![vec![CellSum::default(); places]; channels.len()];
+    let mut total = Sums::new(channels.len(), places);
     for batch in batches {
-        for (total, batch) in total.iter_mut().flatten().zip(batch.into_iter().flatten()) {
+        for (total, batch) in total.cells.iter_mut().flatten().zip(batch.cells.into_iter().flatten()) {
             *total = total.plus(batch);
         }
+        total.violation = total.violation.or(batch.violation);
     }
     Ok(total)
 }

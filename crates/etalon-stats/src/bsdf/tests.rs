@@ -30,6 +30,7 @@ enum Fault {
     Asymmetric,
     Bright,
     WrongMap,
+    AboveBound,
     Stochastic,
 }
 
@@ -39,7 +40,12 @@ struct Lambertian(Fault);
 impl Bsdf for Lambertian {
     fn properties(&self) -> Properties {
         let eval_dimension = usize::from(self.0 == Fault::Stochastic);
-        Properties { eval_dimension, ..Properties::default() }
+        let largest_weight = match self.0 {
+            Fault::None => Some(0.8),
+            Fault::AboveBound => Some(0.79),
+            _ => None,
+        };
+        Properties { eval_dimension, largest_weight, ..Properties::default() }
     }
 
     fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
@@ -142,6 +148,34 @@ impl Bsdf for Mirror {
     }
 }
 
+/// A conductor in single precision.
+struct Single(Conductor);
+
+fn single(w: Direction) -> Direction {
+    w.map(|x| f64::from(x as f32))
+}
+
+impl Bsdf for Single {
+    fn properties(&self) -> Properties {
+        Properties { precision: f64::from(f32::EPSILON), narrow: true, ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        self.0.eval(single(wo), single(wi), &[])
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        self.0.pdf(single(wo), single(wi))
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let sample = self.0.sample(single(wo), u)?;
+        let wi = single(sample.wi);
+        let pdf = self.pdf(wo, wi);
+        (pdf > 0.0).then_some(BsdfSample { wi, density: Density::Pdf(pdf), ..sample })
+    }
+}
+
 fn quick() -> Protocol {
     Protocol { samples: SampleCount::Detect(0.03), ..Protocol::default() }
 }
@@ -171,21 +205,37 @@ fn right_bsdfs_are_accepted() {
 
 #[test]
 fn every_check_rejects_what_it_is_there_for() {
-    let expected: [(Fault, &[&str]); 6] = [
+    let expected: [(Fault, &[&str]); 7] = [
         (Fault::Weight, &["formula", "albedo", "weights"]),
         (Fault::Pdf, &["jacobian", "sampling"]),
         (Fault::Value, &["energy"]),
         (Fault::Negative, &["values"]),
         (Fault::Asymmetric, &["reciprocity"]),
         (Fault::WrongMap, &["jacobian", "sampling", "weights"]),
+        (Fault::AboveBound, &["values", "albedo", "weights"]),
     ];
     for (fault, checks) in expected {
         let found = rejecting(&Lambertian(fault));
         assert!(checks.iter().all(|check| found.contains(check)), "{checks:?} of {found:?}");
     }
     assert!(rejecting(&Lambertian(Fault::Bright)).contains(&"energy"));
+    let text = test("faulty", &Lambertian(Fault::AboveBound), &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("above the declared bound 0.79"), "{text}");
     let text = test("faulty", &Lambertian(Fault::WrongMap), &[towards(40.0)], &quick()).unwrap().to_string();
     assert!(text.contains("too few within") && text.contains("of the horizon"), "{text}");
+}
+
+#[test]
+fn lobes_narrower_than_the_rounding_of_directions_are_inconclusive() {
+    let [x, _, z] = towards(89.99);
+    let wo = single([0.8 * x, 0.6 * x, z]);
+    let of = |alpha: f64| {
+        let light = ALL.iter().filter(|check| ["energy", "albedo", "weights"].contains(&check.name));
+        let outcomes = light.map(|check| check.examine(&Single(Conductor(alpha)), wo, &quick(), 0).unwrap().unwrap());
+        outcomes.filter(|outcome| outcome.p.is_none() && outcome.inconclusive_reason.is_some()).count()
+    };
+    // For α = 10⁻⁴ the lobe is 3·10⁻⁸ radians wide along phi, and coordinates near 0.6 are 6·10⁻⁸ apart.
+    assert_eq!((of(1e-4), of(1e-3)), (3, 0));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Values: finite, not negative, and only where the BSDF declares that it scatters light.
+//! Values: finite, not negative, within declared bounds, and only where the BSDF declares that it scatters light.
 
 use super::contract::{Density, Direction};
 use super::subject::{Comparison, Subject};
@@ -39,6 +39,8 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
         let weight = &sample.weight[..properties.channels];
         let at = || format!("{}, u = {u:?}", subject.at(sample.wi));
         found.holds(weight.iter().all(|w| w.is_finite() && *w >= 0.0), || format!("{}: weight = {weight:?}", at()));
+        let above = subject.above_bound(&sample);
+        found.holds(above.is_none(), || format!("{}, u = {u:?}", above.unwrap_or_default()));
         found.holds(sample.lobe < bsdf.lobes(), || format!("{}: there is no lobe {}", at(), sample.lobe));
         let declared = properties.delta || !sample.is_delta();
         found.holds(declared, || format!("{}: a delta lobe that is not declared", at()));

@@ -5,7 +5,7 @@
 
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::Subject;
-use super::sums::{BATCH, CellSum, sums};
+use super::sums::{BATCH, CellSum, Sums, sums};
 use super::vector::sphere;
 use crate::chi_square::FEWEST;
 use crate::diagnosis::diagnose;
@@ -149,6 +149,9 @@ impl Cells {
 /// Compares the sums of weights with the light of every cell, for each channel that differs from the others.
 pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     let pilot = Pilot::new(subject)?;
+    if let Some(unresolved) = pilot.unresolved(subject)? {
+        return Ok(Some(unresolved));
+    }
     let (channels, own) = (pilot.channels(subject), subject.protocol.own_level());
     let grid = pilot.grid(CELLS.min(subject.protocol.cells));
     let dof = grid.len() + subject.deltas.len();
@@ -163,13 +166,13 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
                 let lit = cells.iter().filter(|cell| cell.squares > 0.0);
                 lit.map(|cell| cell.sum * cell.sum / cell.squares).sum::<f64>() / (2 * BATCH) as f64
             };
-            let least = efficiency.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::min);
+            let least = efficiency.cells.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::min);
             ((equal as f64 / least) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
-    let found = sums(subject, &grid, &channels, count, 6, true)?;
+    let Sums { cells: found, violation: above_bound } = sums(subject, &grid, &channels, count, 6, true)?;
     let points = (count as usize / grid.len()).max(1 << 8);
-    let (mut worst, mut violation): (Option<(Tested, Cells)>, Option<String>) = (None, None);
+    let (mut worst, mut violation): (Option<(Tested, Cells)>, Option<String>) = (None, above_bound);
     let (mut detectable, mut uncontrolled, mut decided) = (0f64, 0f64, true);
     for (&channel, found) in channels.iter().zip(&found) {
         let integrals = integrate(subject, &pilot, &grid, [channel, points], false)?;

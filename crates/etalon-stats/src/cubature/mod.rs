@@ -20,8 +20,8 @@ pub(crate) use shares::Shares;
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result};
-use crate::fine::Fine;
 use crate::grid::Grid;
+use crate::subdivision::Subdivision;
 
 /// Integrals over the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,24 +68,24 @@ impl<'a, D: Domain> Integration<'a, D> {
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
-        Self::with_parts(domain, density, &Fine::coarse(grid), probes, cancelled)
+        Self::with_parts(domain, density, &Subdivision::coarse(grid), probes, cancelled)
     }
 
-    /// [`Integration::new`] over the cells of the grid of `fine`, of which [`shares`](Self::shares) may be asked.
+    /// [`Integration::new`] over the cells of the grid of `subdivision`, of which [`shares`](Self::shares) may be asked.
     pub fn with_parts(
         domain: &'a D,
         density: &'a dyn Density<D::Point>,
-        fine: &Fine<'a>,
+        subdivision: &Subdivision<'a>,
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
         let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
         Ok(match outcomes.or_else(|| density.steps()) {
             Some(steps) => {
-                let (integrals, shares) = steps::sums(domain, density, fine, &steps, cancelled)?;
+                let (integrals, shares) = steps::sums(domain, density, subdivision, &steps, cancelled)?;
                 Self::Exact(integrals, shares)
             }
-            None => Self::Refined(Refinement::new(domain, density, fine.grid, probes, cancelled)?),
+            None => Self::Refined(Refinement::new(domain, density, subdivision.grid, probes, cancelled)?),
         })
     }
 
@@ -97,11 +97,11 @@ impl<'a, D: Domain> Integration<'a, D> {
         }
     }
 
-    /// The integrals over the parts of `fine`, as they are known so far.
-    pub fn shares(&self, fine: &Fine) -> Shares {
+    /// The integrals over the parts of `subdivision`, as they are known so far.
+    pub fn shares(&self, subdivision: &Subdivision) -> Shares {
         match self {
             Self::Exact(_, shares) => shares.clone(),
-            Self::Refined(refinement) => refinement.shares(fine),
+            Self::Refined(refinement) => refinement.shares(subdivision),
         }
     }
 }
@@ -115,7 +115,7 @@ pub fn integrate<D: Domain>(domain: &D, density: &dyn Density<D::Point>, grid: &
 }
 
 /// The first of `values` that is negative or not finite.
-fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
+pub(crate) fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
     let mut all = points.iter().zip(values).map(|(&point, &value)| InvalidPdf { point, value });
     all.find(|InvalidPdf { value, .. }| !(value.is_finite() && *value >= 0.0))
 }

@@ -8,8 +8,8 @@ use super::pieces::Piece;
 use super::refine::Refinement;
 use super::rule::{KRONROD, RULE};
 use crate::domain::Domain;
-use crate::fine::{Fine, Parts, subdivided};
 use crate::grid::Cell;
+use crate::subdivision::{Parts, Subdivision, subdivided};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -22,8 +22,8 @@ pub(crate) struct Shares {
 
 impl Shares {
     /// Zeros.
-    pub(super) fn new(fine: &Fine) -> Self {
-        Self { values: Parts::new(fine), errors: Parts::new(fine) }
+    pub(super) fn new(subdivision: &Subdivision) -> Self {
+        Self { values: Parts::new(subdivision), errors: Parts::new(subdivision) }
     }
 }
 
@@ -72,21 +72,21 @@ fn over(ends: &[f64], met: Range<usize>, [from, to]: [f64; 2]) -> Vec<[f64; TERM
 }
 
 impl<D: Domain> Refinement<'_, D> {
-    /// The integrals over the parts of `fine`, with the error of each piece as that of every part that it meets.
-    pub fn shares(&self, fine: &Fine) -> Shares {
+    /// The integrals over the parts of `subdivision`, with the error of each piece as that of every part that it meets.
+    pub fn shares(&self, subdivision: &Subdivision) -> Shares {
         let (projection, plane, measure) = (projection(), self.domain.is_plane(), self.domain.measure());
-        let mut shares = Shares::new(fine);
+        let mut shares = Shares::new(subdivision);
         // Pieces over the same interval of an axis add up before their polynomials are integrated.
         let mut along: [BTreeMap<[u64; 2], Terms>; 2] = Default::default();
-        let side = 1 << fine.depth;
-        let cells: Vec<Cell> = if fine.depth > 0 { fine.grid.cells().collect() } else { Vec::new() };
+        let side = 1 << subdivision.depth;
+        let cells: Vec<Cell> = if subdivision.depth > 0 { subdivision.grid.cells().collect() } else { Vec::new() };
         for piece in &self.pieces {
             let Piece { part, integral, .. } = piece;
             let (values, scale) = piece.values(measure);
             let terms = if plane { tensor(values, scale, &projection) } else { vec![line(values, scale, &projection)] };
             let margins = [terms[0], std::array::from_fn(|k| terms.get(k).map_or(0.0, |row| row[0]))];
             // Rows of the tensor belong to the second axis: its margin along x is the first row.
-            for (axis, margin) in margins.iter().enumerate().take(fine.axes.len()) {
+            for (axis, margin) in margins.iter().enumerate().take(subdivision.axes.len()) {
                 let interval = [part.at.x, part.at.y][axis].map(f64::to_bits);
                 let (sum, error) = along[axis].entry(interval).or_insert(([0.0; TERMS], 0.0));
                 sum.iter_mut().zip(margin).for_each(|(sum, term)| *sum += term);
@@ -96,14 +96,14 @@ impl<D: Domain> Refinement<'_, D> {
                 shares.values.cells[i] += value;
                 shares.errors.cells[i] += piece.error();
             };
-            if fine.depth == 0 {
+            if subdivision.depth == 0 {
                 add(part.cell, *integral);
                 continue;
             }
             let (xs, ys) = (subdivided(&cells[part.cell].x, side), subdivided(&cells[part.cell].y, side));
             let (rows, columns) = (met(&xs, part.at.x), met(&ys, part.at.y));
             if rows.len() == 1 && columns.len() == 1 {
-                add(fine.part(part.cell, [rows.start, columns.start]), *integral);
+                add(subdivision.part(part.cell, [rows.start, columns.start]), *integral);
                 continue;
             }
             let of_columns: Vec<[f64; TERMS]> = over(&ys, columns.clone(), part.at.y)
@@ -112,12 +112,12 @@ impl<D: Domain> Refinement<'_, D> {
                 .collect();
             for (row, x) in rows.clone().zip(over(&xs, rows, part.at.x)) {
                 for (column, terms) in columns.clone().zip(&of_columns) {
-                    add(fine.part(part.cell, [row, column]), dot(&x, terms).max(0.0));
+                    add(subdivision.part(part.cell, [row, column]), dot(&x, terms).max(0.0));
                 }
             }
         }
-        for (axis, intervals) in along.into_iter().enumerate().take(fine.axes.len()) {
-            let ends = fine.axes[axis].ends();
+        for (axis, intervals) in along.into_iter().enumerate().take(subdivision.axes.len()) {
+            let ends = subdivision.axes[axis].ends();
             for (interval, (terms, error)) in intervals {
                 let interval = interval.map(f64::from_bits);
                 let met = met(&ends, interval);
@@ -168,22 +168,22 @@ mod tests {
         };
         let grid = Grid::equal([3, 4], None);
         let pilot: Vec<[f64; 2]> = (0..1000).map(|i| [f64::from(i) / 1000.0; 2]).collect();
-        let fine = Fine::new(&grid, true, &pilot, 1 << 18);
-        let integration = Integration::with_parts(&Square, &f, &fine, &[], || false).unwrap();
-        let shares = integration.shares(&fine);
+        let subdivision = Subdivision::new(&grid, true, &pilot, 1 << 18);
+        let integration = Integration::with_parts(&Square, &f, &subdivision, &[], || false).unwrap();
+        let shares = integration.shares(&subdivision);
         for (axis, values) in shares.values.axes.iter().enumerate() {
-            for (ends, value) in fine.axes[axis].ends().windows(2).zip(values) {
+            for (ends, value) in subdivision.axes[axis].ends().windows(2).zip(values) {
                 let (x, y) =
                     if axis == 0 { ([ends[0], ends[1]], [0.0, 1.0]) } else { ([0.0, 1.0], [ends[0], ends[1]]) };
                 assert!((value - exact(x, y)).abs() < 1e-10, "{axis} {ends:?} {value}");
             }
         }
         for (number, cell) in grid.cells().enumerate() {
-            let side = 1 << fine.depth;
+            let side = 1 << subdivision.depth;
             let (xs, ys) = (subdivided(&cell.x, side), subdivided(&cell.y, side));
             for (i, x) in xs.windows(2).enumerate() {
                 for (j, y) in ys.windows(2).enumerate() {
-                    let value = shares.values.cells[fine.part(number, [i, j])];
+                    let value = shares.values.cells[subdivision.part(number, [i, j])];
                     assert!((value - exact([x[0], x[1]], [y[0], y[1]])).abs() < 1e-11);
                 }
             }
@@ -195,9 +195,10 @@ mod tests {
     fn parts_between_steps_have_exact_sums() {
         let stairs = density(|x: f64| if x < 0.3 { 2.0 } else { 4.0 / 7.0 }).with_steps([vec![0.3], vec![]]);
         let grid = Grid::equal([5, 1], None);
-        let fine = Fine::new(&grid, false, &[], 1 << 12);
-        let shares = Integration::with_parts(&Line::UNIT, &stairs, &fine, &[], || false).unwrap().shares(&fine);
-        for (ends, value) in fine.axes[0].ends().windows(2).zip(&shares.values.axes[0]) {
+        let subdivision = Subdivision::new(&grid, false, &[], 1 << 12);
+        let shares =
+            Integration::with_parts(&Line::UNIT, &stairs, &subdivision, &[], || false).unwrap().shares(&subdivision);
+        for (ends, value) in subdivision.axes[0].ends().windows(2).zip(&shares.values.axes[0]) {
             let below = |x: f64| if x < 0.3 { 2.0 * x } else { 0.6 + (x - 0.3) * 4.0 / 7.0 };
             assert!((value - (below(ends[1]) - below(ends[0]))).abs() < 1e-15);
         }

@@ -5,7 +5,7 @@ use super::{Integrals, InvalidPdf, first_invalid};
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
-use crate::fine::{Fine, Parts, subdivided};
+use crate::subdivision::{Parts, Subdivision, subdivided};
 use rayon::prelude::*;
 
 /// Values asked for at a time: enough for a density in another process.
@@ -26,11 +26,11 @@ fn overlaps(lines: &[f64], ends: &[f64]) -> Overlaps {
     lines.windows(2).map(of).collect()
 }
 
-/// The integrals over the cells and over the parts of `fine`.
+/// The integrals over the cells and over the parts of `subdivision`.
 pub(super) fn sums<D: Domain>(
     domain: &D,
     density: &dyn Density<D::Point>,
-    fine: &Fine,
+    subdivision: &Subdivision,
     steps: &[Vec<f64>; 2],
     cancelled: Cancelled,
 ) -> Result<(Integrals<D::Point>, Shares)> {
@@ -39,24 +39,24 @@ pub(super) fn sums<D: Domain>(
 
     // Of each interval along x, the parts of the axis and the rows of parts of cells; of each along y, the parts of the
     // axis and, for each row of the grid, the columns of parts of cells.
-    let side = 1 << fine.depth;
-    let (row_ends, column_ends) = fine.grid.ends();
+    let side = 1 << subdivision.depth;
+    let (row_ends, column_ends) = subdivision.grid.ends();
     let mut in_rows = overlaps(&xs, &subdivided(row_ends, side));
     let in_columns: Vec<Overlaps> = column_ends.iter().map(|ends| overlaps(&ys, &subdivided(ends, side))).collect();
     let mut along: Vec<Overlaps> =
-        fine.axes.iter().zip([&xs, &ys]).map(|(axis, lines)| overlaps(lines, &axis.ends())).collect();
+        subdivision.axes.iter().zip([&xs, &ys]).map(|(axis, lines)| overlaps(lines, &axis.ends())).collect();
     if let Some(outcomes) = domain.outcomes() {
         // An outcome belongs to one part as a whole: to that which its samples are found in.
         let at = |outcome: usize| domain.to_chart(domain.point_at([(outcome as f64 + 0.5) / outcomes as f64, 0.5]));
         let whole = |find: &dyn Fn([f64; 2]) -> usize| -> Overlaps {
             (0..rows).map(|row| at(row).map(|at| (find(at), xs[row + 1] - xs[row])).into_iter().collect()).collect()
         };
-        in_rows = whole(&|at| fine.grid.find(at));
-        along = fine.axes.iter().map(|axis| whole(&|at| axis.find(at[0]))).collect();
+        in_rows = whole(&|at| subdivision.grid.find(at));
+        along = subdivision.axes.iter().map(|axis| whole(&|at| axis.find(at[0]))).collect();
     }
 
     let of_rows = |first: usize, last: usize| {
-        let mut shares = Parts::new(fine);
+        let mut shares = Parts::new(subdivision);
         let (mut invalid, mut points, mut values, mut of_row) = (None, Vec::new(), Vec::new(), Vec::new());
         let mut margin = vec![0.0; columns];
         let per_call = POINTS.div_ceil(columns);
@@ -90,8 +90,8 @@ pub(super) fn sums<D: Domain>(
                 }
                 for (fine_row, length) in same_row {
                     for (column, value) in of_row.iter().enumerate() {
-                        let cell = fine.grid.number(grid_row, column / side);
-                        shares.cells[fine.part(cell, [fine_row % side, column % side])] += length * value;
+                        let cell = subdivision.grid.number(grid_row, column / side);
+                        shares.cells[subdivision.part(cell, [fine_row % side, column % side])] += length * value;
                     }
                 }
             }
@@ -109,7 +109,7 @@ pub(super) fn sums<D: Domain>(
 
     // Add up in order, for sums that do not depend on the threads.
     let mut invalid: Option<InvalidPdf<D::Point>> = None;
-    let mut shares = Shares::new(fine);
+    let mut shares = Shares::new(subdivision);
     for (more, found) in batches {
         shares.values.add(&more);
         invalid = invalid.or(found);

@@ -14,15 +14,16 @@ pub struct Configuration {
     pub seed: u64,
 }
 
-/// Directions along the surface are not tested: nothing is scattered to them.
-const STEEPEST: f64 = 89.99;
-/// Angles that have a sine of exactly 0 or 1 after rounding.
-const QUARTER: f64 = 90.0;
+/// The largest angle of `wo` with the normal, in degrees: directions along the surface are not tested, as nothing is
+/// scattered to them.
+pub(super) const LARGEST_ANGLE: f64 = 89.99;
+/// The angle of directions along the surface with the normal, in degrees.
+const HORIZON: f64 = 90.0;
 
 impl Configuration {
-    /// The usual values, seen from 45°.
+    /// The default values, seen from 45°.
     #[must_use]
-    pub fn usual(family: &dyn Family) -> Self {
+    pub fn default_of(family: &dyn Family) -> Self {
         let values = family.parameters().iter().map(|parameter| parameter.value).collect();
         Self { values, wo: [45.0, 0.0], seed: 1 }
     }
@@ -48,14 +49,14 @@ impl Configuration {
         format!("{}{values} wo={},{} seed={}", family.name(), self.wo[0], self.wo[1], self.seed)
     }
 
-    /// Reads the part of a text after the name of the family. Parameters that are left out have their usual values, `wo` is at
-    /// 45°, the seed 1. The second result is the name after `check=`, if there is one.
+    /// Reads the part of a text after the name of the family. Parameters that are left out have their default values, `wo`
+    /// is at 45°, the seed 1. The second result is the name after `check=`, if there is one.
     ///
     /// # Errors
     /// [`Error::Parameter`] with the name `replay`.
     pub fn parse(family: &dyn Family, text: &str) -> Result<(Self, Option<String>)> {
         let parameters = family.parameters();
-        let (mut found, mut check) = (Self::usual(family), None);
+        let (mut found, mut check) = (Self::default_of(family), None);
         let refuse = |message: String, hint: &'static str| Err(Error::parameter("replay", message, hint));
         let mut seen = Vec::new();
         for word in text.split_whitespace() {
@@ -80,7 +81,7 @@ impl Configuration {
                     let [Some(theta), Some(phi)] = angles else {
                         return refuse(unreadable(), "the angle to the normal and the azimuth in degrees: wo=75,0");
                     };
-                    if !(0.0..=180.0).contains(&theta) || (theta - QUARTER).abs() < QUARTER - STEEPEST - 1e-9 {
+                    if !(0.0..=180.0).contains(&theta) || (theta - HORIZON).abs() < HORIZON - LARGEST_ANGLE - 1e-9 {
                         return refuse(unreadable(), "angles to the normal are 0 to 89.99 and 90.01 to 180 degrees");
                     }
                     found.wo = [theta, phi];

@@ -1,21 +1,22 @@
 //! The decision on a sweep, in two stages at one level.
 //!
-//! A sweep has so many tests that a correction for their number would ask for p-values of 10⁻⁹, where the chi-square distribution
-//! no longer describes statistics of few expected counts. So p-values of the screen decide nothing: they choose the *survivors*, the
-//! tests with p < [`SCREEN`](super::SCREEN). Each survivor is run again with fresh random numbers, and Holm's step-down over the
-//! fresh p-values alone rejects.
+//! A sweep has so many tests that a correction for their number would ask for p-values of 10⁻⁹, where the chi-square
+//! distribution no longer describes statistics of few expected counts. So p-values of the screen decide nothing: they
+//! choose the *survivors*, the tests with p < [`SCREEN_LEVEL`](super::SCREEN_LEVEL). Each survivor is run again with fresh
+//! random numbers, and Holm's step-down over the fresh p-values alone rejects.
 //!
-//! *Level.* Given the screen, the set S of survivors is fixed, and the fresh p-values of the right ones among them are independent of
-//! it and uniform (or larger). Holm's step-down keeps the level α for any number of hypotheses: P(a right one is rejected | S) ≤ α,
-//! whatever S. The mean over S is ≤ α too. So the familywise level of the whole sweep is α, without a correction for the tests that
-//! were screened, and however wrong the p-values of the screen are. The fresh ones must be right down to α/|S|, which is 1/SCREEN
-//! times as large as α over the number of tests if all are right. The argument allows any choice of S by the screen alone; so where
-//! very many survive, only those with the smallest p-values are run again.
+//! *Level.* Given the screen, the set S of survivors is fixed, and the fresh p-values of the right ones among them are
+//! independent of it and uniform (or larger). Holm's step-down keeps the level α for any number of hypotheses: P(a right
+//! one is rejected | S) ≤ α, whatever S. The mean over S is ≤ α too. So the familywise level of the whole sweep is α,
+//! without a correction for the tests that were screened, and however wrong the p-values of the screen are. The fresh ones
+//! must be right down to α/|S|, which is 1/SCREEN_LEVEL times as large as α over the number of tests if all are right. The
+//! argument allows any choice of S by the screen alone; so where very many survive, only those with the smallest p-values
+//! are run again.
 //!
-//! *Power.* An error is found if it survives and is rejected: the screen finds the stated error with 90 % probability, and the second
-//! run, with six to seven times the samples, finds what survived almost certainly.
+//! *Power.* An error is found if it survives and is rejected: the screen finds the stated error with 90 % probability, and
+//! the second run, with six to seven times the samples, finds what survived almost certainly.
 
-use super::screen::{Finding, SCREEN, State};
+use super::screen::{Finding, SCREEN_LEVEL, State};
 use crate::error::Result;
 use crate::multiple::holm;
 use rayon::prelude::*;
@@ -42,14 +43,15 @@ pub struct Survivors {
     added: u64,
 }
 
-/// Of each check of each family so many survivors are run again, or twice as many as right BSDFs are expected to have.
-const FEW: u64 = 1000;
+/// Of each check of each family so many survivors are run again, or twice as many as right BSDFs are expected to have, if
+/// that is more.
+const FEWEST_RERUN: u64 = 1000;
 
 impl Survivors {
     /// None yet of a sweep of families with at most so many configurations each.
     #[must_use]
     pub fn new(configurations: u64) -> Self {
-        let most = FEW.max((2.0 * SCREEN * configurations as f64) as u64) as usize;
+        let most = FEWEST_RERUN.max((2.0 * SCREEN_LEVEL * configurations as f64) as u64) as usize;
         Self { most, found: BTreeMap::new(), added: 0 }
     }
 
@@ -137,7 +139,7 @@ mod tests {
             let mut rng = CounterRng::new(seed, 0);
             let screened: Vec<f64> = (0..TESTS).map(|_| p(rng.random())).collect();
             let mut survivors = Survivors::new(TESTS);
-            for (number, &p) in screened.iter().enumerate().filter(|(_, p)| **p < SCREEN) {
+            for (number, &p) in screened.iter().enumerate().filter(|(_, p)| **p < SCREEN_LEVEL) {
                 survivors.add(Survivor { family: 0, number: number as u64, check: 0, p });
             }
             let fresh = |survivor: &Survivor| {

@@ -12,7 +12,7 @@ mod space;
 
 pub use configuration::Configuration;
 pub use decide::{Decided, Survivor, Survivors, decide};
-pub use screen::{CONFIRM, Finding, SCREEN, State, confirm, screen};
+pub use screen::{CONFIRM_LEVEL, Finding, SCREEN_LEVEL, State, confirm, screen};
 pub use shrink::{Shrunk, fails, shrink};
 pub use space::{Space, Strategy};
 

@@ -7,10 +7,11 @@ use crate::examine::{Protocol, SampleCount};
 use crate::outcome::Outcome;
 
 /// A statistical check survives the screen, to be run again, if its p-value is below this.
-pub const SCREEN: f64 = 1e-3;
-/// The level for which the samples of the second run are counted: that of one in ten thousand survivors at 1 % for all together.
-pub const CONFIRM: f64 = 1e-6;
-/// Cells of a test: a quarter of the usual number, which takes half of the samples for an error of the same size.
+pub const SCREEN_LEVEL: f64 = 1e-3;
+/// The level for which the samples of the second run are counted: that of one in ten thousand survivors at 1 % for all
+/// together.
+pub const CONFIRM_LEVEL: f64 = 1e-6;
+/// Cells of a test: a quarter of the default number, which takes half of the samples for an error of the same size.
 const CELLS: usize = 50;
 
 /// What a check says.
@@ -20,9 +21,10 @@ pub enum State {
     Holds,
     /// It cannot say.
     Inconclusive,
-    /// The p-value is below [`SCREEN`], or a bound that may fail by chance, such as that of an integral, does not hold.
+    /// The p-value of a statistical check is below [`SCREEN_LEVEL`], or it found a violation, which counts as a p-value of
+    /// 0: a bound that may fail by chance, such as that of an integral, does not hold.
     Suspicious,
-    /// Something is wrong for certain.
+    /// An exact check found something wrong.
     Violated,
 }
 
@@ -33,7 +35,7 @@ pub struct Finding {
     pub check: usize,
     /// In short.
     pub state: State,
-    /// The p-value of a statistical check; 0 for a violation of a bound that may fail by chance.
+    /// The p-value of a statistical check; 0 for a violation.
     pub p: Option<f64>,
     /// The error that would have been found, with 90 % probability.
     pub detectable: Option<f64>,
@@ -48,7 +50,7 @@ impl Finding {
         let p = if is_violated && is_statistical { Some(0.0) } else { outcome.p };
         let state = if is_violated && !is_statistical {
             State::Violated
-        } else if p.is_some_and(|p| p < SCREEN) {
+        } else if p.is_some_and(|p| p < SCREEN_LEVEL) {
             State::Suspicious
         } else if outcome.inconclusive_reason.is_some() {
             State::Inconclusive
@@ -61,7 +63,8 @@ impl Finding {
     }
 }
 
-/// Runs all checks that apply, each so that it finds a relative error `detect` with 90 % probability at the level [`SCREEN`].
+/// Runs all checks that apply, each so that it finds a relative error `detect` with 90 % probability at the level
+/// [`SCREEN_LEVEL`].
 ///
 /// # Errors
 /// As [`Check::examine`](crate::bsdf::Check::examine), and those of [`Family::with`].
@@ -72,7 +75,8 @@ pub fn screen(
     cancelled: fn() -> bool,
 ) -> Result<Vec<Finding>> {
     let samples = SampleCount::Detect(detect);
-    let protocol = Protocol { seed: configuration.seed, samples, level: SCREEN, tests: 1, cells: CELLS, cancelled };
+    let protocol =
+        Protocol { seed: configuration.seed, samples, level: SCREEN_LEVEL, tests: 1, cells: CELLS, cancelled };
     let bsdf = family.with(&configuration.values)?;
     let wo = configuration.direction(bsdf.properties().precision);
     let mut found = Vec::new();
@@ -84,8 +88,9 @@ pub fn screen(
     Ok(found)
 }
 
-/// Runs one check again: an exact one as [`screen`] does; a statistical one with fresh random numbers, so many that it finds half
-/// the error with 90 % probability at the level [`CONFIRM`], and the whole error almost certainly. `None` where it does not apply.
+/// Runs one check again: an exact one as [`screen`] does; a statistical one with fresh random numbers, so many that it
+/// finds half the error with 90 % probability at the level [`CONFIRM_LEVEL`], and the whole error almost certainly. `None`
+/// where it does not apply.
 ///
 /// # Errors
 /// As [`screen`].
@@ -97,7 +102,8 @@ pub fn confirm(
     cancelled: fn() -> bool,
 ) -> Result<Option<Finding>> {
     let samples = SampleCount::Detect(0.5 * detect);
-    let protocol = Protocol { seed: configuration.seed, samples, level: CONFIRM, tests: 1, cells: CELLS, cancelled };
+    let protocol =
+        Protocol { seed: configuration.seed, samples, level: CONFIRM_LEVEL, tests: 1, cells: CELLS, cancelled };
     let bsdf = family.with(&configuration.values)?;
     let wo = configuration.direction(bsdf.properties().precision);
     // An exact check fails at certain random numbers, which are to be met again.

@@ -1,7 +1,7 @@
 //! The simplest configuration in which a check still fails.
 
 use super::configuration::Configuration;
-use super::screen::{CONFIRM, Finding, State, confirm};
+use super::screen::{CONFIRM_LEVEL, Finding, State, confirm};
 use crate::bsdf::{Family, Parameter};
 use crate::error::Result;
 
@@ -24,7 +24,7 @@ const PHIS: [f64; 3] = [0.0, 90.0, 45.0];
 const ROUNDS: usize = 2;
 
 /// What a check says of a configuration if it fails there: for an exact one that something is wrong, for a statistical one
-/// p < [`CONFIRM`].
+/// p < [`CONFIRM_LEVEL`].
 ///
 /// # Errors
 /// As [`confirm`].
@@ -36,12 +36,12 @@ pub fn fails(
     cancelled: fn() -> bool,
 ) -> Result<Option<Finding>> {
     let found = confirm(family, configuration, check, detect, cancelled)?;
-    Ok(found.filter(|found| found.state == State::Violated || found.p.is_some_and(|p| p < CONFIRM)))
+    Ok(found.filter(|found| found.state == State::Violated || found.p.is_some_and(|p| p < CONFIRM_LEVEL)))
 }
 
-/// Moves parameters to their usual or round values and the direction to simple angles, one at a time, as long as the check fails.
-/// Tests of candidates have the level [`CONFIRM`], so that none fails by chance. `None` if the check does not fail at this level in
-/// `configuration` itself.
+/// Moves parameters to their default or to round values and the direction to simple angles, one at a time, as long as the
+/// check fails. Tests of candidates have the level [`CONFIRM_LEVEL`], so that none fails by chance. `None` if the check
+/// does not fail at this level in `configuration` itself.
 ///
 /// # Errors
 /// As [`confirm`].
@@ -106,10 +106,10 @@ fn simpler(configuration: &Configuration, parameters: &[Parameter], axis: usize)
     is_simpler.map(moved).collect()
 }
 
-/// Values of the last parameter from the simplest: the usual one, those of parameters before it with the same range (widths of an
-/// isotropic surface), a power of ten, one digit, the nearest end of the range, two digits.
+/// Values of the last parameter from the simplest: the default, those of parameters before it with the same range (widths
+/// of an isotropic surface), a power of ten, one digit, the nearest end of the range, two digits.
 fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
-    let ([before @ .., value], [others @ .., Parameter { value: usual, range, .. }]) = (values, parameters) else {
+    let ([before @ .., value], [others @ .., Parameter { value: default, range, .. }]) = (values, parameters) else {
         return Vec::new();
     };
     let [from, to] = *range;
@@ -117,6 +117,6 @@ fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
     let power = if *value > 0.0 { 10f64.powi(value.log10().round() as i32) } else { 0.0 };
     let nearest = if value - from < to - value { from } else { to };
     let equal = before.iter().zip(others).filter(|(_, other)| other.range == *range).map(|(value, _)| *value);
-    let all = [*usual].into_iter().chain(equal).chain([power, digits(0), nearest, digits(1)]);
+    let all = [*default].into_iter().chain(equal).chain([power, digits(0), nearest, digits(1)]);
     all.filter(|value| (from..=to).contains(value)).collect()
 }

@@ -1,6 +1,6 @@
 //! The space of a family's parameters and of directions, and the strategies that choose configurations from it.
 
-use super::configuration::Configuration;
+use super::configuration::{Configuration, LARGEST_ANGLE};
 use crate::bsdf::{Family, Parameter};
 use crate::error::Result;
 use crate::hash::mix64;
@@ -13,7 +13,7 @@ pub enum Strategy {
     /// A low-discrepancy sequence, shifted at random.
     #[default]
     Random,
-    /// Combinations of special values: ends of ranges, usual values, 1 and both sides of it, two parameters that are equal,
+    /// Combinations of special values: ends of ranges, default values, 1 and both sides of it, two parameters that are equal,
     /// directions along the normal, the surface and the tangents.
     Edges,
 }
@@ -44,13 +44,11 @@ enum Choice {
     Inside,
 }
 
-/// The largest angle with the normal.
-const STEEPEST: f64 = 89.99;
-/// The distance of the values on both sides of 1.
-const BESIDE: f64 = 1e-3;
+/// The distance of the special values 1 − 10⁻³ and 1 + 10⁻³ from 1.
+const NEAR_ONE: f64 = 1e-3;
 /// Angles with the normal: along it, beside it, in between, and along the surface.
 const ANGLES: [Choice; 5] =
-    [Choice::Value(0.0), Choice::Value(0.01), Choice::Inside, Choice::Value(89.0), Choice::Value(STEEPEST)];
+    [Choice::Value(0.0), Choice::Value(0.01), Choice::Inside, Choice::Value(89.0), Choice::Value(LARGEST_ANGLE)];
 /// Azimuths: of both tangents, and between.
 const AZIMUTHS: [Choice; 3] = [Choice::Value(0.0), Choice::Value(90.0), Choice::Inside];
 
@@ -61,8 +59,8 @@ impl Space {
     /// Those of [`Family::with`].
     pub fn new(family: &dyn Family, strategy: Strategy, configurations: u64, seed: u64) -> Result<Self> {
         let parameters = family.parameters();
-        let usual: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
-        let sides = if family.with(&usual)?.properties().transmission { 2 } else { 1 };
+        let defaults: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+        let sides = if family.with(&defaults)?.properties().transmission { 2 } else { 1 };
         let each_side = (configurations / sides).max(1);
         // As many values of each parameter as of the angle, and what remains for the angle.
         let axes = parameters.len() as u32 + 1;
@@ -133,7 +131,7 @@ impl Space {
     /// Angle, azimuth and side by the last three coordinates.
     fn angles(&self, shares: &[f64]) -> [f64; 3] {
         let [.., theta, azimuth, side] = shares else { return [0.0; 3] };
-        [STEEPEST * theta, 360.0 * azimuth, if self.sides > 1 { *side } else { 0.0 }]
+        [LARGEST_ANGLE * theta, 360.0 * azimuth, if self.sides > 1 { *side } else { 0.0 }]
     }
 
     /// The angle is the fastest index. The azimuth turns by the golden angle from each to the next.
@@ -147,7 +145,7 @@ impl Space {
         };
         let of = |level: u64, levels: u64| level as f64 / (levels - 1) as f64;
         let level = digit(angles);
-        let theta = if angles > 1 { STEEPEST * of(level, angles) } else { 45.0 };
+        let theta = if angles > 1 { LARGEST_ANGLE * of(level, angles) } else { 45.0 };
         let side = digit(self.sides) as f64;
         let value = |parameter: &Parameter| {
             let level = digit(values);
@@ -188,8 +186,8 @@ impl Space {
 fn special(parameters: &[Parameter], index: usize) -> Vec<Choice> {
     let Parameter { value, range: [from, to], .. } = parameters[index];
     let mut values = vec![value, from, to];
-    if from < 1.0 - BESIDE && to > 1.0 + BESIDE {
-        values.extend([1.0, 1.0 - BESIDE, 1.0 + BESIDE]);
+    if from < 1.0 - NEAR_ONE && to > 1.0 + NEAR_ONE {
+        values.extend([1.0, 1.0 - NEAR_ONE, 1.0 + NEAR_ONE]);
     }
     let mut choices: Vec<Choice> = Vec::new();
     for value in values {

@@ -1,8 +1,11 @@
 //! Spaces visit what they say; configurations survive their text; faults are found and shrunk.
 
 use super::*;
-use crate::bsdf::{ALL, BatchBsdf, Bsdf, BsdfSample, Density, Direction, Family, Parameter, Properties, Spectrum};
+use crate::bsdf::{
+    ALL, BatchBsdf, Bsdf, BsdfSample, Density, Direction, Energy, Family, Parameter, Properties, Spectrum,
+};
 use crate::error::Result;
+use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 
@@ -101,8 +104,8 @@ fn configurations_differ_lie_in_range_and_survive_their_text() {
 fn texts_that_cannot_be_run_are_refused() {
     let family = Planted { transmission: false, fault: |_| RIGHT };
     let read = |text: &str| Configuration::parse(&family, text);
-    let (usual, _) = read("").unwrap();
-    assert_eq!(usual, Configuration::usual(&family));
+    let (default, _) = read("").unwrap();
+    assert_eq!(default, Configuration::default_of(&family));
     let (found, check) = read(" alpha_y=1e-3 wo=100 check=energy seed=18446744073709551615").unwrap();
     assert_eq!((found.values, found.wo, found.seed), (vec![0.3, 1e-3, 1.5], [100.0, 0.0], u64::MAX));
     assert_eq!(check.as_deref(), Some("energy"));
@@ -158,7 +161,7 @@ fn a_fault_of_narrow_lobes_is_found_by_all_and_shrunk() {
     for strategy in STRATEGIES {
         let (count, shrunk) = found(&family, strategy, "sampling");
         let shrunk = shrunk.unwrap();
-        assert!(count > 50 && shrunk.finding.p.unwrap() < CONFIRM, "{strategy:?}: {count}");
+        assert!(count > 50 && shrunk.finding.p.unwrap() < CONFIRM_LEVEL, "{strategy:?}: {count}");
         let Configuration { values, wo, .. } = shrunk.configuration;
         assert!(
             [1e-4, 1e-3, 2e-3].contains(&values[0]) && values[1..] == [0.3, 1.5] && wo == [0.0, 0.0],
@@ -174,8 +177,8 @@ fn a_fault_of_unequal_widths_is_found_by_all_and_shrunk() {
     for strategy in STRATEGIES {
         let (_, shrunk) = found(&family, strategy, "jacobian");
         let shrunk = shrunk.unwrap();
-        let usual = shrunk.configuration.values.iter().filter(|value| [0.3, 1.5].contains(*value)).count();
-        assert!(shrunk.finding.state == State::Violated && usual == 2, "{strategy:?}: {shrunk:?}");
+        let defaults = shrunk.configuration.values.iter().filter(|value| [0.3, 1.5].contains(*value)).count();
+        assert!(shrunk.finding.state == State::Violated && defaults == 2, "{strategy:?}: {shrunk:?}");
     }
     // The converse is met by edges alone: other strategies set no two values equal, but for ends of the grid.
     let fault = |values: &[f64]| if values[0] == values[1] && values[0] < 1.0 { [1.1, 1.0] } else { RIGHT };
@@ -221,8 +224,65 @@ fn what_is_right_does_not_fail() {
         assert!(states.iter().all(|(_, state)| *state == State::Holds), "{states:?}");
     }
     let bent = Planted { transmission: false, fault: |_| [1.0, 1.3] };
-    let states = states(&bent, &Configuration::usual(&bent));
+    let states = states(&bent, &Configuration::default_of(&bent));
     assert!(states.contains(&("jacobian", State::Violated)) && states.contains(&("sampling", State::Suspicious)));
-    let usual = Configuration::usual(&family);
-    assert_eq!(shrink(&family, &usual, 1, 0.05, || false).unwrap(), None);
+    let default = Configuration::default_of(&family);
+    assert_eq!(shrink(&family, &default, 1, 0.05, || false).unwrap(), None);
+}
+
+/// A white surface whose values are random numbers: 0 or twice its value; `excess` times too bright.
+struct Walk {
+    excess: f64,
+}
+
+impl Bsdf for Walk {
+    fn properties(&self) -> Properties {
+        Properties { eval_dimension: 1, energy: Energy::Conserved(0.0), ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        [if u[0] < 0.5 && wo[2] > 0.0 && wi[2] > 0.0 { 2.0 * self.excess / PI } else { 0.0 }; 3]
+    }
+
+    fn pdf(&self, _: Direction, wi: Direction) -> f64 {
+        wi[2].max(0.0) / PI
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let sample = Bsdf::sample(&Lambertian { pdf: 1.0, bend: 1.0, transmission: false }, wo, u)?;
+        Some(BsdfSample { weight: [self.excess; 3], ..sample })
+    }
+}
+
+impl Family for Walk {
+    fn name(&self) -> &str {
+        "walk"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn with(&self, _: &[f64]) -> Result<Box<dyn BatchBsdf + '_>> {
+        Ok(Box::new(Self { ..*self }))
+    }
+}
+
+#[test]
+fn the_energy_of_stochastic_values_is_a_matter_of_chance() {
+    let energy = ALL.iter().position(|check| check.name == "energy").unwrap();
+    let of = |excess: f64, seed: u64| {
+        let family = Walk { excess };
+        let configuration = Configuration { seed, ..Configuration::default_of(&family) };
+        confirm(&family, &configuration, energy, 0.05, || false).unwrap().unwrap()
+    };
+    // Right ones: one or two of 500 lie beyond three standard errors.
+    let right: Vec<Finding> = (0..500).into_par_iter().map(|seed| of(1.0, seed)).collect();
+    assert!(right.iter().all(|finding| finding.state != State::Violated));
+    let survivors = right.iter().filter(|finding| finding.p.unwrap() < SCREEN_LEVEL).count();
+    assert!(survivors <= 3, "{survivors} of 500 at level 0.001");
+    // A surface that is too bright by five percent survives the screen and is rejected by the second run.
+    let wrong = of(1.05, 1);
+    assert!(wrong.state == State::Suspicious && wrong.p.unwrap() < CONFIRM_LEVEL, "{wrong:?}");
+    assert!(wrong.detectable.unwrap() < 0.05 && wrong.message.unwrap().contains("the albedo is 1.0"));
 }

@@ -1,14 +1,14 @@
 //! Tests of whether samples depend on those before them.
 //!
-//! Samples are labelled by the parts of the axes that they lie in. A table counts how often each label follows each label of
-//! the past. If samples are independent, then given the past the next label is multinomial with the same probabilities in every
-//! row, also where rows overlap, and Pearson's statistic with estimated margins is chi-square distributed with
+//! Samples are labelled by the parts of the axes that they lie in. A table counts how often each label follows each label
+//! of the past. If samples are independent, then given the past the next label is multinomial with the same probabilities
+//! in every row, also where rows overlap, and Pearson's statistic with estimated margins is chi-square distributed with
 //! (rows − 1)(columns − 1) degrees of freedom. Source: Billingsley, "Statistical Methods in Markov Chains", Annals of
 //! Mathematical Statistics 32, 1961.
 
 use crate::chi_square::FEWEST;
-use crate::fine::Fine;
 use crate::power::{chi_square_below, chi_square_tail};
+use crate::subdivision::Subdivision;
 
 /// Expected counts per entry of the table, about.
 const SAMPLES_PER_ENTRY: f64 = 20.0;
@@ -31,9 +31,9 @@ pub struct Labels {
 
 impl Labels {
     /// As many as `samples` samples fill.
-    pub fn new(fine: &Fine, samples: u64) -> Self {
+    pub fn new(subdivision: &Subdivision, samples: u64) -> Self {
         let bits = ((samples as f64 / SAMPLES_PER_ENTRY).log2() / 3.0).max(0.0) as u32;
-        let of_axes = [0, 1].map(|axis| fine.axes.get(axis).map_or(0, |axis| axis.bits()));
+        let of_axes = [0, 1].map(|axis| subdivision.axes.get(axis).map_or(0, |axis| axis.bits()));
         Self { bits: bits.min(MOST_BITS).min(of_axes[0]), of_axes }
     }
 
@@ -63,9 +63,9 @@ impl Labels {
     }
 }
 
-/// The order of samples, as far as it is counted.
+/// Counts of which samples follow which: what tests of serial dependence need.
 #[derive(Debug, Clone, Default)]
-pub struct Order {
+pub struct SerialCounts {
     /// How often each label follows each label of the past.
     table: Vec<u64>,
     /// Over the batches, for each axis: Σ L² and Σ L n, where L of the n samples of a batch are in the lower half.
@@ -86,7 +86,7 @@ pub struct Past {
     head: Vec<u64>,
 }
 
-impl Order {
+impl SerialCounts {
     pub fn new(labels: &Labels) -> Self {
         Self { table: vec![0; 1 << (3 * labels.bits)], ..Self::default() }
     }
@@ -154,9 +154,9 @@ impl Order {
         Some([statistic, dof, chi_square_tail(dof, statistic)])
     }
 
-    /// The probability that the batches share out to the halves of an axis as evenly as they do, of the more even axis; `None`
-    /// with few batches.
-    pub fn evenness(&self) -> Option<f64> {
+    /// The probability that batches of independent samples have as equal a share in the lower half of an axis as these, of
+    /// the axis where it is smaller; `None` with few batches.
+    pub fn stratification(&self) -> Option<f64> {
         const FEWEST: u64 = 8;
         let [batches, samples, squares] = self.batches;
         // Of B batches of n samples, Σ (L − qn)²/(nq(1 − q)) is chi-square distributed with B − 1 degrees of freedom.
@@ -166,8 +166,8 @@ impl Order {
             let variance = q * (1.0 - q) * samples as f64 / batches as f64;
             (variance > 1.0).then(|| chi_square_below((batches - 1) as f64, spread / variance))
         };
-        let even = (batches >= FEWEST).then(|| self.lower.into_iter().filter_map(of_axis))?;
-        even.min_by(f64::total_cmp)
+        let of_axes = (batches >= FEWEST).then(|| self.lower.into_iter().filter_map(of_axis))?;
+        of_axes.min_by(f64::total_cmp)
     }
 
     /// The number of batches that begin with the same samples as another.

@@ -13,7 +13,7 @@ const QUANTILE_BITS: u32 = 4;
 /// The relative error of coordinates in single precision.
 const ROUNDING: f64 = f32::EPSILON as f64;
 
-/// One axis of the chart in 2ʲ parts: about equally many pilot samples in each of the first 16, which are cut evenly.
+/// One axis of the chart in 2ʲ parts: about equally many pilot samples in each of the first 16, which are cut into equal parts.
 #[derive(Debug, Clone)]
 pub struct Axis {
     bits: u32,
@@ -76,7 +76,7 @@ impl Axis {
 }
 
 /// The share of pairs of sorted values that are equal, or equal up to rounding of f32: that are nearer than they would be
-/// if values were spread as evenly as over sixteen times this distance.
+/// if values were spread uniformly over sixteen times this distance.
 fn coincidence(values: &[f64]) -> f64 {
     const WIDER: f64 = 16.0;
     let near = |distance: f64| {
@@ -91,9 +91,9 @@ fn coincidence(values: &[f64]) -> f64 {
         pairs as f64
     };
     let (equal, narrow) = (near(0.0), near(2.0 * ROUNDING));
-    let even = (near(2.0 * WIDER * ROUNDING) - narrow) / (WIDER - 1.0);
+    let uniform = (near(2.0 * WIDER * ROUNDING) - narrow) / (WIDER - 1.0);
     // Three standard deviations are chance.
-    let rounded = narrow - even - 3.0 * (narrow + even).sqrt();
+    let rounded = narrow - uniform - 3.0 * (narrow + uniform).sqrt();
     let n = values.len() as f64;
     equal.max(rounded) / (0.5 * n * (n - 1.0)).max(1.0)
 }
@@ -105,12 +105,12 @@ pub fn subdivided(ends: &[f64], parts: usize) -> Vec<f64> {
     ends.windows(2).flat_map(within).chain(ends.last().copied()).collect()
 }
 
-/// The axes of the chart and the cells of a grid in fine parts.
+/// The axes of the chart and the cells of a grid in subdivision parts.
 ///
 /// The parts of a cell are numbered such that numbers 2i and 2i + 1 are halves of one rectangle at every level: first along
 /// the second axis, then, of the rectangles that these make, along the first.
 #[derive(Debug, Clone)]
-pub struct Fine<'a> {
+pub struct Subdivision<'a> {
     pub grid: &'a Grid,
     /// One for a line, two for a plane.
     pub axes: Vec<Axis>,
@@ -120,7 +120,7 @@ pub struct Fine<'a> {
     cells: Vec<[[f64; 2]; 2]>,
 }
 
-impl<'a> Fine<'a> {
+impl<'a> Subdivision<'a> {
     /// The cells as they are, and no axes.
     pub fn coarse(grid: &'a Grid) -> Self {
         Self { grid, axes: Vec::new(), depth: 0, cells: Vec::new() }
@@ -189,9 +189,9 @@ pub struct Parts<T> {
 
 impl<T: Clone + Default> Parts<T> {
     /// Zeros.
-    pub fn new(fine: &Fine) -> Self {
-        let axes = fine.axes.iter().map(|axis| vec![T::default(); 1 << axis.bits]).collect();
-        Self { axes, cells: vec![T::default(); fine.len()] }
+    pub fn new(subdivision: &Subdivision) -> Self {
+        let axes = subdivision.axes.iter().map(|axis| vec![T::default(); 1 << axis.bits]).collect();
+        Self { axes, cells: vec![T::default(); subdivision.len()] }
     }
 }
 
@@ -213,21 +213,21 @@ mod tests {
         let places: Vec<[f64; 2]> =
             (0..4096u32).map(|i| [(f64::from(i) / 4096.0).powi(3), f64::from(i * 2531 % 4096) / 4096.0]).collect();
         let grid = Grid::adapted(&places, [5, 7], Cell::WHOLE, None);
-        let fine = Fine::new(&grid, true, &places, 1 << 18);
-        assert_eq!((fine.depth, fine.axes[0].bits()), (3, 12));
+        let subdivision = Subdivision::new(&grid, true, &places, 1 << 18);
+        assert_eq!((subdivision.depth, subdivision.axes[0].bits()), (3, 12));
         for axis in 0..2 {
-            let ends = fine.axes[axis].ends();
+            let ends = subdivision.axes[axis].ends();
             assert!(places.iter().map(|at| at[axis]).all(|at| {
-                let part = fine.axes[axis].find(at);
+                let part = subdivision.axes[axis].find(at);
                 ends[part] <= at + 1e-15 && at <= ends[part + 1] + 1e-15
             }));
         }
         // Numbers 2i and 2i + 1 differ in the last column bit only.
-        let at = |x, y| fine.part(3, [x, y]);
+        let at = |x, y| subdivision.part(3, [x, y]);
         assert_eq!((at(0, 0), at(0, 1), at(1, 0), at(7, 7)), (192, 193, 194, 255));
         let cell = grid.cells().nth(3).unwrap();
         let middle = [0.5 * (cell.x[0] + cell.x[1]), cell.y[0]];
-        assert_eq!(fine.find(3, middle), at(4, 0));
+        assert_eq!(subdivision.find(3, middle), at(4, 0));
     }
 
     #[test]

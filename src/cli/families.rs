@@ -1,0 +1,64 @@
+//! Families of BSDFs: of this program by their names, or of another program; and their list.
+
+use super::console::Console;
+use super::program::ExternalBsdf;
+use crate::error::{Error, Result};
+use crate::study::sweep::Families;
+use crate::study::validation::families;
+use etalon_stats::bsdf::{Family, Parameter};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The family of the program, or those of this program that are named, or all.
+pub fn families(external: &ExternalBsdf, names: &[String]) -> Result<Families> {
+    external.check_no_names(names)?;
+    match external.start()? {
+        Some(program) => Ok(vec![Box::new(program)]),
+        None => chosen(names),
+    }
+}
+
+/// The families of these names, or all.
+fn chosen(names: &[String]) -> Result<Families> {
+    let known: Vec<String> = families::all().iter().map(|family| Family::name(family).to_owned()).collect();
+    for (i, name) in names.iter().enumerate() {
+        if !known.contains(name) {
+            return Err(Error::parameter("names", format!("there is no family \"{name}\""))
+                .with_hint(format!("the families: {}", known.join(", "))));
+        }
+        if names[..i].contains(name) {
+            return Err(Error::parameter("names", format!("{name} is given twice")).with_hint("give each family once"));
+        }
+    }
+    let is_chosen =
+        |family: &families::Family| names.is_empty() || names.iter().any(|name| name == Family::name(family));
+    let chosen = families::all().into_iter().filter(is_chosen);
+    Ok(chosen.map(|family| Box::new(family) as Box<dyn Family>).collect())
+}
+
+/// Prints the families with their parameters: default value and range of each.
+pub fn list(families: &Families, console: &Console) {
+    #[derive(Serialize)]
+    struct Line {
+        name: String,
+        /// Name, default value and range.
+        parameters: Vec<(String, f64, [f64; 2])>,
+    }
+    let parameter = |Parameter { name, value, range }: Parameter| (name, value, range);
+    let line = |family: &dyn Family| Line {
+        name: family.name().to_owned(),
+        parameters: family.parameters().into_iter().map(parameter).collect(),
+    };
+    let lines: Vec<Line> = families.iter().map(|family| line(&**family)).collect();
+    console.result(&BTreeMap::from([("families", &lines)]), || {
+        let text = |line: &Line| {
+            let short = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
+            let of = |(name, value, [from, to]): &(String, f64, [f64; 2])| {
+                format!("{name} = {value} ({} to {})", short(*from), short(*to))
+            };
+            let parameters: Vec<String> = line.parameters.iter().map(of).collect();
+            format!("{:<22} {}\n", line.name, parameters.join(", "))
+        };
+        lines.iter().map(text).collect()
+    });
+}
