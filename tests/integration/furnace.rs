@@ -35,7 +35,7 @@ fn a_table_has_its_columns_and_files() {
 fn what_is_too_coarse_or_makes_no_sense_has_its_exit_code() {
     let folder = tempdir().unwrap();
     let code = |args: &[&str]| etalon(folder.path(), &[&["furnace"][..], args].concat());
-    // 2²⁰ points leave an error of 6·10⁻⁶.
+    // 2²² points leave an error of 1.5·10⁻⁶.
     assert_eq!(code(&["diffuse", "--size", "1x1", "--error", "1e-7"]).code, 3);
     for (bad, message) in [
         (&["difuse"][..], "there is no BSDF \"difuse\""),
