@@ -54,7 +54,9 @@ impl Albedo {
             Basis::Certified(_) | Basis::Exceeded { .. } => {
                 self.error[channel] * (1.0 + (tests as f64).ln() / (2.0 / RISK).ln())
             }
-            Basis::Normal(freedom) => self.error[channel] * student(RISK / tests as f64, freedom) / student(RISK, freedom),
+            Basis::Normal(freedom) => {
+                self.error[channel] * student(RISK / tests as f64, freedom) / student(RISK, freedom)
+            }
         }
     }
 }
@@ -74,7 +76,7 @@ fn student(risk: f64, freedom: f64) -> f64 {
 /// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
 /// Polynomials on rectangles of the unit square approximate it. The mean difference between the weight and the polynomials
 /// is measured at independent random points, in proportion to area and to what the polynomials miss, and added to their integral. Weights lie
-/// between 0 and a bound; so [`MeanBySquares`] bounds the error of this mean without an assumption on the distribution of the differences: a lobe
+/// between 0 and a bound; so an empirical Bernstein inequality bounds the error of this mean without an assumption on the distribution of the differences: a lobe
 /// that hides between the nodes is found by the points as often as it is sampled.
 ///
 /// If no bound is declared, the mean is taken to have a normal distribution. BSDFs without such a map are averaged over a

@@ -37,7 +37,8 @@ impl Piece {
         let fit = |[low, middle, high]: [f64; 3]| {
             [middle, 0.5 * (high - low) / NODE, 0.5 * (high + low - 2.0 * middle) / (NODE * NODE)]
         };
-        let along_y: [[f64; 3]; 3] = std::array::from_fn(|i| fit([values[3 * i], values[3 * i + 1], values[3 * i + 2]]));
+        let along_y: [[f64; 3]; 3] =
+            std::array::from_fn(|i| fit([values[3 * i], values[3 * i + 1], values[3 * i + 2]]));
         let columns: [[f64; 3]; 3] = std::array::from_fn(|j| fit([along_y[0][j], along_y[1][j], along_y[2][j]]));
         let coefficients = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
         let mean: f64 = (0..9).map(|k| WEIGHTS[k / 3] * WEIGHTS[k % 3] * values[k]).sum();
@@ -75,7 +76,7 @@ pub fn place(at: &Cell, [x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Rectangles that fill the unit square, cut until the mean distance between `function` and the polynomials is estimated to be `allowed`.
-pub fn pieces(allowed: f64, function: &mut dyn FnMut(&[[f64; 2]]) -> Result<Vec<f64>>) -> Result<Vec<Piece>> {
+pub fn pieces(allowed: f64, mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>) -> Result<Vec<Piece>> {
     let lines = LINES.windows(2).map(|ends| [ends[0], ends[1]]);
     let cells: Vec<Cell> = lines.clone().flat_map(|x| lines.clone().map(move |y| Cell { x, y })).collect();
     let mut values = function(&cells.iter().flat_map(Piece::nodes).collect::<Vec<_>>())?;

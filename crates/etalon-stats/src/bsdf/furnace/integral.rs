@@ -1,8 +1,8 @@
 //! The integral of a BSDF's weights over two random numbers, from polynomials and what random points find of the differences.
 
+use super::RISK;
 use super::control::{Piece, pieces, place};
 use super::mapped::Mapped;
-use super::RISK;
 use crate::bounded::MeanBySquares;
 use crate::error::{Result, poll};
 use rand::RngExt;
@@ -60,7 +60,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     // (0.8 + ψ(λ)q)/λ times as wide, where q is the mean square of the distances over the largest difference and the error, and
     // is 1 for λ = 0.93 and q = 0.075. Points that are chosen by the distances have the square of their mean over 1 − UNIFORM.
     let allowed = (0.075 * error * largest.unwrap_or(1.0) * (1.0 - UNIFORM) / UNIFORM).sqrt();
-    let pieces = pieces(allowed, &mut |points| weights.at(points))?;
+    let pieces = pieces(allowed, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
     let mut mean = if largest.is_some() { Mean::Bounded(MeanBySquares::default()) } else { Mean::NORMAL };
@@ -107,7 +107,8 @@ fn differences(
     let mut rng = weights.mapped.subject.random(0x11, round);
     let numbers = || counts.iter().enumerate().flat_map(|(number, &count)| std::iter::repeat_n(number, count as usize));
     let local: Vec<[f64; 2]> = numbers().map(|_| [0; 2].map(|_| 2.0 * rng.random::<f64>() - 1.0)).collect();
-    let places: Vec<[f64; 2]> = numbers().zip(&local).map(|(number, at)| place(&strata[number].piece.at, *at)).collect();
+    let places: Vec<[f64; 2]> =
+        numbers().zip(&local).map(|(number, at)| place(&strata[number].piece.at, *at)).collect();
     let mut sums = [0.0; 2];
     for ((number, at), value) in numbers().zip(local).zip(weights.at(&places)?) {
         let stratum = &mut strata[number];

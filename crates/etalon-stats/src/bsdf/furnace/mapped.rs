@@ -75,7 +75,11 @@ impl Mapped<'_> {
                         (0..3).for_each(|i| sum[i] += sample.lobe_probability * sample.weight[i] * eta2);
                     }
                     let passed = sample.lobe_probability;
-                    if unknown.none_below { unknown.to -= passed } else { unknown.from += passed }
+                    if unknown.none_below {
+                        unknown.to -= passed
+                    } else {
+                        unknown.from += passed
+                    }
                     (unknown.last, unknown.step) = (answer, STEP);
                 }
                 unknown.to - unknown.from > 2.0 * unknown.step

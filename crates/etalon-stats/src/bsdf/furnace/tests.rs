@@ -100,10 +100,18 @@ fn probabilities_of_lobes_that_are_rounded_do_not_count_a_lobe_twice() {
 #[test]
 fn kinks_edges_and_rare_large_weights_are_within_the_bound() {
     // Edges that no rectangle follows, a steep flank at the border, and weights of 1 in a share of 10⁻³ of the square.
-    let functions: [(fn([f64; 2]) -> f64, f64); 3] = [
+    type Function = fn([f64; 2]) -> f64;
+    let functions: [(Function, f64); 3] = [
         (|[u, v]| f64::from(u8::from(u * u + v * v < 1.0)), std::f64::consts::FRAC_PI_4),
         (|[u, _]| (-u / 0.002).exp(), 0.002 * (1.0 - (-500f64).exp())),
-        (|[u, v]| f64::from(u8::from(((40.0 * u).fract() - 0.3).hypot((40.0 * v).fract() - 0.7) < 1e-3f64.sqrt() * 0.564_19)), 1e-3),
+        (
+            |[u, v]| {
+                f64::from(u8::from(
+                    ((40.0 * u).fract() - 0.3).hypot((40.0 * v).fract() - 0.7) < 1e-3f64.sqrt() * 0.564_19,
+                ))
+            },
+            1e-3,
+        ),
     ];
     for (function, exact) in functions {
         let weight = move |_: usize, at: [f64; 2]| function(at);
