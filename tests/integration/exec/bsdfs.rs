@@ -128,7 +128,7 @@ fn a_furnace_tests_a_client() {
     );
     // Weights without the cosine create energy.
     let wrong = furnace(&format!("{command} wrong"));
-    assert!(wrong.code == 1 && wrong.stdout.contains("IMPOSSIBLE"), "{} {}", wrong.stdout, wrong.stderr);
+    assert!(wrong.code == 1 && wrong.stdout.contains("VIOLATIONS"), "{} {}", wrong.stdout, wrong.stderr);
     let sampler = furnace(&format!("python3 '{}'", example("sampler.py")));
     assert!(sampler.code == 2 && sampler.stderr.contains("no BSDFs"), "{}", sampler.stderr);
 }

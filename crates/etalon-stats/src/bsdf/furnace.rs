@@ -23,11 +23,11 @@ const PLACES: f64 = 64.0;
 pub enum Basis {
     /// On weights that are declared to be at most this.
     Certified(f64),
-    /// On nothing: a weight was larger than declared.
+    /// On nothing: a weight was negative or larger than declared.
     Exceeded {
         /// What is declared, with room for rounding.
         declared: f64,
-        /// The largest that was found.
+        /// The one that was found.
         found: f64,
     },
     /// On the assumption that the mean has a normal distribution, or Student's of so many degrees of freedom.
@@ -114,8 +114,9 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             None => {
                 let mut weights = Weights::new(&mapped, channel);
                 let integral = integral(&mut weights, largest, error)?;
-                if let Some(declared) = largest.filter(|largest| weights.most > *largest) {
-                    albedo.basis = Basis::Exceeded { declared, found: weights.most };
+                let [least, most] = weights.extremes;
+                if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {
+                    albedo.basis = Basis::Exceeded { declared, found: if least < 0.0 { least } else { most } };
                 }
                 equal.push(weights.equal);
                 integral

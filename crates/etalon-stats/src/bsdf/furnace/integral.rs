@@ -9,8 +9,10 @@ use rand::RngExt;
 
 /// Points at a time, so few that their samples stay in the cache.
 const BATCH: usize = 1 << 10;
-/// Random points that measure the error, after which it is stated as it is.
+/// Random points that measure the error, after which it is stated as it is: of weights with a bound, and of others, which may have no
+/// variance.
 const POINTS: f64 = (1u32 << 22) as f64;
+const UNBOUNDED_POINTS: f64 = (1u32 << 20) as f64;
 /// The fewest and the most of them in one round: enough to meet rare large weights, few enough for the memory.
 const FEWEST: f64 = (1u32 << 12) as f64;
 const MOST: f64 = (1u32 << 18) as f64;
@@ -26,14 +28,14 @@ pub struct Weights<'a> {
     channel: usize,
     /// The channels that had the same values everywhere.
     pub equal: [bool; 3],
-    /// The largest weight of any channel.
-    pub most: f64,
+    /// The smallest and the largest weight of any channel.
+    pub extremes: [f64; 2],
 }
 
 impl<'a> Weights<'a> {
     /// Of this channel.
     pub fn new(mapped: &'a Mapped<'a>, channel: usize) -> Self {
-        Self { mapped, channel, equal: [true; 3], most: 0.0 }
+        Self { mapped, channel, equal: [true; 3], extremes: [0.0; 2] }
     }
 
     fn at(&mut self, points: &[[f64; 2]]) -> Result<Vec<f64>> {
@@ -43,7 +45,8 @@ impl<'a> Weights<'a> {
             for weight in self.mapped.weights(points)? {
                 let value = weight[self.channel];
                 (0..3).for_each(|other| self.equal[other] &= weight[other] == value);
-                self.most = weight.into_iter().fold(self.most, f64::max);
+                let [least, most] = self.extremes;
+                self.extremes = [weight.into_iter().fold(least, f64::min), weight.into_iter().fold(most, f64::max)];
                 values.push(value);
             }
         }
@@ -64,9 +67,10 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
     let mut mean = if largest.is_some() { Mean::Bounded(MeanBySquares::default()) } else { Mean::NORMAL };
+    let most = if largest.is_some() { POINTS } else { UNBOUNDED_POINTS };
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
-        if result[1] <= error || used >= POINTS || !result[0].is_finite() {
+        if result[1] <= error || used >= most || !result[0].is_finite() {
             break;
         }
         let shares = shares(&strata);
