@@ -7,7 +7,7 @@ use super::program::ExternalBsdf;
 use super::values::setting;
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::albedo::{Request, Table, WEAK, albedo_table};
+use crate::study::albedo::{Request, Table, WEAK_FURNACE_TOLERANCE, albedo_table};
 use crate::study::validation::families;
 use crate::view::furnace as view;
 use clap::{ArgAction, Args};
@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 /// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
 #[derive(Args)]
 #[command(
-    after_help = "The directional albedo is the share of the power of uniform light that a surface scatters to the viewer; above 1 it \
-                  creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if an albedo is impossible, 3 if errors \
+    after_help = "The directional albedo is the radiance of a surface over that of uniform light from everywhere; above 1 the BSDF \
+                  creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if a BSDF contradicts what it declares or the weak furnace test fails, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx \
                   --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
@@ -38,7 +38,7 @@ pub struct Furnace {
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
     size: String,
-    /// The largest error of an albedo (default: 0.0001; 0.01 with --exec)
+    /// The error that each albedo should have at most (default: 0.0001; 0.01 with --exec)
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]
@@ -81,7 +81,7 @@ impl Furnace {
         let written = target.written(files);
         console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(text).collect());
         let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(is_wrong);
-        let is_coarse = |table: &Table| table.least_certain().is_some_and(|row| row.error > error);
+        let is_coarse = |table: &Table| table.with_largest_error().is_some_and(|row| row.error > error);
         Ok(if tables.iter().any(is_bad) {
             Verdict::Rejected
         } else if tables.iter().any(is_coarse) {
@@ -106,7 +106,7 @@ fn find<'a>(all: &'a [families::Family], name: &str) -> Result<&'a families::Fam
 
 /// Whether a deviation of the weak furnace test is an error; NaN is.
 fn is_wrong(deviation: f64) -> bool {
-    deviation.is_nan() || deviation > WEAK
+    deviation.is_nan() || deviation > WEAK_FURNACE_TOLERANCE
 }
 
 /// What a table says, in a few lines.
@@ -124,18 +124,20 @@ fn text(table: &Table) -> String {
         if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
     );
     for (name, row) in [("smallest", least), ("largest", most)] {
-        text += &format!("  {name} albedo   {:.5} ± {:.0e} {}\n", row.albedo, row.error, at(row));
+        text += &format!("  {name} albedo   {:.5} ± {:.1e} {}\n", row.albedo, row.error, at(row));
     }
-    if let Some(row) = table.least_certain() {
+    if let Some(row) = table.with_largest_error() {
         text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
     }
     for (basis, count) in table.bases() {
-        let of = if count == table.rows.len() { String::new() } else { format!(" of {count} cells") };
+        let of = if count == table.rows.len() { String::new() } else { format!(" of {count} albedos") };
         let confidence = format!("  confidence       99 % for each error{of}");
         text += &match basis {
             "certified" => format!("{confidence}, as no weight exceeds what the BSDF declares\n"),
             "exceeded" => {
-                format!("  {count} cells with WEIGHTS ABOVE what the BSDF declares: nothing is known of their errors\n")
+                format!(
+                    "  {count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors\n"
+                )
             }
             _ => format!("{confidence}, if means are normally distributed\n"),
         };
@@ -151,20 +153,20 @@ fn text(table: &Table) -> String {
         );
     }
     if let Some(weak) = table.weak_deviation() {
-        let verdict = if is_wrong(weak) {
-            "an ERROR of the distribution or of its masking"
-        } else {
-            "so masking belongs to the distribution"
-        };
-        text += &format!("  weak furnace     1 within {weak:.0e}: {verdict}\n");
+        let verdict =
+            if is_wrong(weak) { "D and G1 DO NOT BELONG TOGETHER" } else { "D and G1 belong together at these angles" };
+        text += &format!("  weak furnace     1 within {weak:.1e}: {verdict}\n");
     }
     text += &match table.violations() {
         0 if table.above_one() > 0 => {
-            format!("  {} albedos above 1, which this BSDF declares as possible", table.above_one())
+            format!(
+                "  {} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares",
+                table.above_one()
+            )
         }
         0 => "  no albedo contradicts what the BSDF declares".to_owned(),
         n => format!(
-            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, or weights above the largest"
+            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that are not finite"
         ),
     };
     text + &format!("; {:.1} s\n", table.seconds)

@@ -27,7 +27,7 @@ pub struct Request {
     pub seed: u64,
 }
 
-/// A directional albedo, the share of the power of uniform light that is scattered to `wo`. Field names are the CSV columns.
+/// A directional albedo: the radiance towards `wo` over that of uniform light. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Row {
     /// The angle of `wo` with the normal.
@@ -44,8 +44,8 @@ pub struct Row {
     pub basis: &'static str,
     /// The largest mean weight that the BSDF declares, with room for rounding.
     pub largest_weight: Option<f64>,
-    /// Whether the BSDF contradicts what it declares: an albedo above 1, or other than 1 if it conserves energy, or a weight above
-    /// the largest.
+    /// Whether the BSDF contradicts what it declares: an albedo above 1, or other than 1 if it conserves energy, a weight above the
+    /// largest, or a value that is not finite.
     pub is_violation: bool,
     /// The share that a metal loses because light which facets reflect more than once is not added: 1 minus the albedo
     /// for a Fresnel reflectance of 1.
@@ -86,7 +86,7 @@ impl Table {
 
     /// The row with the largest error.
     #[must_use]
-    pub fn least_certain(&self) -> Option<&Row> {
+    pub fn with_largest_error(&self) -> Option<&Row> {
         self.rows.iter().max_by(|a, b| a.error.total_cmp(&b.error))
     }
 
@@ -129,9 +129,9 @@ const GRAZING: f64 = 0.01;
 /// Rounding of single precision may change an albedo by so much.
 const ROUNDING: f64 = 1e-5;
 /// A weak furnace test further from 1 is an error of the distribution or of its masking.
-pub const WEAK: f64 = 1e-4;
+pub const WEAK_FURNACE_TOLERANCE: f64 = 1e-4;
 /// The loss by single scattering has this error: it explains an albedo, it does not judge it.
-const EXPLAINED: f64 = 1e-3;
+const LOSS_ERROR: f64 = 1e-3;
 
 /// Tabulates the albedo of a family. `facets` describes the microfacets of a BSDF with given parameters, where that is known.
 ///
@@ -233,7 +233,7 @@ fn cell(
     let found = directional_albedo(bsdf, wo, request.error, &protocol)?;
     let properties = bsdf.properties();
     let lossless = facets.as_ref().and_then(|facets| facets.lossless.as_ref());
-    let lost = lossless.map(|bsdf| directional_albedo(bsdf, wo, EXPLAINED, &protocol)).transpose()?;
+    let lost = lossless.map(|bsdf| directional_albedo(bsdf, wo, LOSS_ERROR, &protocol)).transpose()?;
     let lost_by_single_scattering = lost.map(|albedo| 1.0 - albedo.value[0]);
     // From below, the facets that are seen are those from above, turned over.
     let weak_furnace = facets.map(|facets| weak_furnace(&facets, [wo[0], wo[1], wo[2].abs()])).transpose()?;
@@ -330,8 +330,8 @@ mod tests {
         let ggx = table("ggx", &request([2, 2])).unwrap();
         let rough = ggx.rows.iter().find(|row| row.theta_deg == 0.0 && row.parameter == 1.0).unwrap();
         let lost = rough.lost_by_single_scattering.unwrap();
-        assert!((lost - std::f64::consts::LN_2).abs() < EXPLAINED, "{rough:?}");
-        assert!(ggx.weak_deviation().unwrap() < WEAK, "{:?}", ggx.weak_deviation());
+        assert!((lost - std::f64::consts::LN_2).abs() < LOSS_ERROR, "{rough:?}");
+        assert!(ggx.weak_deviation().unwrap() < WEAK_FURNACE_TOLERANCE, "{:?}", ggx.weak_deviation());
     }
 
     #[test]
@@ -373,7 +373,10 @@ mod tests {
         let wo = towards(60.0);
         let right = weak_furnace(&facets, wo).unwrap();
         let wrong = right * Ggx::new(0.45f64).g1(wo) / Ggx::new(0.5f64).g1(wo);
-        assert!((right - 1.0).abs() < WEAK && (wrong - 1.0).abs() > 10.0 * WEAK, "{right} {wrong}");
+        assert!(
+            (right - 1.0).abs() < WEAK_FURNACE_TOLERANCE && (wrong - 1.0).abs() > 10.0 * WEAK_FURNACE_TOLERANCE,
+            "{right} {wrong}"
+        );
     }
 
     #[test]

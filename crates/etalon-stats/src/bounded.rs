@@ -29,16 +29,17 @@ fn part(a: f64, b: f64) -> f64 {
     if a > 0.0 { a * (a / b).ln() } else { 0.0 }
 }
 
-/// A confidence interval of the expected value of means of independent numbers, which becomes narrower the smaller their squares
-/// are; no number may be below −`largest` or above `largest`.
+/// A confidence interval of a mean that is narrow where the squares of the numbers are small, in rounds. Given the rounds before,
+/// the numbers of a round are independent, their mean has the same expected value as that of every round, and none is below −`largest` or above
+/// `largest`; like the rate, `n` and `largest` are chosen before the numbers are known.
 ///
 /// For ξ ≥ −1 and a rate λ in \[0, 1), exp(λξ − ψ(λ)ξ²) ≤ 1 + λξ with ψ(λ) = −ln(1 − λ) − λ. So E exp(Σ λ(ξ − Eξ) − ψ(λ)ξ²) ≤ 1, and
-/// by Markov's inequality the exponent exceeds ln(1/risk) with probability `risk` at most. The same holds for −ξ. Rates may depend on what
-/// was added before, and the interval may be asked for after each addition: it holds at all times together. Source of the inequality: Fan, Grama &
+/// by Ville's inequality the exponent exceeds ln(1/risk) at any time with probability `risk` at most. The same holds for −ξ. So
+/// the interval may be asked for after each round. Source of the inequality: Fan, Grama &
 /// Liu, "Exponential Inequalities for Martingales with Applications", EJP 20, 2015; of confidence sequences by it: Waudby-Smith & Ramdas,
 /// "Estimating Means of Bounded Random Variables by Betting", JRSS B 86(1), 2024, theorem 2.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct MeanBySquares {
+pub struct EmpiricalBernstein {
     /// Σ λ n/largest.
     weight: f64,
     /// Σ λ x/largest.
@@ -52,7 +53,7 @@ fn psi(rate: f64) -> f64 {
     -(-rate).ln_1p() - rate
 }
 
-impl MeanBySquares {
+impl EmpiricalBernstein {
     /// Adds `n` numbers with this `sum` and sum of `squares`, at a `rate` that was chosen before they were known.
     pub fn add(&mut self, rate: f64, largest: f64, n: f64, [sum, squares]: [f64; 2]) {
         self.weight += rate * n / largest;
@@ -72,7 +73,7 @@ impl MeanBySquares {
     /// The rate that makes the interval narrowest after `n` more numbers with this mean `square`, and its half width.
     #[must_use]
     pub fn expect(&self, n: f64, largest: f64, square: f64, risk: f64) -> [f64; 2] {
-        /// With this rate the width is within 1 % of what none could better if all numbers are 0.
+        /// If all numbers are 0, the interval is 1 % wider than at the rate 1.
         const LARGEST_RATE: f64 = 0.99;
         let square = square / (largest * largest);
         let width = |rate: f64| {
@@ -125,16 +126,16 @@ mod tests {
     #[test]
     fn intervals_by_squares_are_those_computed_by_hand() {
         // Of n zeros: ln(2/risk)/(λ n) times the largest number.
-        let mut zeros = MeanBySquares::default();
+        let mut zeros = EmpiricalBernstein::default();
         assert_eq!(zeros.interval(0.02)[1], f64::INFINITY);
         zeros.add(0.5, 3.0, 1000.0, [0.0; 2]);
         let [mean, half] = zeros.interval(0.02);
         assert!(mean == 0.0 && (half - 3.0 * 100f64.ln() / 500.0).abs() < 1e-12);
         // Of many numbers of variance σ² and small rates: σ √(2 ln(2/risk)/n), as of the normal distribution's tails.
         let (n, variance) = (1e8, 1e-2);
-        let [rate, half] = MeanBySquares::default().expect(n, 1.0, variance, 0.02);
+        let [rate, half] = EmpiricalBernstein::default().expect(n, 1.0, variance, 0.02);
         assert!((half / (2.0 * variance * 100f64.ln() / n).sqrt() - 1.0).abs() < 0.01, "{rate} {half}");
-        let mut sum = MeanBySquares::default();
+        let mut sum = EmpiricalBernstein::default();
         sum.add(rate, 1.0, n, [0.0, n * variance]);
         assert!((sum.interval(0.02)[1] / half - 1.0).abs() < 1e-9);
     }
@@ -145,7 +146,7 @@ mod tests {
         let (rate, small, runs) = (2e-3, -1e-3, 2000);
         let exact = rate + (1.0 - rate) * small;
         let missed = (0..runs).filter(|&run| {
-            let (mut interval, mut square) = (MeanBySquares::default(), 1e-3);
+            let (mut interval, mut square) = (EmpiricalBernstein::default(), 1e-3);
             (0..10).any(|round| {
                 let numbers = (0..200).map(|i| {
                     let u = Independent::new(11, run, 200 * round + i).pair(0)[0];

@@ -24,7 +24,7 @@ pub struct Facets {
     pub distribution: Distribution,
     /// Its widths along x and y.
     pub alpha: [f64; 2],
-    /// The same surface with a Fresnel reflectance of 1, if it is a metal.
+    /// The same surface with a Fresnel reflectance of 1, if it is a metal of single scattering.
     pub lossless: Option<Scattering>,
 }
 
@@ -40,7 +40,8 @@ impl Family {
         match self.material(values) {
             Material::Conductor(metal) if metal.alpha[0].min(metal.alpha[1]) >= SMOOTH_ALPHA => {
                 let lossless = Material::Conductor(Conductor { eta: Rgb::ZERO, k: Rgb::ONE, ..metal });
-                let lossless = Some(Scattering::new(&lossless, self.model, self.energy));
+                let lossless =
+                    (!metal.multiple_scattering).then(|| Scattering::new(&lossless, self.model, self.energy));
                 Some(Facets { distribution: metal.distribution, alpha: wide(metal.alpha), lossless })
             }
             Material::Dielectric(glass) if !glass.is_smooth() => {

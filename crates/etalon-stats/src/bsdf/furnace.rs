@@ -6,7 +6,7 @@ use super::subject::Subject;
 use crate::error::Result;
 use crate::examine::Protocol;
 use integral::{Weights, integral};
-use mapped::Mapped;
+use mapped::{Mapped, UNSEEN};
 use sequence::by_sequence;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -34,7 +34,7 @@ pub enum Basis {
     Normal(f64),
 }
 
-/// A directional albedo: the share of the power of uniform light that is scattered to `wo`, per channel.
+/// A directional albedo: the radiance towards `wo` over that of uniform light from everywhere, per channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Albedo {
     /// The estimate.
@@ -123,7 +123,12 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             }
         };
         albedo.value[channel] = value + of_deltas(subject, channel);
-        albedo.error[channel] = bound.max(PLACES * precision * albedo.value[channel].abs());
+        // What lies between the lobes' intervals is not asked for.
+        let unseen = largest.unwrap_or(1.0) * UNSEEN;
+        albedo.error[channel] = bound + unseen + PLACES * precision * albedo.value[channel].abs();
+    }
+    if matches!(albedo.basis, Basis::Exceeded { .. }) {
+        albedo.error = [f64::INFINITY; 3];
     }
     Ok(albedo)
 }

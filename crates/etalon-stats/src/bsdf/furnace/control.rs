@@ -21,7 +21,7 @@ pub struct Piece {
     coefficients: [[f64; 3]; 3],
     /// The integral over the rectangle.
     pub integral: f64,
-    /// An estimate of the mean distance between the function and the polynomial.
+    /// An estimate of the root mean square of the difference between the function and the polynomial.
     pub distance: f64,
 }
 
@@ -75,7 +75,7 @@ pub fn place(at: &Cell, [x, y]: [f64; 2]) -> [f64; 2] {
     [along(at.x, x), along(at.y, y)]
 }
 
-/// Rectangles that fill the unit square, cut until the mean distance between `function` and the polynomials is estimated to be `allowed`.
+/// Rectangles that fill the unit square, cut until the estimated difference between `function` and the polynomials is `allowed` in the mean.
 pub fn pieces(allowed: f64, mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>) -> Result<Vec<Piece>> {
     let lines = LINES.windows(2).map(|ends| [ends[0], ends[1]]);
     let cells: Vec<Cell> = lines.clone().flat_map(|x| lines.clone().map(move |y| Cell { x, y })).collect();
@@ -93,7 +93,7 @@ pub fn pieces(allowed: f64, mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<
             pieces.into_iter().partition(|piece| piece.at.area() * piece.distance > most);
         pieces = small;
         if large.is_empty() {
-            // A value is no number.
+            // What remains is NaN.
             return Ok(pieces);
         }
         let quarters: Vec<Cell> = large.iter().flat_map(Piece::quarters).collect();

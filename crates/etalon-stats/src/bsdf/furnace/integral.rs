@@ -3,7 +3,7 @@
 use super::RISK;
 use super::control::{Piece, pieces, place};
 use super::mapped::Mapped;
-use crate::bounded::MeanBySquares;
+use crate::bounded::EmpiricalBernstein;
 use crate::error::{Result, poll};
 use rand::RngExt;
 
@@ -16,13 +16,13 @@ const UNBOUNDED_POINTS: f64 = (1u32 << 20) as f64;
 /// The fewest and the most of them in one round: enough to meet rare large weights, few enough for the memory.
 const FEWEST: f64 = (1u32 << 12) as f64;
 const MOST: f64 = (1u32 << 18) as f64;
-/// The share of the points that is distributed by what might hide between the nodes. The others go where the polynomials are known to
-/// differ from the weights.
-const UNIFORM: f64 = 7.0 / 8.0;
+/// The share of the points that is distributed by area times the largest possible difference. The others are distributed by area times the
+/// root mean square of the differences.
+const BY_LARGEST_DIFFERENCE: f64 = 7.0 / 8.0;
 /// Standard errors that a mean with a normal distribution exceeds with probability [`RISK`].
 const NORMAL: f64 = 2.575_829;
 
-/// The weights of one channel, and what was seen of all.
+/// The weights of one channel, with the extremes of all channels.
 pub struct Weights<'a> {
     mapped: &'a Mapped<'a>,
     channel: usize,
@@ -59,14 +59,15 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     if largest == Some(0.0) {
         return Ok([0.0; 2]);
     }
-    // With polynomials of this mean distance the bound takes a quarter more points than if they were exact: the interval is
-    // (0.8 + ψ(λ)q)/λ times as wide, where q is the mean square of the distances over the largest difference and the error, and
-    // is 1 for λ = 0.93 and q = 0.075. Points that are chosen by the distances have the square of their mean over 1 − UNIFORM.
-    let allowed = (0.075 * error * largest.unwrap_or(1.0) * (1.0 - UNIFORM) / UNIFORM).sqrt();
+    // A quarter more points than exact polynomials take, n = 1.25 b ln(2/r)/error for differences up to b, make the half width over the error
+    // (0.8 + ψ(λ) q)/λ, where q is their mean square over b · error. It is 1 for q = 0.075 at the best rate, λ = 0.93. The mean square
+    // is the square of the mean difference over 1 − BY_LARGEST_DIFFERENCE at most, and b is the largest weight over BY_LARGEST_DIFFERENCE.
+    let allowed =
+        (0.075 * error * largest.unwrap_or(1.0) * (1.0 - BY_LARGEST_DIFFERENCE) / BY_LARGEST_DIFFERENCE).sqrt();
     let pieces = pieces(allowed, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
-    let mut mean = if largest.is_some() { Mean::Bounded(MeanBySquares::default()) } else { Mean::NORMAL };
+    let mut mean = if largest.is_some() { Mean::Bounded(EmpiricalBernstein::default()) } else { Mean::NORMAL };
     let most = if largest.is_some() { POINTS } else { UNBOUNDED_POINTS };
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
@@ -128,7 +129,7 @@ fn differences(
 /// The mean of the differences so far.
 enum Mean {
     /// Of bounded ones.
-    Bounded(MeanBySquares),
+    Bounded(EmpiricalBernstein),
     /// Of others: their number, sum, and sum of squares.
     Normal { n: f64, sum: f64, squares: f64 },
 }
@@ -164,7 +165,7 @@ impl Mean {
 struct Stratum {
     piece: Piece,
     /// No distance is larger; 1 if none is known to be the largest.
-    reach: f64,
+    largest_difference: f64,
     /// Of the distances that were measured.
     squares: f64,
     count: f64,
@@ -173,7 +174,12 @@ struct Stratum {
 impl Stratum {
     fn new(piece: Piece, largest: Option<f64>) -> Self {
         let [low, high] = piece.range();
-        Self { piece, reach: largest.map_or(1.0, |largest| high.max(largest - low)), squares: 0.0, count: 0.0 }
+        Self {
+            piece,
+            largest_difference: largest.map_or(1.0, |largest| high.max(largest - low)),
+            squares: 0.0,
+            count: 0.0,
+        }
     }
 
     fn area(&self) -> f64 {
@@ -188,17 +194,21 @@ impl Stratum {
 
 /// The largest difference, as an estimate of the whole square's, of points with these shares in the strata.
 fn scale(strata: &[Stratum], shares: &[f64]) -> f64 {
-    strata.iter().zip(shares).map(|(stratum, share)| stratum.reach * stratum.area() / share).fold(0.0, f64::max)
+    strata
+        .iter()
+        .zip(shares)
+        .map(|(stratum, share)| stratum.largest_difference * stratum.area() / share)
+        .fold(0.0, f64::max)
 }
 
-/// The shares of the points that strata have: most by what they might hide, the others by what the polynomials are known to miss.
+/// The shares of the points that strata have.
 fn shares(strata: &[Stratum]) -> Vec<f64> {
-    let hidden: f64 = strata.iter().map(|stratum| stratum.area() * stratum.reach).sum();
+    let hidden: f64 = strata.iter().map(|stratum| stratum.area() * stratum.largest_difference).sum();
     let missed: f64 = strata.iter().map(|stratum| stratum.area() * stratum.distance()).sum();
     let share = |stratum: &Stratum| {
-        let hidden = stratum.reach / hidden;
+        let hidden = stratum.largest_difference / hidden;
         let missed = if missed > 0.0 { stratum.distance() / missed } else { hidden };
-        stratum.area() * (UNIFORM * hidden + (1.0 - UNIFORM) * missed)
+        stratum.area() * (BY_LARGEST_DIFFERENCE * hidden + (1.0 - BY_LARGEST_DIFFERENCE) * missed)
     };
     strata.iter().map(share).collect()
 }
