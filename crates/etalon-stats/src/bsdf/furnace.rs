@@ -105,6 +105,9 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
     let largest = largest_weight.map(|declared| declared * (1.0 + ROUNDING * precision.sqrt()));
     let basis = largest.map_or(Basis::Normal(f64::INFINITY), Basis::Certified);
     let mut albedo = Albedo { value: [0.0; 3], error: [0.0; 3], basis };
+    // Rounding, and what lies between the lobes' intervals, which is not asked for, have their part of the error.
+    let rest = largest.unwrap_or(1.0) * (UNSEEN + PLACES * precision);
+    let target = (error - rest).max(0.5 * error);
     let mapped = Mapped { subject, map };
     // For each channel those that have the same weights everywhere.
     let mut equal: Vec<[bool; 3]> = Vec::new();
@@ -113,7 +116,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             Some(other) => [albedo.value[other] - of_deltas(subject, other), albedo.error[other]],
             None => {
                 let mut weights = Weights::new(&mapped, channel);
-                let integral = integral(&mut weights, largest, error)?;
+                let integral = integral(&mut weights, largest, target)?;
                 let [least, most] = weights.extremes;
                 if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {
                     albedo.basis = Basis::Exceeded { declared, found: if least < 0.0 { least } else { most } };
@@ -123,9 +126,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             }
         };
         albedo.value[channel] = value + of_deltas(subject, channel);
-        // What lies between the lobes' intervals is not asked for.
-        let unseen = largest.unwrap_or(1.0) * UNSEEN;
-        albedo.error[channel] = bound + unseen + PLACES * precision * albedo.value[channel].abs();
+        albedo.error[channel] = bound + rest;
     }
     if matches!(albedo.basis, Basis::Exceeded { .. }) {
         albedo.error = [f64::INFINITY; 3];
