@@ -14,6 +14,13 @@ impl Cell {
     /// The whole chart.
     pub const WHOLE: Self = Self { x: [0.0, 1.0], y: [0.0, 1.0] };
 
+    /// The place in it at coordinates from −1 to 1.
+    #[inline]
+    pub(crate) fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let along = |[from, to]: [f64; 2], v: f64| 0.5 * (from + to) + 0.5 * (to - from) * v;
+        [along(self.x, x), along(self.y, y)]
+    }
+
     /// Its area in the chart: the share of the domain's measure.
     #[must_use]
     pub fn area(&self) -> f64 {

@@ -109,11 +109,12 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
     let rest = largest.unwrap_or(1.0) * (UNSEEN + PLACES * precision);
     let target = (error - rest).max(0.5 * error);
     let mapped = Mapped { subject, map };
-    // For each channel those that have the same weights everywhere.
-    let mut equal: Vec<[bool; 3]> = Vec::new();
+    // Integrals, and the channels that have the same weights everywhere.
+    let mut known: Vec<([f64; 2], [bool; 3])> = Vec::new();
     for channel in 0..channels {
-        let [value, bound] = match equal.iter().position(|equal| equal[channel]) {
-            Some(other) => [albedo.value[other] - of_deltas(subject, other), albedo.error[other]],
+        let same = known.iter().find(|(_, equal)| equal[channel]).map(|(integral, _)| *integral);
+        let [value, bound] = match same {
+            Some(integral) => integral,
             None => {
                 let mut weights = Weights::new(&mapped, channel);
                 let integral = integral(&mut weights, largest, target)?;
@@ -121,7 +122,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
                 if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {
                     albedo.basis = Basis::Exceeded { declared, found: if least < 0.0 { least } else { most } };
                 }
-                equal.push(weights.equal);
+                known.push((integral, weights.equal));
                 integral
             }
         };

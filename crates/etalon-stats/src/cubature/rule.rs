@@ -30,10 +30,9 @@ pub(super) const RULE: [(f64, f64, f64); KRONROD] = {
 /// The nodes in a rectangle, row by row; on a line those with y = ½.
 #[inline]
 pub(super) fn nodes(at: &Cell, plane: bool) -> impl Iterator<Item = [f64; 2]> {
-    let place = |[from, to]: [f64; 2], node: f64| 0.5 * (from + to) + 0.5 * (to - from) * node;
-    let (x, y) = (at.x, at.y);
+    let at = *at;
     let columns = if plane { &RULE[..] } else { &RULE[KRONROD / 2..=KRONROD / 2] };
-    RULE.iter().flat_map(move |(u, ..)| columns.iter().map(move |(v, ..)| [place(x, *u), place(y, *v)]))
+    RULE.iter().flat_map(move |(u, ..)| columns.iter().map(move |(v, ..)| at.place([*u, *v])))
 }
 
 /// Sums over \[−1, 1\]²: Kronrod's rule along both axes; Gauss's along x; Gauss's along y.

@@ -28,7 +28,7 @@ pub struct Piece {
 impl Piece {
     /// The places of the nodes.
     fn nodes(at: &Cell) -> impl Iterator<Item = [f64; 2]> {
-        NODES.into_iter().flat_map(|x| NODES.map(|y| place(at, [x, y])))
+        NODES.into_iter().flat_map(|x| NODES.map(|y| at.place([x, y])))
     }
 
     /// From the values at the nodes.
@@ -61,18 +61,11 @@ impl Piece {
 
     /// Its quarters.
     fn quarters(&self) -> [Cell; 4] {
-        let [mx, my] = place(&self.at, [0.0; 2]);
+        let [mx, my] = self.at.place([0.0; 2]);
         let Cell { x: [x0, x1], y: [y0, y1] } = self.at;
         [[[x0, mx], [y0, my]], [[x0, mx], [my, y1]], [[mx, x1], [y0, my]], [[mx, x1], [my, y1]]]
             .map(|[x, y]| Cell { x, y })
     }
-}
-
-/// The place in a rectangle at coordinates from −1 to 1.
-#[inline]
-pub fn place(at: &Cell, [x, y]: [f64; 2]) -> [f64; 2] {
-    let along = |[from, to]: [f64; 2], v: f64| 0.5 * (from + to) + 0.5 * (to - from) * v;
-    [along(at.x, x), along(at.y, y)]
 }
 
 /// Rectangles that fill the unit square, cut until the estimated difference between `function` and the polynomials is `allowed` in the mean.
@@ -135,7 +128,7 @@ mod tests {
         for piece in &pieces {
             for local in [[-1.0, 1.0], [0.3, -0.2], [1.0, 1.0]] {
                 let value = piece.value(local);
-                assert!((value - function(place(&piece.at, local))).abs() < 1e-12);
+                assert!((value - function(piece.at.place(local))).abs() < 1e-12);
                 let [low, high] = piece.range();
                 assert!(low <= value + 1e-12 && value <= high + 1e-12);
             }

@@ -1,8 +1,8 @@
 //! The integral of a BSDF's weights over two random numbers, from polynomials and what random points find of the differences.
 
-use super::RISK;
-use super::control::{Piece, pieces, place};
+use super::control::{Piece, pieces};
 use super::mapped::Mapped;
+use super::{RISK, student};
 use crate::bounded::EmpiricalBernstein;
 use crate::error::{Result, poll};
 use rand::RngExt;
@@ -19,8 +19,6 @@ const MOST: f64 = (1u32 << 18) as f64;
 /// The share of the points that is distributed by area times the largest possible difference. The others are distributed by area times the
 /// root mean square of the differences.
 const BY_LARGEST_DIFFERENCE: f64 = 7.0 / 8.0;
-/// Standard errors that a mean with a normal distribution exceeds with probability [`RISK`].
-const NORMAL: f64 = 2.575_829;
 
 /// The weights of one channel, with the extremes of all channels.
 pub struct Weights<'a> {
@@ -67,8 +65,10 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     let pieces = pieces(allowed, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
-    let mut mean = if largest.is_some() { Mean::Bounded(EmpiricalBernstein::default()) } else { Mean::NORMAL };
-    let most = if largest.is_some() { POINTS } else { UNBOUNDED_POINTS };
+    let (mut mean, most) = match largest {
+        Some(_) => (Mean::Bounded(EmpiricalBernstein::default()), POINTS),
+        None => (Mean::Normal { n: 0.0, sum: 0.0, squares: 0.0 }, UNBOUNDED_POINTS),
+    };
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
         if result[1] <= error || used >= most || !result[0].is_finite() {
@@ -112,8 +112,7 @@ fn differences(
     let mut rng = weights.mapped.subject.random(0x11, round);
     let numbers = || counts.iter().enumerate().flat_map(|(number, &count)| std::iter::repeat_n(number, count as usize));
     let local: Vec<[f64; 2]> = numbers().map(|_| [0; 2].map(|_| 2.0 * rng.random::<f64>() - 1.0)).collect();
-    let places: Vec<[f64; 2]> =
-        numbers().zip(&local).map(|(number, at)| place(&strata[number].piece.at, *at)).collect();
+    let places: Vec<[f64; 2]> = numbers().zip(&local).map(|(number, at)| strata[number].piece.at.place(*at)).collect();
     let mut sums = [0.0; 2];
     for ((number, at), value) in numbers().zip(local).zip(weights.at(&places)?) {
         let stratum = &mut strata[number];
@@ -135,13 +134,11 @@ enum Mean {
 }
 
 impl Mean {
-    const NORMAL: Self = Self::Normal { n: 0.0, sum: 0.0, squares: 0.0 };
-
     /// A rate for `n` more differences up to `scale` of this mean `square`, and the bound after them.
     fn expect(&self, more: f64, scale: f64, square: f64) -> [f64; 2] {
         match self {
             Self::Bounded(mean) => mean.expect(more, scale, square, RISK),
-            Self::Normal { n, squares, .. } => [0.0, NORMAL * (squares + more * square).sqrt() / (n + more)],
+            Self::Normal { n, squares, .. } => [0.0, quantile() * (squares + more * square).sqrt() / (n + more)],
         }
     }
 
@@ -156,9 +153,14 @@ impl Mean {
     fn interval(&self) -> [f64; 2] {
         match self {
             Self::Bounded(mean) => mean.interval(RISK),
-            Self::Normal { n, sum, squares } => [sum / n, NORMAL * squares.sqrt() / n],
+            Self::Normal { n, sum, squares } => [sum / n, quantile() * squares.sqrt() / n],
         }
     }
+}
+
+/// Standard errors that a mean with a normal distribution exceeds with probability [`RISK`].
+fn quantile() -> f64 {
+    student(RISK, f64::INFINITY)
 }
 
 /// A rectangle with what is known of the distances between the weights and its polynomial.

@@ -37,8 +37,8 @@ impl Mapped<'_> {
     /// The weight at each pair of random numbers, averaged over the third, without delta lobes; infinite if lobes remain unknown.
     ///
     /// The third number chooses the lobe. Starting at 0, each sample advances it by the probability of its lobe. At a number without a
-    /// sample it goes on from 1 downwards, and ends where that has no sample either: between two such ends there are no lobes. A probability that was computed
-    /// with other roundings than the choice may end before the interval: then the same sample is met again.
+    /// sample it goes on from 1 downwards, and ends where that has no sample either: between two such ends there are no lobes. A
+    /// probability that was computed with other roundings than the choice may end before the interval: then the same sample is met again.
     pub fn weights(&self, points: &[[f64; 2]]) -> Result<Vec<Spectrum>> {
         let dimension = self.subject.properties.dimension;
         let choice = (0..3).find(|axis| !self.map.contains(axis)).unwrap_or(2);
@@ -67,8 +67,8 @@ impl Mapped<'_> {
                     // Once from below, once from above.
                     return !std::mem::replace(&mut unknown.from_above, true);
                 };
-                let answer = Some((sample.lobe, sample.wi));
-                if unknown.last == answer && unknown.step < LARGEST_STEP {
+                let met = Some((sample.lobe, sample.wi));
+                if unknown.last == met && unknown.step < LARGEST_STEP {
                     unknown.step *= STEP_FACTOR;
                 } else {
                     if !sample.is_delta() {
@@ -82,7 +82,7 @@ impl Mapped<'_> {
                     } else {
                         unknown.from += passed
                     }
-                    (unknown.last, unknown.step) = (answer, STEP);
+                    (unknown.last, unknown.step) = (met, STEP);
                 }
                 unknown.to - unknown.from > 2.0 * unknown.step
             });
