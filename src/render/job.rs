@@ -1,5 +1,6 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
+use super::adaptive::{MOST_PATHS, PILOT, PathCounts, Pilot, UNIFORM};
 use super::film::{Dropped, Film, Part, PathClasses, Row, Splat};
 use super::fingerprint;
 use super::kernel::{Buffers, LightPathBuffers, Radiance, trace, trace_light_paths};
@@ -15,8 +16,10 @@ use crate::interrupt;
 use crate::math::Rgb;
 use crate::memory;
 use crate::raster::{Image, Metadata};
+use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene};
 use std::ops::Range;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// Follows a render and may stop it.
@@ -24,7 +27,8 @@ pub trait Control: Sync {
     /// Called now and then, from any thread, with the number of camera samples done since the last call.
     fn done(&self, samples: u64);
 
-    /// Whether the render should end as soon as possible; the samples so far are kept.
+    /// Whether the render should end as soon as possible; the samples so far are kept. Once true, it stays so until the render
+    /// has ended.
     fn stop(&self) -> bool {
         false
     }
@@ -41,13 +45,30 @@ impl Control for Silent {
     }
 }
 
+/// Passes on when to stop, and reports nothing.
+struct Quiet<'a>(&'a dyn Control);
+
+impl Control for Quiet<'_> {
+    fn done(&self, _samples: u64) {}
+
+    fn stop(&self) -> bool {
+        self.0.stop()
+    }
+}
+
 /// A scene made ready to be rendered.
 pub struct Job<'a> {
     pub(super) scene: PreparedScene<'a>,
     pub(super) settings: Settings,
     pub(super) lens: Lens,
+    /// How many paths the samples of each pixel have, after the pilot render.
+    counts: OnceLock<PathCounts>,
+    pilot: Mutex<Pilot>,
     start: Instant,
 }
+
+/// Most samples times light samples of a pixel of [`MOST_PATHS`]: the random sequences repeat after 2^32.
+const MOST_DRAWS: u64 = (1 << 32) / MOST_PATHS as u64;
 
 /// Samples per pixel in each pass over the image, so that a stopped render leaves a whole image.
 const ROUND: u32 = 64;
@@ -63,10 +84,14 @@ impl<'a> Job<'a> {
             return Err(Error::parameter("kernel", "the reference has no light tracing")
                 .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
         }
+        if settings.adaptive && u64::from(request.spp) * u64::from(request.light_samples) > MOST_DRAWS {
+            let message = format!("{} samples with up to {MOST_PATHS} paths each are too many", request.spp);
+            return Err(Error::parameter("spp", message).with_hint("render with `uniform`"));
+        }
         let start = Instant::now();
         let prepared = PreparedScene::new(scene, request, settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
-        Ok(Self { scene: prepared, settings: *settings, lens, start })
+        Ok(Self { scene: prepared, settings: *settings, lens, counts: OnceLock::new(), pilot: Mutex::default(), start })
     }
 
     /// An empty film for this render.
@@ -83,8 +108,9 @@ impl<'a> Job<'a> {
         let (classes, splats) =
             (classes.map_or(0, PathClasses::count), usize::from(self.scene.light_tracing.is_some()));
         let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
-        memory::request(width * height * (sums + (2 + classes) * size_of::<Rgb>()), || {
-            format!("the files of a film of {width}x{height} pixels")
+        let pilot = if self.settings.adaptive { PathCounts::BYTES } else { 0 };
+        memory::request(width * height * (pilot + sums + (2 + classes) * size_of::<Rgb>()), || {
+            format!("the pilot render and the files of a film of {width}x{height} pixels")
         })?;
         Ok(Part::new(film, spp, self.fingerprint(), metadata))
     }
@@ -115,7 +141,13 @@ impl<'a> Job<'a> {
             let round = start..(start + ROUND.min(samples.end - start));
             start = round.end;
             while let Some(task) = part.next(round.clone()) {
-                part.film.accumulate(|row| self.row(row, &|n| task.left(n), control));
+                let counts = if self.settings.adaptive && task.range().end > UNIFORM {
+                    let Some(counts) = self.path_counts(control) else { return };
+                    Some(counts)
+                } else {
+                    None
+                };
+                part.film.accumulate(|row| self.row(row, &|n| task.left(n), Pass::Image(counts), control));
                 if control.stop() {
                     return;
                 }
@@ -123,19 +155,37 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// How many paths the samples of each pixel have, from the pilot render, which `control` may stop.
+    fn path_counts(&self, control: &dyn Control) -> Option<&PathCounts> {
+        if self.counts.get().is_none() {
+            let Request { width, height, .. } = self.scene.request;
+            let mut pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+            pilot.render((width, height), |half, row| {
+                self.row(row, &|n| n..PILOT, Pass::Pilot(half), &Quiet(control));
+                !control.stop()
+            });
+            let counts = pilot.path_counts()?;
+            *pilot = Pilot::default();
+            self.counts.get_or_init(|| counts);
+        }
+        self.counts.get()
+    }
+
     /// Renders the samples that the pixels of a row still need.
-    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, control: &dyn Control) {
-        let mut batch = Batch::new(self);
+    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, pass: Pass, control: &dyn Control) {
+        let mut batch = Batch::new(self, pass);
         let mut done = 0;
         for x in 0..self.scene.request.width {
+            let pixel = self.pixel(row, x);
             for sample in left(row.samples(x)) {
-                batch.assign(self.pixel(row, x), x, sample);
-                if batch.count == LANES {
+                let (count, first) = pass.paths(pixel as usize, sample);
+                if batch.count + count as usize > LANES {
                     if control.stop() {
                         return batch.trace_light_paths(self, row, 1);
                     }
                     done += batch.trace(self, row);
                 }
+                batch.assign(pixel, x, sample, first..first + count);
             }
         }
         done += batch.trace(self, row);
@@ -149,18 +199,37 @@ impl<'a> Job<'a> {
     }
 }
 
+/// What samples are for.
+#[derive(Clone, Copy)]
+enum Pass<'a> {
+    /// For the image, with so many paths or one each.
+    Image(Option<&'a PathCounts>),
+    /// For one half of the pilot render: with random numbers of its own, and without light paths.
+    Pilot(u64),
+}
+
+impl Pass<'_> {
+    /// How many paths a sample of a pixel has, and the number of the first of them.
+    fn paths(self, pixel: usize, sample: u32) -> (u32, u32) {
+        match self {
+            Self::Image(Some(counts)) => counts.of(pixel, sample),
+            Self::Image(None) | Self::Pilot(_) => (1, sample),
+        }
+    }
+}
+
 /// Camera samples that are traced together, and the light paths that come with them.
 struct Batch<'a> {
-    /// The random numbers of the camera samples.
+    samples: Vec<Sample>,
+    /// The random numbers of the camera paths.
     numbers: SampleLanes,
-    /// How many camera samples are assigned.
+    /// How many camera paths are assigned.
     count: usize,
     /// The column of each.
     column: [u32; LANES],
-    /// The number of each in its pixel.
-    sample: [u32; LANES],
     radiance: Radiance,
     tracer: Tracer<'a>,
+    light_tracing: bool,
     /// The random numbers of the light paths.
     light_numbers: SampleLanes,
     /// Pixel and number of light paths still to be traced.
@@ -169,37 +238,55 @@ struct Batch<'a> {
     splats: Vec<Splat>,
 }
 
-/// The implementation that traces camera samples.
+/// A camera sample, the mean of some camera paths.
+struct Sample {
+    column: usize,
+    /// Its number in its pixel.
+    number: u32,
+    /// Of its paths.
+    slots: Range<usize>,
+}
+
+/// The implementation that traces camera paths.
 enum Tracer<'a> {
     Lanes(Box<Buffers>),
     Reference(Reference<'a>),
 }
 
 impl<'a> Batch<'a> {
-    fn new(job: &'a Job<'a>) -> Self {
-        let numbers = || SampleLanes::new(job.settings.stream, job.settings.seed);
+    fn new(job: &'a Job<'a>, pass: Pass) -> Self {
+        let Settings { stream, seed, .. } = job.settings;
+        let (seed, light_tracing) = match pass {
+            Pass::Image(_) => (seed, job.scene.light_tracing.is_some()),
+            Pass::Pilot(half) => (mix64(mix64(!seed) ^ half), false),
+        };
         Self {
-            numbers: numbers(),
+            samples: Vec::with_capacity(LANES),
+            numbers: SampleLanes::new(stream, seed),
             count: 0,
             column: [0; LANES],
-            sample: [0; LANES],
             radiance: Radiance::new(job.scene.classes),
             tracer: match job.settings.kernel {
                 Kernel::Lanes => Tracer::Lanes(Box::default()),
                 Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.lens)),
             },
-            light_numbers: numbers(),
+            light_tracing,
+            light_numbers: SampleLanes::new(stream, seed),
             waiting: Vec::new(),
             light_paths: LightPathBuffers::default(),
             splats: Vec::new(),
         }
     }
 
-    /// Adds a camera sample.
-    fn assign(&mut self, pixel: u64, column: usize, sample: u32) {
-        self.numbers.assign(self.count, pixel, sample);
-        (self.column[self.count], self.sample[self.count]) = (column as u32, sample);
-        self.count += 1;
+    /// Adds a camera sample, the mean of the paths of these numbers.
+    fn assign(&mut self, pixel: u64, column: usize, number: u32, paths: Range<u32>) {
+        let start = self.count;
+        for path in paths {
+            self.numbers.assign(self.count, pixel, path);
+            self.column[self.count] = column as u32;
+            self.count += 1;
+        }
+        self.samples.push(Sample { column, number, slots: start..self.count });
     }
 
     /// Traces the camera samples, adds them to the film, and returns their number.
@@ -219,18 +306,22 @@ impl<'a> Batch<'a> {
                 }
             }
         }
-        for slot in 0..count {
-            row.add(self.column[slot] as usize, at(&self.radiance.sum, slot), self.radiance.by_class(slot));
+        for sample in &self.samples {
+            let slots = sample.slots.clone();
+            let paths = slots.map(|slot| (at(&self.radiance.sum, slot), self.radiance.by_class(slot)));
+            row.add_paths(sample.column, paths);
         }
-        if job.scene.light_tracing.is_some() {
-            for slot in 0..count {
-                let pixel = job.pixel(row, self.column[slot] as usize);
-                let path = LightTracing::path(job.settings.seed, pixel, self.sample[slot]);
+        if self.light_tracing {
+            for sample in &self.samples {
+                let pixel = job.pixel(row, sample.column);
+                let path = LightTracing::path(job.settings.seed, pixel, sample.number);
                 self.waiting.extend(path.map(|number| (pixel, number)));
             }
             self.trace_light_paths(job, row, LANES);
         }
-        count as u64
+        let samples = self.samples.len() as u64;
+        self.samples.clear();
+        samples
     }
 
     /// Traces the light paths of the samples so far, in batches, while at least so many are waiting.

@@ -87,6 +87,8 @@ pub struct Settings {
     pub density: Option<MapSampling>,
     /// Models of scattering, and conventions.
     pub model: ScatterModel,
+    /// Average several paths in the samples of pixels with more noise than most.
+    pub adaptive: bool,
     /// Separate the light by path class, up to this many scatterings.
     pub paths: Option<u32>,
     /// Prepare and run everything, also what the scene does not need, for comparison.

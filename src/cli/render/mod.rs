@@ -58,6 +58,9 @@ pub struct Render {
     #[arg(long, default_value = "sobol",
           value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
     stream: StreamKind,
+    /// Trace one path for each sample of all pixels; by default, samples of pixels with more noise than most average several
+    #[arg(long)]
+    uniform: bool,
     #[command(flatten)]
     model: ModelArgs,
     /// Tone mapping of PNG and PPM (default: PNG as srgb, PPM linear, scaled by its maximum)
@@ -226,6 +229,7 @@ impl Render {
             density: self.light_density,
             stream: self.stream,
             seed,
+            adaptive: !self.uniform,
             model: self.model.model()?,
             paths: self.paths,
             general: self.general,
@@ -243,6 +247,7 @@ impl Render {
             .with("maxDepth", request.max_depth)
             .with("sampling", settings.sampling.name())
             .with("lightDensity", settings.map_sampling().density())
+            .with("adaptive", settings.adaptive)
             .with("stream", lower(settings.stream))
             .with("model", self.model.names())
             .with("fresnel", lower(settings.model.dielectric))

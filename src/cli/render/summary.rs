@@ -19,6 +19,8 @@ pub struct Summary<'a> {
     spp: u32,
     /// Samples that every pixel has.
     samples: u32,
+    /// Camera paths of a sample on average.
+    paths_per_sample: f64,
     light_samples: u32,
     max_depth: u32,
     /// Wall-clock time.
@@ -59,12 +61,14 @@ impl<'a> Summary<'a> {
             let light = self::mean(&layer, |v| v);
             PathClass { class, mean_rgb: light.to_array(), share: luminance(light) / luminance(mean) }
         });
+        let paths: u64 = film.pixels().iter().map(|pixel| u64::from(pixel.paths())).sum();
         Self {
             scene,
             width: film.width(),
             height: film.height(),
             spp: request.spp,
             samples: film.pixels().iter().map(|pixel| pixel.samples()).min().unwrap_or(0),
+            paths_per_sample: paths as f64 / part.count().max(1) as f64,
             light_samples: request.light_samples,
             max_depth: request.max_depth,
             seconds,
@@ -85,8 +89,12 @@ impl<'a> Summary<'a> {
             if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }
         };
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
+        let paths = match self.paths_per_sample {
+            1.0 => String::new(),
+            mean => format!(" of {mean:.2} paths"),
+        };
         let mut text = format!(
-            "{} {}x{}, {samples}{} per pixel, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
+            "{} {}x{}, {samples}{}{paths} per pixel, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
             self.scene,
             self.width,
             self.height,

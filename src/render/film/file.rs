@@ -4,6 +4,7 @@ use super::accumulate::Film;
 use super::classes::PathClasses;
 use super::dropped::Dropped;
 use super::part::Part;
+use super::pixel::Pixel;
 use super::ranges::Ranges;
 use super::sums::slots;
 use crate::error::{Error, Result};
@@ -109,9 +110,9 @@ impl Part {
             file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;
         film.dropped = dropped;
         let counts = ranges.samples()..=ranges.target();
-        if let Some(i) = film.pixels.iter().position(|p| !counts.contains(&p.n)) {
-            let (x, y, n) = (i % width, i / width, film.pixels[i].n);
-            return Err(Error::input(path, format!("pixel ({x}, {y}) has {n} samples, not {ranges}"))
+        if let Some(i) = film.pixels.iter().position(|p| !counts.contains(&p.n) || p.paths < p.n) {
+            let (x, y, Pixel { n, paths, .. }) = (i % width, i / width, film.pixels[i]);
+            return Err(Error::input(path, format!("pixel ({x}, {y}) has {n} samples of {paths} paths, not {ranges}"))
                 .with_hint("the file is damaged; render the part again"));
         }
         let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FIRST];

@@ -8,9 +8,11 @@ use crate::math::Rgb;
 pub struct Pixel {
     /// Number of samples.
     pub(super) n: u32,
-    /// Σ x per channel.
+    /// Number of their camera paths.
+    pub(super) paths: u32,
+    /// Σ x per channel, over the paths.
     pub(super) sum: [Fixed; 3],
-    /// Σ x² per channel.
+    /// Σ x² per channel, over the paths.
     pub(super) square: [Fixed; 3],
 }
 
@@ -22,35 +24,43 @@ impl Pixel {
         self.n
     }
 
-    /// Adds a sample whose components lie in [0, [`LIMIT`](super::fixed::LIMIT)).
+    /// How many camera paths its samples have had.
+    #[inline]
+    #[must_use]
+    pub fn paths(&self) -> u32 {
+        self.paths
+    }
+
+    /// Adds the light of a path, whose components lie in [0, [`LIMIT`](super::fixed::LIMIT)).
     #[inline]
     pub(super) fn add(&mut self, value: Rgb) {
-        self.n += 1;
+        self.paths += 1;
         for (c, v) in value.to_array().into_iter().enumerate() {
             self.sum[c] += Fixed::of(v);
             self.square[c] += Fixed::square_of(v);
         }
     }
 
-    /// Counts a sample that was dropped: it is black.
+    /// Counts a path whose light was dropped: it is black.
     #[inline]
     pub(super) fn add_black(&mut self) {
-        self.n += 1;
+        self.paths += 1;
     }
 
     /// Adds the samples of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.n = self.n.saturating_add(other.n);
+        self.paths = self.paths.saturating_add(other.paths);
         for c in 0..3 {
             self.sum[c] += other.sum[c];
             self.square[c] += other.square[c];
         }
     }
 
-    /// Σ/n, rounded to f64 and then to f32; black without a sample.
+    /// Σ/n for n paths, rounded to f64 and then to f32; black without a sample.
     #[must_use]
     pub fn mean(&self) -> Rgb {
-        mean(&self.sum, self.n)
+        mean(&self.sum, self.paths)
     }
 
     /// The standard error of the mean, √((Σ² - (Σ)²/n) / (n(n-1))), for each channel.
@@ -61,11 +71,11 @@ impl Pixel {
     #[must_use]
     pub fn standard_error(&self) -> Rgb {
         Rgb::from_array(std::array::from_fn(|c| {
-            if self.n < 2 || self.square[c] == Fixed::MAX {
+            if self.paths < 2 || self.square[c] == Fixed::MAX {
                 return f32::INFINITY;
             }
-            let n = f64::from(self.n);
-            (spread(self.n, self.sum[c], self.square[c]) / (n * n * (n - 1.0))).sqrt() as f32
+            let n = f64::from(self.paths);
+            (spread(self.paths, self.sum[c], self.square[c]) / (n * n * (n - 1.0))).sqrt() as f32
         }))
     }
 }
@@ -102,7 +112,7 @@ mod tests {
             let copy = power;
             power.merge(&copy);
         }
-        assert_eq!((total.n, total.mean(), total.standard_error()), (100_000_000, Rgb::splat(0.1), Rgb::ZERO));
+        assert_eq!((total.paths, total.mean(), total.standard_error()), (100_000_000, Rgb::splat(0.1), Rgb::ZERO));
     }
 
     #[test]

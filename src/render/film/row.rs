@@ -19,7 +19,7 @@ pub struct Row<'a> {
 
 impl<'a> Row<'a> {
     /// A row of `pixels`, with as many sums for each as there are path classes.
-    pub(super) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
+    pub(crate) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
         Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default(), splats: Vec::new() }
     }
 
@@ -46,21 +46,33 @@ impl<'a> Row<'a> {
         self.pixels[x].n
     }
 
-    /// Adds a sample to the pixel in column `x`; `paths` is the same light by path class, in the order of the classes
+    /// Adds a sample to the pixel in column `x`; `by_class` is the same light by path class, in the order of the classes
     /// (empty if there are none).
     ///
     /// A sample that is not finite, from 2^63 on or negative counts as black: leaving it out of the mean would make the
-    /// image depend on where such samples occur. The image does not depend on `paths`.
+    /// image depend on where such samples occur. The image does not depend on `by_class`.
     #[inline]
-    pub fn add(&mut self, x: usize, value: Rgb, paths: &[Rgb]) {
-        if !is_light(value) {
-            return self.drop_sample(x, value);
-        }
-        self.pixels[x].add(value);
-        let sums = &mut self.paths[x * self.classes..][..self.classes];
-        for (sum, &light) in sums.iter_mut().zip(paths) {
-            if light != Rgb::ZERO && is_light(light) {
-                light.to_array().into_iter().enumerate().for_each(|(c, v)| sum[c] += Fixed::of(v));
+    pub fn add(&mut self, x: usize, value: Rgb, by_class: &[Rgb]) {
+        self.add_paths(x, [(value, by_class)]);
+    }
+
+    /// [`Row::add`] for a sample of several paths, which weigh as much as other paths of the pixel.
+    #[inline]
+    pub fn add_paths<'b>(&mut self, x: usize, paths: impl IntoIterator<Item = (Rgb, &'b [Rgb])>) {
+        let pixel = &mut self.pixels[x];
+        pixel.n += 1;
+        for (value, by_class) in paths {
+            if !is_light(value) {
+                pixel.add_black();
+                self.dropped = self.dropped.merge(Dropped::one(value, (x, self.y)));
+                continue;
+            }
+            pixel.add(value);
+            let sums = &mut self.paths[x * self.classes..][..self.classes];
+            for (sum, &light) in sums.iter_mut().zip(by_class) {
+                if light != Rgb::ZERO && is_light(light) {
+                    light.to_array().into_iter().enumerate().for_each(|(c, v)| sum[c] += Fixed::of(v));
+                }
             }
         }
     }
@@ -74,12 +86,6 @@ impl<'a> Row<'a> {
             let [x, y] = splat.pixel.map(|at| at as usize);
             self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));
         }
-    }
-
-    #[cold]
-    fn drop_sample(&mut self, x: usize, value: Rgb) {
-        self.dropped = self.dropped.merge(Dropped::one(value, (x, self.y)));
-        self.pixels[x].add_black();
     }
 }
 

@@ -9,6 +9,8 @@ use super::fixed::Fixed;
 pub enum Slot {
     /// How many samples.
     Count,
+    /// How many camera paths.
+    Paths,
     /// A word of a channel's sum; word 0 is the lowest.
     Sum(usize, usize),
     /// A word of a channel's sum of squares.
@@ -21,7 +23,7 @@ pub enum Slot {
     SplatPath(usize, usize, usize),
 }
 
-/// All words with the names of their channels: `sums.n`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
+/// All words with the names of their channels: `sums.n`, `sums.paths`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
 /// `splats`, also `splats.sums.R0` and so on.
 #[must_use]
 pub fn slots(classes: Option<PathClasses>, splats: bool) -> Vec<(String, Slot)> {
@@ -29,7 +31,7 @@ pub fn slots(classes: Option<PathClasses>, splats: bool) -> Vec<(String, Slot)> 
     let own: Kinds = (Slot::Sum, Slot::Square, Slot::Path);
     let others: Kinds = (Slot::SplatSum, Slot::SplatSquare, Slot::SplatPath);
     let words = || (0..3).flat_map(|c| (0..4).map(move |k| (c, k, format!("{}{k}", ["R", "G", "B"][c]))));
-    let mut slots = vec![("sums.n".to_owned(), Slot::Count)];
+    let mut slots = vec![("sums.n".to_owned(), Slot::Count), ("sums.paths".to_owned(), Slot::Paths)];
     for (prefix, (sum, square, path)) in [("", own), ("splats.", others)].into_iter().take(1 + usize::from(splats)) {
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{word}"), sum(c, k))));
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}squares.{word}"), square(c, k))));
@@ -48,6 +50,7 @@ impl Slot {
         let splats = film.splats.as_ref();
         match self {
             Slot::Count => film.pixels[i].n,
+            Slot::Paths => film.pixels[i].paths,
             Slot::Sum(c, k) => of(Some(&film.pixels[i].sum[c]), k),
             Slot::Square(c, k) => of(Some(&film.pixels[i].square[c]), k),
             Slot::Path(class, c, k) => of(film.paths.as_ref().map(|p| &p.sums[i * p.classes.count() + class][c]), k),
@@ -70,6 +73,7 @@ impl Slot {
         let splats = film.splats.as_mut();
         match self {
             Slot::Count => film.pixels[i].n = value,
+            Slot::Paths => film.pixels[i].paths = value,
             Slot::Sum(c, k) => put(Some(&mut film.pixels[i].sum[c]), k),
             Slot::Square(c, k) => put(Some(&mut film.pixels[i].square[c]), k),
             Slot::Path(class, c, k) => {

@@ -1,5 +1,6 @@
 //! Renders against exact answers, and against each other.
 
+mod adaptive;
 mod light_tracing;
 mod reference;
 

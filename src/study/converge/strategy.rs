@@ -19,6 +19,7 @@ pub struct Strategy {
     density: MapSampling,
     stream: StreamKind,
     normals: NormalSampling,
+    adaptive: bool,
 }
 
 impl From<Strategy> for String {
@@ -64,9 +65,12 @@ pub fn methods() -> Vec<(String, String)> {
 pub type Suffix = (&'static str, &'static str, fn(Strategy) -> Option<Strategy>);
 
 /// All suffixes.
-pub const SUFFIXES: [Suffix; 3] = [
+pub const SUFFIXES: [Suffix; 4] = [
     ("lt", "light tracing as a third technique of mis", |strategy| {
         (strategy.sampling == Sampling::Mis).then_some(Strategy { sampling: Sampling::MisLt, ..strategy })
+    }),
+    ("adaptive", "more camera paths in pixels with more noise", |strategy| {
+        Some(Strategy { adaptive: true, ..strategy })
     }),
     ("independent", "independent random numbers in place of Sobol's", |strategy| {
         Some(Strategy { stream: StreamKind::Independent, ..strategy })
@@ -89,8 +93,14 @@ impl FromStr for Strategy {
                 SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(", ")
             ))
         })?;
-        let mut strategy =
-            Self { name: name.to_owned(), sampling, density, stream: StreamKind::Sobol, normals: NormalSampling::Vndf };
+        let mut strategy = Self {
+            name: name.to_owned(),
+            sampling,
+            density,
+            stream: StreamKind::Sobol,
+            normals: NormalSampling::Vndf,
+            adaptive: false,
+        };
         for part in parts {
             let (.., apply) = SUFFIXES.iter().find(|(suffix, ..)| *suffix == part).ok_or_else(|| {
                 let known = SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(" and in ");
@@ -138,8 +148,8 @@ impl Strategy {
 
     /// The settings of a render by this strategy.
     pub fn settings(&self, seed: u64) -> Settings {
-        let Self { sampling, density, stream, normals, .. } = *self;
-        let mut settings = Settings { sampling, density: Some(density), stream, seed, ..Settings::default() };
+        let Self { sampling, density, stream, normals, adaptive, .. } = *self;
+        let mut settings = Settings { sampling, density: Some(density), stream, seed, adaptive, ..Settings::default() };
         settings.model.normals = normals;
         settings
     }
@@ -175,7 +185,7 @@ mod tests {
     #[test]
     fn names_mean_what_they_say() {
         for (name, _) in methods() {
-            for suffix in ["", "+independent", "+all-normals", "+lt+independent+all-normals"] {
+            for suffix in ["", "+independent", "+all-normals", "+lt+adaptive+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
                 if suffix.contains("lt") && !name.starts_with("mis") {
                     assert!(name.parse::<Strategy>().is_err(), "{name}");
@@ -184,6 +194,7 @@ mod tests {
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
+                assert_eq!(strategy.settings(1).adaptive, suffix.contains("adaptive"), "{name}");
                 let normals = strategy.settings(1).model.normals;
                 assert_eq!(normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }

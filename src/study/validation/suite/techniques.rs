@@ -1,5 +1,5 @@
-//! Images by light tracing, light and BSDF sampling combined against those without light tracing, and images by the
-//! kernel in lanes against those of the reference.
+//! Images by light tracing, light and BSDF sampling combined against those without light tracing, images by adaptive
+//! sampling against those with as many paths in all pixels, and images by the kernel in lanes against those of the reference.
 //!
 //! A wrong MIS weight in one place changes no pdf, but the image. The lights are broad, so that the images have little
 //! noise: the tests with light tracing detect biases of a quarter of what the others detect, by default 0.5 % of the
@@ -126,6 +126,8 @@ pub fn cases() -> Vec<Case> {
             // Unit tests compare the two sample by sample.
             let test = image(scene.clone(), by(Sampling::Mis), reference);
             tests.push((format!("render/reference/{name}"), test, 1.0));
+            let adaptive = Settings { adaptive: true, ..by(Sampling::MisLt) };
+            tests.push((format!("render/adaptive/{name}"), image(scene.clone(), adaptive, by(Sampling::MisLt)), 1.0));
         }
         tests.push((format!("render/mis+lt/{name}"), image(scene, by(Sampling::MisLt), by(Sampling::Mis)), FINE));
     }
