@@ -91,10 +91,10 @@ impl<'a> Summary<'a> {
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
         let paths = match self.paths_per_sample {
             1.0 => String::new(),
-            mean => format!(" of {mean:.2} paths"),
+            mean => format!(" ({mean:.2} paths each)"),
         };
         let mut text = format!(
-            "{} {}x{}, {samples}{}{paths} per pixel, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
+            "{} {}x{}, {samples}{} per pixel{paths}, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
             self.scene,
             self.width,
             self.height,
