@@ -4,22 +4,23 @@
 //! does not depend on what these find, so that every pixel is unbiased.
 //!
 //! With n paths in a pixel, the mean squared error of the image is in proportion to the mean of σ²/n, and its time to the mean of n. The
-//! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation), or n = 1 where that is
-//! larger. The iteration computes λ from the numbers that it has, and then new numbers, rounded to powers of two. It starts from n = 1.
+//! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The iteration computes λ from the
+//! numbers that it has, and then new numbers, rounded to powers of two. It starts from n = 1.
 //!
-//! As few paths estimate the variances, each half of the pilot render tests the numbers that follow from the other half.
-//! The iteration ends with the step that makes their product no smaller.
+//! Variances from few paths are noisy. Therefore each half of the pilot render tests the numbers that follow from the other half, and the iteration
+//! ends with the step that does not make their product smaller by 5 %.
 
 use super::film::{Pixel, Row};
 use rayon::prelude::*;
 
-/// The samples of a pixel that have one path each, in any case: the pilot render would take too much of a render of fewer.
+/// The first samples of every pixel have one path each in every render: one of so few samples gains less than the pilot render takes, and a
+/// render of more samples may continue it.
 pub const UNIFORM: u32 = 8;
 /// The samples of each half of the pilot render.
 pub const PILOT: u32 = 4;
-/// Most paths in a sample.
+/// The largest number of paths in a sample.
 pub const MOST_PATHS: u32 = 64;
-/// By what factor a step of the iteration must change the product, or it is the last.
+/// The iteration goes on while a step reduces the product below this share of its last value.
 const WORTH: f64 = 0.95;
 
 /// The pilot render: two halves with independent random numbers, of each the variances of the pixels in the rows that are done.
@@ -62,16 +63,16 @@ impl PathCounts {
         let [a, b] = [a, b].map(smooth);
         let both: Vec<f32> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
         let uniform = || vec![1; both.len()];
-        let (mut counts, mut taken, mut halves, mut least) =
+        let (mut accepted, mut candidate, mut halves, mut least) =
             (uniform(), uniform(), [uniform(), uniform()], f64::INFINITY);
         loop {
             let crossed = product(&a, &halves[1]) + product(&b, &halves[0]);
             if crossed == 0.0 || crossed > WORTH * least {
-                return Self(counts);
+                return Self(accepted);
             }
             least = crossed;
-            counts = taken;
-            taken = next(&both, &counts);
+            accepted = candidate;
+            candidate = next(&both, &accepted);
             halves = [next(&a, &halves[0]), next(&b, &halves[1])];
         }
     }
@@ -103,11 +104,11 @@ fn next(variances: &[f32], counts: &[u8]) -> Vec<u8> {
     variances.iter().map(|&variance| best(f64::from(variance) * time / error)).collect()
 }
 
-/// The power of two n for which variance/n + n is smallest.
-fn best(variance: f64) -> u8 {
+/// The power of two n for which ratio/n + n is smallest.
+fn best(ratio: f64) -> u8 {
     let mut count = 1;
-    // 2n is better than n where the variance is above 2n².
-    while count < MOST_PATHS && variance > f64::from(2 * count * count) {
+    // 2n is better than n where the ratio is above 2n².
+    while count < MOST_PATHS && ratio > f64::from(2 * count * count) {
         count *= 2;
     }
     count as u8
@@ -126,10 +127,9 @@ fn smooth(rows: &[Vec<f32>]) -> Vec<f32> {
     (0..rows.len()).into_par_iter().flat_map_iter(row).collect()
 }
 
-/// The variance of a pixel, all channels together; 0 where it is not known.
+/// The variance of a pixel's mean, all channels together; the largest number where its sums have left their range.
 fn variance(pixel: &Pixel) -> f32 {
-    let variance = pixel.standard_error().length_squared();
-    if variance.is_finite() { variance } else { 0.0 }
+    pixel.standard_error().length_squared().min(f32::MAX)
 }
 
 #[cfg(test)]

@@ -138,7 +138,9 @@ impl<'a> Job<'a> {
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
         let mut start = samples.start;
         while start < samples.end && !control.stop() {
-            let round = start..(start + ROUND.min(samples.end - start));
+            // The first samples need no pilot render, so that they leave an image soon.
+            let end = if self.settings.adaptive && start < UNIFORM { UNIFORM } else { start.saturating_add(ROUND) };
+            let round = start..end.min(samples.end);
             start = round.end;
             while let Some(task) = part.next(round.clone()) {
                 let counts = if self.settings.adaptive && task.range().end > UNIFORM {
@@ -159,13 +161,17 @@ impl<'a> Job<'a> {
     fn path_counts(&self, control: &dyn Control) -> Option<&PathCounts> {
         if self.counts.get().is_none() {
             let Request { width, height, .. } = self.scene.request;
-            let mut pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+            // No thread waits for the lock while others render.
+            let kept = || self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut pilot = std::mem::take(&mut *kept());
             pilot.render((width, height), |half, row| {
                 self.row(row, &|n| n..PILOT, Pass::Pilot(half), &Quiet(control));
                 !control.stop()
             });
-            let counts = pilot.path_counts()?;
-            *pilot = Pilot::default();
+            let Some(counts) = pilot.path_counts() else {
+                *kept() = pilot;
+                return None;
+            };
             self.counts.get_or_init(|| counts);
         }
         self.counts.get()

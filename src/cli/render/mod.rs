@@ -58,7 +58,7 @@ pub struct Render {
     #[arg(long, default_value = "sobol",
           value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
     stream: StreamKind,
-    /// Trace one path for each sample of all pixels; by default, samples of pixels with more noise than most average several
+    /// No adaptive sampling: one camera path for each sample; by default, pixels with more noise than most have several
     #[arg(long)]
     uniform: bool,
     #[command(flatten)]

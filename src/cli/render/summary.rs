@@ -19,8 +19,8 @@ pub struct Summary<'a> {
     spp: u32,
     /// Samples that every pixel has.
     samples: u32,
-    /// Camera paths of a sample on average.
-    paths_per_sample: f64,
+    /// Mean number of camera paths per sample; null without samples.
+    camera_paths_per_sample: Option<f64>,
     light_samples: u32,
     max_depth: u32,
     /// Wall-clock time.
@@ -61,14 +61,14 @@ impl<'a> Summary<'a> {
             let light = self::mean(&layer, |v| v);
             PathClass { class, mean_rgb: light.to_array(), share: luminance(light) / luminance(mean) }
         });
-        let paths: u64 = film.pixels().iter().map(|pixel| u64::from(pixel.paths())).sum();
+        let paths: u64 = film.pixels().iter().map(|pixel| u64::from(pixel.camera_paths())).sum();
         Self {
             scene,
             width: film.width(),
             height: film.height(),
             spp: request.spp,
             samples: film.pixels().iter().map(|pixel| pixel.samples()).min().unwrap_or(0),
-            paths_per_sample: paths as f64 / part.count().max(1) as f64,
+            camera_paths_per_sample: (part.count() > 0).then(|| paths as f64 / part.count() as f64),
             light_samples: request.light_samples,
             max_depth: request.max_depth,
             seconds,
@@ -89,9 +89,9 @@ impl<'a> Summary<'a> {
             if v.iter().all(|v| v.is_finite()) { v.map(|v| format!("{v:.5}")).join(" ") } else { "unknown".into() }
         };
         let samples = if self.samples == self.spp { String::new() } else { format!("{} of ", self.samples) };
-        let paths = match self.paths_per_sample {
-            1.0 => String::new(),
-            mean => format!(" ({mean:.2} paths each)"),
+        let paths = match self.camera_paths_per_sample {
+            None | Some(1.0) => String::new(),
+            Some(mean) => format!(" ({mean:.2} camera paths each)"),
         };
         let mut text = format!(
             "{} {}x{}, {samples}{} per pixel{paths}, {}, depth {}: {:.2} s, {:.2} million samples/s\n",

@@ -62,7 +62,7 @@ pub fn figures() -> Vec<Figure> {
         shows,
         // Beside the depth before, the first beside the second.
         beside: Some(if place == 0 { texts[1].0 } else { texts[place - 1].0 }),
-        command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report", DEPTHS[place])),
+        command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report --uniform", DEPTHS[place])),
         ..Figure::by(move |inputs, studies| content(inputs, studies, place))
     };
     let differences = Figure {

@@ -28,7 +28,9 @@ pub fn figures() -> Vec<Figure> {
         shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights. Shown as in the \
                 report: (√2 L)^(1/2.2).",
         beside: Some(beside),
-        command: Some(format!("etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report")),
+        command: Some(format!(
+            "etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report --uniform"
+        )),
         ..Figure::by(move |inputs, studies| {
             let mut content = content(inputs, studies, "Au", alpha)?;
             if let Some(smoother) = smoother {
@@ -77,7 +79,7 @@ pub fn iron() -> Vec<Figure> {
         reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
         shows: "The same statue in iron: all colours are reflected nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
         beside: Some("roughness-0.5"),
-        command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report".into()),
+        command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report --uniform".into()),
         ..Figure::by(|inputs, studies| {
             let mut content = content(inputs, studies, "Fe", 0.5)?;
             // Grey: no channel differs from the mean of all by more than a fifth.

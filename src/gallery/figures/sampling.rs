@@ -26,7 +26,7 @@ pub fn figures() -> Vec<Figure> {
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
                     samples. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-hemisphere"),
-            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report".into()),
+            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report --uniform".into()),
             ..Figure::by(|inputs, studies| render(inputs, studies, true))
         },
         Figure {
@@ -37,7 +37,9 @@ pub fn figures() -> Vec<Figure> {
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
                     image looks dark and noisy. Shown as in the report: (√2 L)^(1/2.2).",
             beside: Some("sampling-importance"),
-            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report".into()),
+            command: Some(
+                "etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report --uniform".into(),
+            ),
             ..Figure::by(|inputs, studies| render(inputs, studies, false))
         },
         Figure {

@@ -26,7 +26,7 @@ pub fn figures() -> Vec<Figure> {
                 decreases with the number of samples. The rim, whose pixels the sphere covers in part, and the middle, where \
                 the camera touches it, are not compared.",
         beside: Some(beside),
-        command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4")),
+        command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4 --uniform")),
         ..Figure::by(move |inputs, studies| content(inputs, studies, spp))
     };
     vec![

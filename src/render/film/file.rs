@@ -110,10 +110,13 @@ impl Part {
             file.unsigned(&names, film, |film, channel, pixel, word| slots[channel].set(film, pixel, word))?;
         film.dropped = dropped;
         let counts = ranges.samples()..=ranges.target();
-        if let Some(i) = film.pixels.iter().position(|p| !counts.contains(&p.n) || p.paths < p.n) {
-            let (x, y, Pixel { n, paths, .. }) = (i % width, i / width, film.pixels[i]);
-            return Err(Error::input(path, format!("pixel ({x}, {y}) has {n} samples of {paths} paths, not {ranges}"))
-                .with_hint("the file is damaged; render the part again"));
+        if let Some(i) = film.pixels.iter().position(|p| !counts.contains(&p.n) || p.camera_paths < p.n) {
+            let (x, y, Pixel { n, camera_paths, .. }) = (i % width, i / width, film.pixels[i]);
+            return Err(Error::input(
+                path,
+                format!("pixel ({x}, {y}) has {n} samples of {camera_paths} paths, not {ranges}"),
+            )
+            .with_hint("the file is damaged; render the part again"));
         }
         let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FIRST];
         let others = attributes.entries().iter().filter(|(name, _)| !own.contains(&name.as_str()));

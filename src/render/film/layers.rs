@@ -28,7 +28,7 @@ impl Film {
                 .zip(sums.par_chunks_exact(count))
                 .enumerate()
                 .map(|(i, (pixel, sums))| {
-                    let mut column: Vec<Rgb> = sums.iter().map(|sum| mean(sum, pixel.paths)).collect();
+                    let mut column: Vec<Rgb> = sums.iter().map(|sum| mean(sum, pixel.camera_paths)).collect();
                     let i = start + i;
                     if let Some(splats) = &self.splats {
                         let received = &splats.classes[i * count..][..count];

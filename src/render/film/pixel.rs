@@ -9,7 +9,7 @@ pub struct Pixel {
     /// Number of samples.
     pub(super) n: u32,
     /// Number of their camera paths.
-    pub(super) paths: u32,
+    pub(super) camera_paths: u32,
     /// Σ x per channel, over the paths.
     pub(super) sum: [Fixed; 3],
     /// Σ x² per channel, over the paths.
@@ -27,14 +27,14 @@ impl Pixel {
     /// How many camera paths its samples have had.
     #[inline]
     #[must_use]
-    pub fn paths(&self) -> u32 {
-        self.paths
+    pub fn camera_paths(&self) -> u32 {
+        self.camera_paths
     }
 
     /// Adds the light of a path, whose components lie in [0, [`LIMIT`](super::fixed::LIMIT)).
     #[inline]
     pub(super) fn add(&mut self, value: Rgb) {
-        self.paths += 1;
+        self.camera_paths += 1;
         for (c, v) in value.to_array().into_iter().enumerate() {
             self.sum[c] += Fixed::of(v);
             self.square[c] += Fixed::square_of(v);
@@ -44,13 +44,13 @@ impl Pixel {
     /// Counts a path whose light was dropped: it is black.
     #[inline]
     pub(super) fn add_black(&mut self) {
-        self.paths += 1;
+        self.camera_paths += 1;
     }
 
     /// Adds the samples of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.n = self.n.saturating_add(other.n);
-        self.paths = self.paths.saturating_add(other.paths);
+        self.camera_paths = self.camera_paths.saturating_add(other.camera_paths);
         for c in 0..3 {
             self.sum[c] += other.sum[c];
             self.square[c] += other.square[c];
@@ -60,22 +60,22 @@ impl Pixel {
     /// Σ/n for n paths, rounded to f64 and then to f32; black without a sample.
     #[must_use]
     pub fn mean(&self) -> Rgb {
-        mean(&self.sum, self.paths)
+        mean(&self.sum, self.camera_paths)
     }
 
-    /// The standard error of the mean, √((Σ² - (Σ)²/n) / (n(n-1))), for each channel.
+    /// The standard error of the mean, √((Σ² - (Σ)²/n) / (n(n-1))) for n paths, for each channel.
     ///
-    /// 0 for equal samples. Infinite when it is not known: from fewer than two samples, and where Σ² has left its range
+    /// 0 for equal paths. Infinite when it is not known: from fewer than two paths, and where Σ² has left its range
     /// (2^64). Squares are rounded down to 2^-64, so that the error of light below about 1e-8 is too small. The random
     /// numbers of a stratified stream are not independent: the true error is smaller, the figure is an upper estimate.
     #[must_use]
     pub fn standard_error(&self) -> Rgb {
         Rgb::from_array(std::array::from_fn(|c| {
-            if self.paths < 2 || self.square[c] == Fixed::MAX {
+            if self.camera_paths < 2 || self.square[c] == Fixed::MAX {
                 return f32::INFINITY;
             }
-            let n = f64::from(self.paths);
-            (spread(self.paths, self.sum[c], self.square[c]) / (n * n * (n - 1.0))).sqrt() as f32
+            let n = f64::from(self.camera_paths);
+            (spread(self.camera_paths, self.sum[c], self.square[c]) / (n * n * (n - 1.0))).sqrt() as f32
         }))
     }
 }
@@ -112,7 +112,10 @@ mod tests {
             let copy = power;
             power.merge(&copy);
         }
-        assert_eq!((total.paths, total.mean(), total.standard_error()), (100_000_000, Rgb::splat(0.1), Rgb::ZERO));
+        assert_eq!(
+            (total.camera_paths, total.mean(), total.standard_error()),
+            (100_000_000, Rgb::splat(0.1), Rgb::ZERO)
+        );
     }
 
     #[test]

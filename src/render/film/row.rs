@@ -1,4 +1,4 @@
-//! A row of the film while samples are added to it: samples that are not finite or negative are dropped, counted and located.
+//! A row of the film while samples are added to it: light that is not finite or negative is dropped, counted and located.
 
 use super::dropped::Dropped;
 use super::fixed::{Fixed, LIMIT};
@@ -49,8 +49,8 @@ impl<'a> Row<'a> {
     /// Adds a sample to the pixel in column `x`; `by_class` is the same light by path class, in the order of the classes
     /// (empty if there are none).
     ///
-    /// A sample that is not finite, from 2^63 on or negative counts as black: leaving it out of the mean would make the
-    /// image depend on where such samples occur. The image does not depend on `by_class`.
+    /// Light that is not finite, from 2^63 on or negative counts as black: leaving it out of the mean would make the
+    /// image depend on where it occurs. The image does not depend on `by_class`.
     #[inline]
     pub fn add(&mut self, x: usize, value: Rgb, by_class: &[Rgb]) {
         self.add_paths(x, [(value, by_class)]);

@@ -10,7 +10,7 @@ pub enum Slot {
     /// How many samples.
     Count,
     /// How many camera paths.
-    Paths,
+    CameraPaths,
     /// A word of a channel's sum; word 0 is the lowest.
     Sum(usize, usize),
     /// A word of a channel's sum of squares.
@@ -23,7 +23,7 @@ pub enum Slot {
     SplatPath(usize, usize, usize),
 }
 
-/// All words with the names of their channels: `sums.n`, `sums.paths`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
+/// All words with the names of their channels: `sums.n`, `sums.cameraPaths`, `sums.R0` … `sums.B3`, `squares.R0` …, `sums.LDE.R0` …; with
 /// `splats`, also `splats.sums.R0` and so on.
 #[must_use]
 pub fn slots(classes: Option<PathClasses>, splats: bool) -> Vec<(String, Slot)> {
@@ -31,7 +31,7 @@ pub fn slots(classes: Option<PathClasses>, splats: bool) -> Vec<(String, Slot)> 
     let own: Kinds = (Slot::Sum, Slot::Square, Slot::Path);
     let others: Kinds = (Slot::SplatSum, Slot::SplatSquare, Slot::SplatPath);
     let words = || (0..3).flat_map(|c| (0..4).map(move |k| (c, k, format!("{}{k}", ["R", "G", "B"][c]))));
-    let mut slots = vec![("sums.n".to_owned(), Slot::Count), ("sums.paths".to_owned(), Slot::Paths)];
+    let mut slots = vec![("sums.n".to_owned(), Slot::Count), ("sums.cameraPaths".to_owned(), Slot::CameraPaths)];
     for (prefix, (sum, square, path)) in [("", own), ("splats.", others)].into_iter().take(1 + usize::from(splats)) {
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}sums.{word}"), sum(c, k))));
         slots.extend(words().map(|(c, k, word)| (format!("{prefix}squares.{word}"), square(c, k))));
@@ -50,7 +50,7 @@ impl Slot {
         let splats = film.splats.as_ref();
         match self {
             Slot::Count => film.pixels[i].n,
-            Slot::Paths => film.pixels[i].paths,
+            Slot::CameraPaths => film.pixels[i].camera_paths,
             Slot::Sum(c, k) => of(Some(&film.pixels[i].sum[c]), k),
             Slot::Square(c, k) => of(Some(&film.pixels[i].square[c]), k),
             Slot::Path(class, c, k) => of(film.paths.as_ref().map(|p| &p.sums[i * p.classes.count() + class][c]), k),
@@ -73,7 +73,7 @@ impl Slot {
         let splats = film.splats.as_mut();
         match self {
             Slot::Count => film.pixels[i].n = value,
-            Slot::Paths => film.pixels[i].paths = value,
+            Slot::CameraPaths => film.pixels[i].camera_paths = value,
             Slot::Sum(c, k) => put(Some(&mut film.pixels[i].sum[c]), k),
             Slot::Square(c, k) => put(Some(&mut film.pixels[i].square[c]), k),
             Slot::Path(class, c, k) => {

@@ -26,7 +26,7 @@ fn threads_parts_and_specialised_kernels_change_no_bit() {
         let whole = film(1, settings, &[0, 20]);
         assert_eq!(whole, film(3, settings, &[20, 12, 3, 0]));
         assert_eq!(whole, film(2, Settings { general: true, ..settings }, &[0, 9, 20]));
-        let counts: Vec<u32> = whole.pixels().iter().map(|pixel| pixel.paths()).collect();
+        let counts: Vec<u32> = whole.pixels().iter().map(|pixel| pixel.camera_paths()).collect();
         assert!(counts.contains(&20) && counts.iter().any(|&n| n >= 8 + 2 * 12), "{counts:?}");
         // The first samples have one path each.
         let few = Request { spp: 8, ..request };

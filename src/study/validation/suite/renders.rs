@@ -177,7 +177,9 @@ pub fn finer(protocol: &Protocol, share: f64) -> Protocol {
 fn means(film: &Film) -> Vec<Mean> {
     let (image, errors) = (film.image(), film.standard_error());
     let pixels = film.pixels().iter().zip(image.pixels()).zip(errors.pixels());
-    pixels.map(|((p, value), error)| Mean::of_samples(p.paths(), f64::from(value.x), f64::from(error.x))).collect()
+    pixels
+        .map(|((p, value), error)| Mean::of_samples(p.camera_paths(), f64::from(value.x), f64::from(error.x)))
+        .collect()
 }
 
 /// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.
