@@ -45,17 +45,6 @@ impl Control for Silent {
     }
 }
 
-/// Passes on when to stop, and reports nothing.
-struct Quiet<'a>(&'a dyn Control);
-
-impl Control for Quiet<'_> {
-    fn done(&self, _samples: u64) {}
-
-    fn stop(&self) -> bool {
-        self.0.stop()
-    }
-}
-
 /// A scene made ready to be rendered.
 pub struct Job<'a> {
     pub(super) scene: PreparedScene<'a>,
@@ -149,7 +138,8 @@ impl<'a> Job<'a> {
                 } else {
                     None
                 };
-                part.film.accumulate(|row| self.row(row, &|n| task.left(n), Pass::Image(counts), control));
+                part.film
+                    .accumulate(|row| control.done(self.row(row, &|n| task.left(n), Pass::Image(counts), control)));
                 if control.stop() {
                     return;
                 }
@@ -165,7 +155,7 @@ impl<'a> Job<'a> {
             let kept = || self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
             let mut pilot = std::mem::take(&mut *kept());
             pilot.render((width, height), |half, row| {
-                self.row(row, &|n| n..PILOT, Pass::Pilot(half), &Quiet(control));
+                self.row(row, &|n| n..PILOT, Pass::Pilot(half), control);
                 !control.stop()
             });
             let Some(counts) = pilot.path_counts() else {
@@ -177,8 +167,8 @@ impl<'a> Job<'a> {
         self.counts.get()
     }
 
-    /// Renders the samples that the pixels of a row still need.
-    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, pass: Pass, control: &dyn Control) {
+    /// Renders the samples that the pixels of a row still need, and returns their number; 0 where `control` stops it.
+    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, pass: Pass, control: &dyn Control) -> u64 {
         let mut batch = Batch::new(self, pass);
         let mut done = 0;
         for x in 0..self.scene.request.width {
@@ -187,7 +177,8 @@ impl<'a> Job<'a> {
                 let (count, first) = pass.paths(pixel as usize, sample);
                 if batch.count + count as usize > LANES {
                     if control.stop() {
-                        return batch.trace_light_paths(self, row, 1);
+                        batch.trace_light_paths(self, row, 1);
+                        return 0;
                     }
                     done += batch.trace(self, row);
                 }
@@ -196,7 +187,7 @@ impl<'a> Job<'a> {
         }
         done += batch.trace(self, row);
         batch.trace_light_paths(self, row, 1);
-        control.done(done);
+        done
     }
 
     /// The number of a pixel, row by row.
@@ -244,7 +235,7 @@ struct Batch<'a> {
     splats: Vec<Splat>,
 }
 
-/// A camera sample, the mean of some camera paths.
+/// A camera sample: one or more camera paths.
 struct Sample {
     column: usize,
     /// Its number in its pixel.
@@ -284,7 +275,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Adds a camera sample, the mean of the paths of these numbers.
+    /// Adds a camera sample: the paths of these numbers.
     fn assign(&mut self, pixel: u64, column: usize, number: u32, paths: Range<u32>) {
         let start = self.count;
         for path in paths {

@@ -4,7 +4,7 @@ use crate::bsdf::contract::{Direction, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::Result;
 
-/// Most lobes that are told apart at one point.
+/// Most lobes that are distinguished at one point.
 const PASSES: usize = 64;
 /// How far inside an interval of the third number it is asked.
 const STEP: f64 = 1e-6;
