@@ -10,6 +10,7 @@ use crate::output;
 use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::view::text::counted;
 use clap::Args;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// Compare two images
@@ -36,6 +37,8 @@ impl Compare {
         let stem = target.stem(&name, "", &output::DRAWING)?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let numbers = raster::compare(&a, &b)?;
+        // FLIP filters the images once for each exposure, which takes minutes for the largest.
+        let flip = (a.pixels().len() <= LARGEST_FLIP).then(|| raster::hdr_flip(&a, &b)).flatten();
         interrupt::check()?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", self.b.display());
@@ -45,23 +48,38 @@ impl Compare {
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
-        console.saved(&numbers, &written, || {
-            let Comparison { mse, rmse, rel_mse, max_abs, mean_a, mean_b, .. } = numbers;
+        console.saved(&Output { numbers, hdr_flip: flip }, &written, || {
+            let Comparison { mse, rmse, rel_mse, mape, smape, max_abs, mean_a, mean_b, .. } = numbers;
+            let trimmed = |value: f64| format!("   {value:.6e} without the worst 0.1 %");
             [
-                ("mse", mse),
-                ("rmse", rmse),
-                ("rel_mse", rel_mse),
-                ("max_abs", max_abs),
-                ("mean_a", mean_a),
-                ("mean_b", mean_b),
+                ("mse", mse, trimmed(numbers.mse_trimmed)),
+                ("rmse", rmse, String::new()),
+                ("rel_mse", rel_mse, trimmed(numbers.rel_mse_trimmed)),
+                ("mape", mape, trimmed(numbers.mape_trimmed)),
+                ("smape", smape, trimmed(numbers.smape_trimmed)),
+                ("hdr_flip", flip.unwrap_or(f64::NAN), String::new()),
+                ("max_abs", max_abs, String::new()),
+                ("mean_a", mean_a, String::new()),
+                ("mean_b", mean_b, String::new()),
             ]
-            .map(|(name, value)| format!("{name:<8} {value:.6e}\n"))
+            .map(|(name, value, more)| format!("{name:<8} {value:.6e}{more}\n"))
             .concat()
         });
         Ok(Verdict::Good)
     }
 }
 
+/// The JSON object.
+#[derive(Serialize)]
+struct Output {
+    #[serde(flatten)]
+    numbers: Comparison,
+    /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST_FLIP`] pixels.
+    hdr_flip: Option<f64>,
+}
+
+/// Most pixels of an image for HDR-FLIP.
+const LARGEST_FLIP: usize = 1 << 22;
 /// Longest side of the drawing of the difference, in pixels.
 const LONGEST_SIDE: usize = 2048;
 

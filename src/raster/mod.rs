@@ -1,15 +1,15 @@
-//! Float images: the buffer, the file formats, tone mapping, comparison.
+//! Float images: the buffer, the file formats, tone mapping, metrics.
 //!
 //! [`read`] takes OpenEXR, Radiance HDR and PFM files (and clipped 8- or 16-bit images if asked to), detected by
 //! their content; [`write`](write()) picks the format by the extension; [`ExrFile`] has all layers of an OpenEXR file.
 //! Values are linear RGB and are returned as they stand in the file: negative and non-finite ones included.
 
-mod compare;
 mod decoded;
 mod exr;
 mod image;
 mod ldr;
 mod metadata;
+mod metrics;
 mod pfm;
 mod primaries;
 mod read;
@@ -18,10 +18,10 @@ mod rgbe;
 mod tone;
 mod write;
 
-pub use self::compare::{Comparison, compare, compare_with_halves};
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::Image;
 pub use self::metadata::Metadata;
+pub use self::metrics::{Comparison, compare, compare_with_halves, hdr_flip};
 
 pub(crate) use self::read::decode_exr;
 pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};

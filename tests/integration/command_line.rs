@@ -314,7 +314,7 @@ fn compare_measures_and_draws() {
     std::fs::write(dir.path().join("a.pfm"), pfm([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])).unwrap();
     std::fs::write(dir.path().join("b.pfm"), pfm([1.0, 2.0, 3.0, 4.0, 5.0, 9.0])).unwrap();
     let value = json(dir.path(), &["compare", "a.pfm", "b.pfm", "-o", "d"]);
-    assert_keys(&value, "mse, rmse, rel_mse, mean_a, mean_b, max_abs, files");
+    assert_keys(&value, "mse, rmse, rel_mse, mape, smape, mse_trimmed, hdr_flip, mean_a, mean_b, max_abs, files");
     for (key, expected) in [
         ("mse", 1.5),
         ("rmse", 1.5_f64.sqrt()),

@@ -8,7 +8,6 @@
 pub mod curve;
 pub mod depth;
 pub mod doubling;
-pub mod flip;
 pub mod reference;
 pub mod roughness;
 pub mod strategy;
@@ -17,6 +16,7 @@ use crate::envmap::samplers::cut_lights;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::memory;
+use crate::raster::hdr_flip;
 use crate::render;
 use crate::scene::{Request, Scene};
 use curve::{Curve, CurveVerdict, Measured, Run};
@@ -217,7 +217,7 @@ fn run_schedule(
                 if *goes_on {
                     let image = render.image();
                     let errors = truth.compare(&image)?;
-                    let shown = if replicate == 0 { Some((flip::mean(&image, &exact), image)) } else { None };
+                    let shown = if replicate == 0 { Some((hdr_flip(&image, &exact), image)) } else { None };
                     levels.push(Measured { spp: render.spp(), times: render.times, errors, shown });
                 }
             }

@@ -3,11 +3,11 @@
 //! Source: Andersson et al., "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics 2021.
 
 use crate::raster::Image;
-use flip_rs::{HdrOptions, RgbImage, hdr_flip};
+use flip_rs::{HdrOptions, RgbImage};
 
 /// The mean over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
 /// a black reference. Pixels that are not finite in either image are black in both.
-pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
+pub fn hdr_flip(image: &Image, reference: &Image) -> Option<f64> {
     let pairs = || image.pixels().iter().zip(reference.pixels());
     let usable = |pair: &(&glam::Vec3, &glam::Vec3)| pair.0.is_finite() && pair.1.is_finite();
     let rgb = |which: fn((&glam::Vec3, &glam::Vec3)) -> [f32; 3]| {
@@ -16,7 +16,7 @@ pub fn mean(image: &Image, reference: &Image) -> Option<f64> {
     };
     let mut options = HdrOptions::default();
     options.return_exposure_map = false;
-    let result = hdr_flip(&rgb(|p| p.1.to_array())?, &rgb(|p| p.0.to_array())?, options).ok()?;
+    let result = flip_rs::hdr_flip(&rgb(|p| p.1.to_array())?, &rgb(|p| p.0.to_array())?, options).ok()?;
     let errors = result.error_map.pixels();
     Some(errors.iter().map(|e| f64::from(*e)).sum::<f64>() / errors.len() as f64)
 }
@@ -34,14 +34,14 @@ mod tests {
                 Rgb::new(0.5, 0.3 + 0.01 * x as f32, 0.2) * (1.0 + noise * sign)
             })
         };
-        let of = |noise| mean(&noisy(noise), &noisy(0.0)).unwrap();
+        let of = |noise| hdr_flip(&noisy(noise), &noisy(0.0)).unwrap();
         assert_eq!(of(0.0), 0.0);
         assert!(of(0.3) > 2.0 * of(0.1) && of(0.1) > 0.0 && of(0.3) < 1.0, "{} {}", of(0.1), of(0.3));
         // Pixels that are not finite do not count.
         let image = Image::from_fn(16, 16, |_, _| Rgb::splat(0.4));
         let mut holed = image.clone();
         holed.pixels_mut()[20] = Rgb::NAN;
-        assert_eq!(mean(&image, &holed), Some(0.0));
-        assert_eq!(mean(&image, &Image::new(16, 16)), None);
+        assert_eq!(hdr_flip(&image, &holed), Some(0.0));
+        assert_eq!(hdr_flip(&image, &Image::new(16, 16)), None);
     }
 }
