@@ -4,6 +4,7 @@ pub mod albedo;
 pub mod anisotropy;
 pub mod audit;
 pub mod claims;
+pub mod compare;
 pub mod converge;
 pub mod depth;
 pub mod fit;

@@ -4,6 +4,7 @@
 
 pub mod audit;
 pub mod claims;
+pub mod compare;
 pub mod converge;
 pub mod converge_series;
 pub mod depth;

@@ -16,6 +16,7 @@ mod counting;
 pub mod cubature;
 mod density;
 mod diagnosis;
+pub mod difference;
 mod domain;
 mod error;
 pub mod estimate;

@@ -33,6 +33,16 @@ impl Mean {
         Self { value, variance: standard_error * standard_error, dof: f64::from(samples) - 1.0 }
     }
 
+    /// The mean of independent replicates, with its error by how they differ; `None` of fewer than two.
+    #[must_use]
+    pub fn of_replicates(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        let value = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|x| (x - value).powi(2)).sum();
+        let (variance, dof) = (squares / (n * (n - 1.0)), n - 1.0);
+        (values.len() > 1).then_some(Self { value, variance, dof })
+    }
+
     /// The mean of independent means, with Satterthwaite's degrees of freedom (Σ v)²/Σ (v²/dof); `None` of nothing.
     #[must_use]
     pub fn of_means(means: &[Self]) -> Option<Self> {
@@ -46,7 +56,7 @@ impl Mean {
     }
 }
 
-fn joint_dof(means: &[Mean], variance: f64) -> f64 {
+pub(crate) fn joint_dof(means: &[Mean], variance: f64) -> f64 {
     let squares: f64 = means.iter().map(|mean| mean.variance * mean.variance / mean.dof).sum();
     if squares > 0.0 { variance * variance / squares } else { f64::INFINITY }
 }
@@ -128,7 +138,7 @@ impl ImageComparison {
 }
 
 /// P(|T| ≥ t) for Student's distribution.
-fn two_sided(t: f64, dof: f64) -> f64 {
+pub(crate) fn two_sided(t: f64, dof: f64) -> f64 {
     // Beyond this the normal distribution is the same to 10⁻⁶.
     let tail = if dof < 1e6 {
         StudentsT::new(0.0, 1.0, dof.max(1.0)).map_or(f64::NAN, |student| student.sf(t))
@@ -139,7 +149,7 @@ fn two_sided(t: f64, dof: f64) -> f64 {
 }
 
 /// The normal deviate that is as unlikely as `p` on both sides; `t` where p is too small to tell.
-fn deviation(p: f64, t: f64) -> f64 {
+pub(crate) fn deviation(p: f64, t: f64) -> f64 {
     if p < 1e-200 {
         return t;
     }

@@ -132,6 +132,22 @@ pub(super) fn layers(header: &Header) -> Vec<Shown> {
     groups.into_iter().filter_map(|(name, channels)| shown(name, &channels)).collect()
 }
 
+/// Three channels of a layer by their names, if they are all there.
+pub(super) fn named(header: &Header, layer: &str, roles: [&str; 3]) -> Option<Shown> {
+    let mut before = 0;
+    let mut rgb = [None; 3];
+    for description in &header.channels.list {
+        let name = description.name.to_string();
+        let (of, role) = name.rsplit_once('.').unwrap_or(("", &name));
+        if let Some(place) = roles.iter().position(|known| *known == role).filter(|_| of == layer) {
+            rgb[place] = Some(Channel { before, kind: description.sample_type });
+        }
+        before += description.sample_type.bytes_per_sample();
+    }
+    let is_whole = rgb.iter().all(Option::is_some);
+    is_whole.then(|| Shown { name: layer.into(), fit: Fit::OtherChannel, rgb, note: None })
+}
+
 /// A layer as an image, if its channels can be one.
 fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
     const COLOURS: [[&str; 2]; 3] = [["r", "red"], ["g", "green"], ["b", "blue"]];

@@ -1,6 +1,6 @@
 //! All layers of an OpenEXR file, its text attributes, and channels that hold counts instead of light.
 
-use super::choose::{Shown, choose, layers};
+use super::choose::{Shown, choose, layers, named};
 use super::decode::{check_window, read_layers};
 use super::encode::is_free_name;
 use super::file::Exr;
@@ -66,6 +66,27 @@ impl ExrFile {
         let layers: Vec<Shown> = layers(&self.file.headers()[part]).into_iter().filter(is_light).collect();
         let images = read_layers(&self.file, part, &layers)?;
         Ok(layers.into_iter().map(|layer| layer.name).zip(images).collect())
+    }
+
+    /// The names of all layers in the part of the file that holds the image, of any channels; empty for none.
+    #[must_use]
+    pub fn layer_names(&self) -> Vec<String> {
+        let part = choose(&self.file.path, self.file.headers()).map_or(0, |choice| choice.part);
+        let names = self.file.headers()[part].channels.list.iter().map(|channel| channel.name.to_string());
+        let mut layers: Vec<String> =
+            names.map(|name| name.rsplit_once('.').map_or(String::new(), |(layer, _)| layer.into())).collect();
+        layers.dedup();
+        layers
+    }
+
+    /// The layer's channels X, Y and Z, as they stand in the file; `None` if one is missing.
+    ///
+    /// # Errors
+    /// Those of [`ExrFile::layers`].
+    pub fn tristimulus(&self, layer: &str) -> Result<Option<Image>> {
+        let part = choose(&self.file.path, self.file.headers())?.part;
+        let Some(shown) = named(&self.file.headers()[part], layer, ["X", "Y", "Z"]) else { return Ok(None) };
+        Ok(read_layers(&self.file, part, &[shown])?.pop())
     }
 
     /// Width and height of the first part.

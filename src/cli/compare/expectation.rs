@@ -1,0 +1,194 @@
+//! `etalon compare A… --against B…`: whether two renderers have the same expectation.
+
+use super::Compare;
+use crate::cli::console::Console;
+use crate::cli::global::{Global, Verdict};
+use crate::cli::map_file::short_name;
+use crate::error::{Error, Result};
+use crate::study::compare::{Answer, Compared, FamilyResult, Noise, Plan, Side, compare};
+use crate::view::compare as view;
+use crate::view::junit::{self, Case};
+use crate::view::text::counted;
+use crate::{files, output};
+use serde::Serialize;
+use std::time::Instant;
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Output {
+    answer: Answer,
+    sentence: String,
+    level: f64,
+    detect: f64,
+    /// Smallest relative bias of the whole image that would have been found with 90 % probability.
+    uniform_bias: Option<f64>,
+    /// The same of one tile, relative to the image's mean; the median over the tiles.
+    tile_bias: Option<f64>,
+    images_a: usize,
+    images_b: usize,
+    non_finite: usize,
+    tile_side: usize,
+    families: Vec<Family>,
+}
+
+#[derive(Serialize)]
+struct Family {
+    family: &'static str,
+    tests: usize,
+    dominated: usize,
+    /// Corrected for the number of tests; below the level, the images differ.
+    p: Option<f64>,
+    worst: Option<String>,
+    channel: Option<&'static str>,
+    mean_a: Option<f64>,
+    mean_b: Option<f64>,
+    standard_error: Option<f64>,
+    untested: Option<&'static str>,
+}
+
+impl Compare {
+    /// Tests the images of both sides.
+    pub(super) fn test(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let start = Instant::now();
+        self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
+        let name = format!("{}-against-{}", short_name(self.a[0].as_os_str()), short_name(self.against[0].as_os_str()));
+        let target = global.target(&["a", "against"]);
+        let stem = target.stem(&name, "", &output::STUDY)?;
+        let a = Side::read(&self.a, self.spp)?;
+        let b = match self.against.as_slice() {
+            [path] if self.exact => Side::read_exact(path)?,
+            _ if self.exact => return Err(Error::parameter("exact", "several images are not one without noise")),
+            paths => Side::read(paths, self.spp)?,
+        };
+        a.notes.iter().chain(&b.notes).for_each(|note| console.warn(note));
+        if a.shares_seeds(&b) {
+            console.warn(
+                "images of both sides have the same seed: one renderer makes correlated images of it, which \
+                          the test takes for independent ones",
+            );
+        }
+        if [&a, &b].iter().any(|side| side.noise == Noise::PerPixel) {
+            console.warn(
+                "errors by pixel: right for independent samples and a box filter, conservative for stratified ones; \
+                          filters that share samples among pixels need replicates",
+            );
+        }
+        let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
+        let mut files = output::write(&stem, &view::drawing(&compared), &output::table(&view::rows(&compared))?)?;
+        if let Some(path) = &self.junit {
+            let cases: Vec<Case> = compared.families.iter().map(|family| case(&compared, family)).collect();
+            files::write_bytes(path, junit::suite("etalon compare", &cases, start.elapsed().as_secs_f64()).as_bytes())?;
+            files.push(path.clone());
+        }
+        let written = target.written(files);
+        if compared.non_finite > 0 {
+            console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
+        }
+        let shown = result(&compared);
+        console.saved(&shown, &written, || text(&shown));
+        Ok(match compared.answer {
+            Answer::Different => Verdict::Rejected,
+            Answer::NoDifferenceFound => Verdict::Good,
+            Answer::CannotTell => Verdict::Inconclusive,
+        })
+    }
+}
+
+fn result(compared: &Compared) -> Output {
+    let family = |family: &FamilyResult| Family {
+        family: family.family.name(),
+        tests: family.tests.len(),
+        dominated: family.dominated,
+        p: family.adjusted_p,
+        worst: family.worst.map(|test| test.functional.to_string()),
+        channel: family.worst.map(|test| compared.channels[test.channel]),
+        mean_a: family.worst.map(|test| test.means[0]),
+        mean_b: family.worst.map(|test| test.means[1]),
+        standard_error: family.worst.map(|test| test.difference.standard_error),
+        untested: family.untested,
+    };
+    Output {
+        answer: compared.answer,
+        sentence: sentence(compared),
+        level: compared.plan.level,
+        detect: compared.plan.detect,
+        uniform_bias: compared.uniform_bias,
+        tile_bias: compared.tile_bias,
+        images_a: compared.images[0],
+        images_b: compared.images[1],
+        non_finite: compared.non_finite,
+        tile_side: compared.tile_side,
+        families: compared.families.iter().map(family).collect(),
+    }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// The verdict in words.
+fn sentence(compared: &Compared) -> String {
+    let power = compared
+        .uniform_bias
+        .map(|bias| format!("a uniform bias of {} would have been found with 90 %", percent(bias)));
+    match (compared.answer, power) {
+        (Answer::Different, _) => "different".into(),
+        (Answer::NoDifferenceFound, Some(power)) => format!("no difference found; {power}"),
+        (_, Some(power)) => {
+            format!("cannot tell: no difference found, but only {power}, not one of {}", percent(compared.plan.detect))
+        }
+        (_, None) => "cannot tell: a few samples dominate the mean of the image, or it is black".into(),
+    }
+}
+
+fn text(output: &Output) -> String {
+    let mut text = format!("{}\n", output.sentence);
+    for family in &output.families {
+        text += &format!("{:<14} ", family.family);
+        text += &match (family.untested, family) {
+            (Some(reason), _) => format!("not tested: {reason}"),
+            (None, Family { p: Some(p), worst: Some(worst), channel, mean_a, mean_b, .. }) => {
+                let [a, b] = [mean_a, mean_b].map(|mean| mean.unwrap_or(f64::NAN));
+                let p = if *p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") };
+                format!(
+                    "p {p:<8} of {} tests; most at {worst}, {}: A {a:.6e}, B {b:.6e}",
+                    family.tests,
+                    channel.unwrap_or("")
+                )
+            }
+            _ => "nothing that can be tested".into(),
+        };
+        if family.dominated > 0 {
+            text += &format!("; {} inconclusive: a few samples dominate", family.dominated);
+        }
+        text.push('\n');
+    }
+    if let Some(bias) = output.tile_bias {
+        text += &format!(
+            "in half of the tiles, a bias of {} of the image's mean would have been found with 90 %\n",
+            percent(bias)
+        );
+    }
+    text
+}
+
+fn case(compared: &Compared, family: &FamilyResult) -> Case {
+    let verdict = match family.adjusted_p {
+        Some(p) if p < compared.plan.level => etalon_stats::Verdict::Reject,
+        Some(_) if family.dominated == 0 => etalon_stats::Verdict::Accept,
+        _ => etalon_stats::Verdict::Inconclusive,
+    };
+    let p = family.adjusted_p.map_or("not tested".into(), |p| format!("p {p:.3e}"));
+    let worst = family.worst.map_or(String::new(), |test| format!("; most at {}", test.functional));
+    let message = format!("{p}{worst}; {} of {} dominated by a few samples", family.dominated, family.tests.len());
+    let text = sentence(compared);
+    Case {
+        class: "compare".into(),
+        name: family.family.name().into(),
+        seconds: 0.0,
+        verdict,
+        message,
+        text,
+        remarks: String::new(),
+    }
+}

@@ -1,0 +1,158 @@
+//! `etalon compare`: the difference of two images, or a test whether two renderers have the same expectation.
+
+mod expectation;
+
+use super::console::Console;
+use super::global::{Global, Verdict};
+use super::map_file::short_name;
+use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::output;
+use crate::raster::{self, Comparison, ReadOptions};
+use crate::study::compare::{Explanation, explain};
+use crate::view::compare as view;
+use crate::view::text::counted;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Compare two images, or test whether two renderers have the same expectation
+#[derive(Args)]
+#[command(
+    after_help = "Two images: mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), mape = mean(|a-b| / (|b| + 0.01)), \
+                        smape = mean(|a-b| / ((|a|+|b|)/2 + 0.01)), over all channel values, each also without the worst 0.1 % of \
+                        them; HDR-FLIP. Writes A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. \
+                        Cube maps are compared as they are stored.\n\nWith --against: Welch's t-tests of the image mean, of \
+                        low-frequency modes and of tiles, at one level. Exit code 1: different; 0: no difference found, and a bias of \
+                        --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
+                        layers that single images need.\n\nExamples:\n  etalon compare render.exr reference.exr\n  \
+                        etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
+                        etalon compare render.exr --against mitsuba-moment.exr --spp 256"
+)]
+pub struct Compare {
+    /// Two images; with --against, all images of the first renderer
+    #[arg(value_name = "IMAGE", required = true)]
+    a: Vec<PathBuf>,
+    /// Images of the second renderer: test whether both have the same expectation
+    #[arg(long, value_name = "IMAGE", num_args = 1..)]
+    against: Vec<PathBuf>,
+    /// The image of --against is the expectation itself, without noise
+    #[arg(long, requires = "against")]
+    exact: bool,
+    /// Find a relative bias W of the whole image with 90 % probability, as a fraction or in percent
+    #[arg(long, value_name = "W", default_value = "1%", value_parser = share, requires = "against")]
+    detect: f64,
+    /// Probability of calling images of one expectation different
+    #[arg(long, value_name = "A", default_value = "0.01", value_parser = share, requires = "against")]
+    level: f64,
+    /// Samples per pixel of single images with second moments (as by Mitsuba's integrator `moment`) that do not say it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "against")]
+    spp: Option<u32>,
+    /// Draw the difference of two images relative to |B| + 0.01
+    #[arg(long, conflicts_with = "against")]
+    relative: bool,
+    /// Write the tests as JUnit XML too
+    #[arg(long, value_name = "FILE", requires = "against")]
+    junit: Option<PathBuf>,
+}
+
+impl Compare {
+    pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        match self.a.as_slice() {
+            _ if !self.against.is_empty() => self.test(global, console),
+            [a, b] => self.measure(a, b, global, console),
+            _ => Err(Error::parameter("a", "the difference is that of two images")
+                .with_hint("to test several images of each renderer, say `against` which")),
+        }
+    }
+
+    fn measure(&self, a_path: &Path, b_path: &Path, global: &Global, console: &Console) -> Result<Verdict> {
+        // Images of any kind may be compared, 8-bit ones too.
+        let read = |path| {
+            let (image, notes) = raster::read_with_notes(path, ReadOptions { allow_ldr: true })?;
+            notes.iter().for_each(|note| console.warn(note));
+            Ok::<_, Error>(image)
+        };
+        let name = format!("{}-vs-{}", short_name(a_path.as_os_str()), short_name(b_path.as_os_str()));
+        let target = global.target(&["a"]);
+        let stem = target.stem(&name, "", &output::DRAWING)?;
+        let (a, b) = (read(a_path)?, read(b_path)?);
+        let numbers = raster::compare(&a, &b)?;
+        // FLIP filters the images once for each exposure, which takes minutes for the largest.
+        let flip = (a.pixels().len() <= LARGEST_FLIP).then(|| raster::hdr_flip(&a, &b)).flatten();
+        interrupt::check()?;
+        if numbers.pixels == 0 {
+            let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
+            return Err(Error::input(a_path, message).with_hint("`etalon envmap info` counts values by kind"));
+        }
+        let written = target.written(view::difference(&a, &b, self.relative).write(&stem)?);
+        if numbers.non_finite > 0 {
+            console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
+        }
+        if is_clipped(a_path) != is_clipped(b_path) {
+            console.warn(
+                "one image has 8 or 16 bits (clipped at 1, decoded by the sRGB curve), the other holds linear light",
+            );
+        }
+        let explanation = explain(&a, &b);
+        let output = Output { numbers, hdr_flip: flip, explanation };
+        console.saved(&output, &written, || text(&output));
+        Ok(Verdict::Good)
+    }
+}
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Output {
+    #[serde(flatten)]
+    numbers: Comparison,
+    /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST_FLIP`] pixels.
+    hdr_flip: Option<f64>,
+    /// What would explain most of the difference.
+    explanation: Option<Explanation>,
+}
+
+/// Most pixels of an image for HDR-FLIP.
+const LARGEST_FLIP: usize = 1 << 22;
+
+fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
+    let trimmed = |value: f64| format!("   {value:.6e} without the worst 0.1 %");
+    let lines = [
+        ("mse", numbers.mse, trimmed(numbers.mse_trimmed)),
+        ("rmse", numbers.rmse, String::new()),
+        ("rel_mse", numbers.rel_mse, trimmed(numbers.rel_mse_trimmed)),
+        ("mape", numbers.mape, trimmed(numbers.mape_trimmed)),
+        ("smape", numbers.smape, trimmed(numbers.smape_trimmed)),
+        ("hdr_flip", hdr_flip.unwrap_or(f64::NAN), String::new()),
+        ("max_abs", numbers.max_abs, String::new()),
+        ("mean_a", numbers.mean_a, String::new()),
+        ("mean_b", numbers.mean_b, String::new()),
+    ];
+    let explained = explanation.as_ref().map(|Explanation { change, mse_left }| {
+        format!("{change}: this leaves {:.2} % of the mean squared error\n", 100.0 * mse_left)
+    });
+    lines.map(|(name, value, more)| format!("{name:<8} {value:.6e}{more}\n")).concat() + &explained.unwrap_or_default()
+}
+
+/// Whether a file is in a format for clipped images.
+fn is_clipped(path: &Path) -> bool {
+    // Both have been read before, without an error.
+    raster::read(path, ReadOptions::default()).is_err()
+}
+
+/// Reads a share, as a fraction or in percent, between 0 and 1.
+fn share(text: &str) -> std::result::Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let value = number.trim().parse::<f64>().ok().map(|value| value * unit);
+    value.filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn shares_are_fractions_or_percent() {
+        let read = |text| super::share(text).ok();
+        assert_eq!([read("0.01"), read("1%"), read("0.5 %")], [Some(0.01), Some(0.01), Some(0.005)]);
+        assert!(["", "0", "1", "100%", "-1%", "nan", "inf", "x"].into_iter().all(|text| read(text).is_none()));
+    }
+}

@@ -1,0 +1,280 @@
+//! Whether two renderers have the same expectation: Welch's t-tests of linear functionals of their images.
+//!
+//! A *functional* is a weighted mean of the pixels: the mean of the image, its low-order cosine modes, the mean of each tile.
+//! It is evaluated for each replicate, so that pixels may correlate, by filters, by light paths, by sample patterns: only
+//! replicates must be independent. Source of the test by tiles: Jung, Hanika & Dachsbacher, "Detecting Bias in Monte Carlo
+//! Renderers using Welch's t-test", JCGT 9(2), 2020.
+
+mod explain;
+mod functionals;
+mod side;
+
+pub use self::explain::{Explanation, explain};
+pub use self::functionals::{Family, Functional};
+pub use self::side::{Noise, Side};
+
+use self::functionals::Layout;
+use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::raster::Image;
+use etalon_stats::difference::{Difference, is_dominated};
+use etalon_stats::welch::Mean;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Replicates on each side from which tiles are tested. The test of a tile is far out in the tail of Student's t, where a
+/// handful of replicates says nothing.
+pub const REPLICATES_FOR_TILES: usize = 16;
+/// Differences up to this fraction of what is measured do not count: half floats, in which many images are stored, are no
+/// more precise.
+pub const PRECISION: f64 = 1.0 / 2048.0;
+
+/// What to test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Probability of calling images of one expectation different.
+    pub level: f64,
+    /// The relative bias of the whole image that is to be found with 90 % probability.
+    pub detect: f64,
+}
+
+/// What the tests say together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Answer {
+    /// The expectations differ.
+    Different,
+    /// No difference found, though a uniform bias as small as asked for would have been found.
+    NoDifferenceFound,
+    /// No difference found, and such a bias might have gone unnoticed.
+    CannotTell,
+}
+
+/// One functional in one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tested {
+    /// What is measured.
+    pub functional: Functional,
+    /// 0 to 2: R, G, B, or X, Y, Z.
+    pub channel: usize,
+    /// Means of both sides.
+    pub means: [f64; 2],
+    /// Their difference.
+    pub difference: Difference,
+    /// Why it is not tested: one replicate, or one pixel, makes nearly all of the variance.
+    pub dominated: bool,
+}
+
+/// The tests of one family, which share a third of the level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FamilyResult {
+    /// Which functionals.
+    pub family: Family,
+    /// All tests; none where the family cannot be tested.
+    pub tests: Vec<Tested>,
+    /// The test with the smallest p-value among those that are not dominated.
+    pub worst: Option<Tested>,
+    /// p of `worst`, corrected for the number of tests and of families: below the level, the images differ.
+    pub adjusted_p: Option<f64>,
+    /// Tests without a result because a few samples dominate.
+    pub dominated: usize,
+    /// Why the family is not tested.
+    pub untested: Option<&'static str>,
+}
+
+/// The comparison of two sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// What was asked.
+    pub plan: Plan,
+    /// What the tests say.
+    pub answer: Answer,
+    /// The three families.
+    pub families: Vec<FamilyResult>,
+    /// Smallest relative bias of the whole image that would have been found with 90 % probability; none where the mean is dominated.
+    pub uniform_bias: Option<f64>,
+    /// The same of a single tile, relative to the image's mean: the median over the tiles.
+    pub tile_bias: Option<f64>,
+    /// Names of the channels.
+    pub channels: [&'static str; 3],
+    /// Columns and rows of pixels.
+    pub size: [usize; 2],
+    /// Side of a tile in pixels.
+    pub tile_side: usize,
+    /// Images on each side.
+    pub images: [usize; 2],
+    /// Pixels left out because they are not finite in an image.
+    pub non_finite: usize,
+    /// Mean images of both sides.
+    pub means: [Image; 2],
+}
+
+/// Number of families, which share the level.
+const FAMILIES: f64 = 3.0;
+
+/// Tests whether `a` and `b` have the same expectation.
+///
+/// The level is shared by the families (mean, low frequency, tiles) and in each by its tests, dominated ones included, so
+/// that leaving these out cannot raise the probability of a false alarm (Bonferroni).
+///
+/// # Errors
+/// [`Error::Parameter`] when sizes differ, an image occurs twice, no pixel is finite everywhere, or neither side has noise.
+pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
+    let mut sides = [a, b];
+    check(&sides)?;
+    let channels = side::in_common_colours(&mut sides);
+    let valid = side::finite(&sides);
+    let layout = Layout::new(sides[0].size(), &valid);
+    if layout.pixels() == 0 {
+        return Err(Error::parameter("against", "no pixel is finite in all images: nothing to compare"));
+    }
+    // [side][functional][channel]
+    let mut observed: Vec<Vec<[Observed; 3]>> =
+        sides.iter().map(|side| observe(side, &layout, plan.level)).collect::<Result<_>>()?;
+    observed.iter_mut().for_each(|side| widen(side, &layout));
+    let scales = layout.scales(&side::mean_image(&sides[1]));
+    let families: Vec<FamilyResult> = Family::ALL
+        .into_iter()
+        .map(|family| {
+            let untested = (family == Family::Tiles && sides.iter().any(Side::has_few_replicates))
+                .then_some("fewer than 16 replicates on a side");
+            let tests = layout.of(family).filter(|_| untested.is_none()).flat_map(|i| {
+                let (observed, scales, functional) = (&observed, &scales, layout.functional(i));
+                (0..3).map(move |channel| {
+                    let [a, b] = [&observed[0][i][channel], &observed[1][i][channel]];
+                    Tested {
+                        functional,
+                        channel,
+                        means: [a.mean.value, b.mean.value],
+                        difference: Difference::of(a.mean, b.mean, PRECISION * scales[i][channel]),
+                        dominated: a.dominated || b.dominated,
+                    }
+                })
+            });
+            let mut result =
+                FamilyResult { family, tests: tests.collect(), worst: None, adjusted_p: None, dominated: 0, untested };
+            result.judge();
+            result
+        })
+        .collect();
+    let different = families.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
+    let relative = |test: &Tested, level: f64| {
+        let image = families[0].tests[test.channel].means.map(f64::abs);
+        test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
+    };
+    let whole = &families[0];
+    let level_of = |family: &FamilyResult| plan.level / FAMILIES / family.tests.len().max(1) as f64;
+    let uniform = whole.tests.iter().map(|test| relative(test, level_of(whole))).fold(f64::INFINITY, f64::min);
+    let uniform_bias = Some(uniform).filter(|bias| bias.is_finite() && whole.dominated == 0);
+    let usable = families[2].tests.iter().filter(|test| !test.dominated);
+    let mut tile_biases: Vec<f64> =
+        usable.map(|test| relative(test, level_of(&families[2]))).filter(|b| b.is_finite()).collect();
+    tile_biases.sort_unstable_by(f64::total_cmp);
+    let answer = match uniform_bias {
+        _ if different => Answer::Different,
+        Some(bias) if bias <= plan.detect => Answer::NoDifferenceFound,
+        _ => Answer::CannotTell,
+    };
+    Ok(Compared {
+        plan,
+        answer,
+        uniform_bias,
+        tile_bias: tile_biases.get(tile_biases.len() / 2).copied(),
+        families,
+        channels,
+        size: sides[0].size(),
+        tile_side: layout.side(),
+        images: sides.each_ref().map(|side| side.images.len()),
+        non_finite: valid.iter().filter(|v| !**v).count(),
+        means: sides.each_ref().map(side::mean_image),
+    })
+}
+
+impl FamilyResult {
+    /// Finds the smallest p-value and corrects it.
+    fn judge(&mut self) {
+        self.dominated = self.tests.iter().filter(|test| test.dominated).count();
+        let usable = self.tests.iter().filter(|test| !test.dominated);
+        // By t where p is too small for a double.
+        let order = |a: &&Tested, b: &&Tested| {
+            let [x, y] = [a, b].map(|test| (test.difference.p(), -test.difference.t().abs()));
+            x.0.total_cmp(&y.0).then(x.1.total_cmp(&y.1))
+        };
+        self.worst = usable.min_by(order).copied();
+        self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
+    }
+
+    /// The p-value of a test, corrected for the number of tests and of families.
+    #[must_use]
+    pub fn adjusted(&self, test: &Tested) -> f64 {
+        (test.difference.p() * self.tests.len() as f64 * FAMILIES).min(1.0)
+    }
+}
+
+/// What a side says about a functional in a channel.
+struct Observed {
+    mean: Mean,
+    dominated: bool,
+}
+
+/// All functionals of a side.
+fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]>> {
+    interrupt::check()?;
+    let values: Vec<Vec<[f64; 3]>> = side.images.par_iter().map(|image| layout.values(image)).collect();
+    // The level at which normal replicates would count as dominated anywhere at all.
+    let each = level / (2.0 * 3.0 * layout.count() as f64);
+    let spread = side.error().map(|error| layout.spread(error));
+    let of = |i: usize, channel: usize| {
+        let replicates: Vec<f64> = values.iter().map(|values| values[i][channel]).collect();
+        match (side.noise, &spread) {
+            (_, Some(spread)) => {
+                let (variance, dof, share) = spread[i][channel].parts();
+                // One pixel with most of the variance: its error is as uncertain as its one sample.
+                Observed { mean: Mean { value: replicates[0], variance, dof }, dominated: share > 0.5 }
+            }
+            (Noise::Replicates, None) => Observed {
+                mean: Mean::of_replicates(&replicates).unwrap_or(Mean::exact(replicates[0])),
+                dominated: is_dominated(&replicates, each),
+            },
+            (Noise::None | Noise::PerPixel, None) => Observed { mean: Mean::exact(replicates[0]), dominated: false },
+        }
+    };
+    Ok((0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect())
+}
+
+/// Gives each tile at least the mean variance of its neighbourhood of 3 by 3 tiles.
+///
+/// Light is skewed to the right: a few replicates, or the samples of a few pixels, without a rare bright path have a low mean
+/// *and* a low variance, and t is far out on the negative side. With the right variance, that side's tail is thinner than the
+/// normal one; on the other side the bright path is there, and in the variance. So what must not happen is a variance that is
+/// too low; neighbours have seen the same paths. A larger variance can only lower the probability of a false alarm.
+fn widen(observed: &mut [[Observed; 3]], layout: &Layout) {
+    let tiles: Vec<usize> = layout.of(Family::Tiles).collect();
+    let pooled = |i: usize, channel: usize| {
+        let near = layout.neighbours(i);
+        near.iter().map(|&i| observed[i][channel].mean.variance).sum::<f64>() / near.len() as f64
+    };
+    let variances: Vec<[f64; 3]> = tiles.iter().map(|&i| [0, 1, 2].map(|channel| pooled(i, channel))).collect();
+    for (i, pooled) in tiles.into_iter().zip(variances) {
+        for (observed, pooled) in observed[i].iter_mut().zip(pooled) {
+            observed.mean.variance = observed.mean.variance.max(pooled);
+        }
+    }
+}
+
+fn check(sides: &[Side; 2]) -> Result<()> {
+    let all = || sides.iter().flat_map(|side| &side.images);
+    let first = sides[0].size();
+    if let Some(other) = all().find(|image| [image.width(), image.height()] != first) {
+        let sizes = format!("{}x{} and {}x{}", first[0], first[1], other.width(), other.height());
+        return Err(Error::parameter("images", format!("their sizes differ: {sizes}"))
+            .with_hint("only images of the same size can be compared"));
+    }
+    if sides.iter().all(|side| side.noise == Noise::None) {
+        return Err(Error::parameter("exact", "neither side has noise: compare the two images without a test"));
+    }
+    side::check_distinct(sides)
+}
+
+#[cfg(test)]
+mod tests;

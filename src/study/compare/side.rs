@@ -1,0 +1,225 @@
+//! One side of a comparison: replicates, or one image whose noise is known by its pixels, read from files.
+
+use crate::error::{Error, Result};
+use crate::math::Rgb;
+use crate::raster::{ExrFile, Image, ReadOptions, read_with_notes};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// What is known of the noise of a side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Noise {
+    /// It shows in how independent images differ.
+    Replicates,
+    /// Each pixel has a standard error, and pixels are independent.
+    PerPixel,
+    /// There is none.
+    None,
+}
+
+/// One renderer's images.
+#[derive(Debug, Clone)]
+pub struct Side {
+    /// The replicates; one image where the noise is known otherwise.
+    pub images: Vec<Image>,
+    /// How the noise is known.
+    pub noise: Noise,
+    /// What users should know of the files.
+    pub notes: Vec<String>,
+    error: Option<Image>,
+    /// Whether the channels are X, Y and Z of CIE 1931.
+    xyz: bool,
+    /// The seed that a file names.
+    seeds: Vec<String>,
+}
+
+impl Side {
+    /// Independent images, at least two.
+    #[must_use]
+    pub fn replicates(images: Vec<Image>) -> Self {
+        Self { images, noise: Noise::Replicates, notes: Vec::new(), error: None, xyz: false, seeds: Vec::new() }
+    }
+
+    /// An image whose independent pixels have these standard errors.
+    #[must_use]
+    pub fn with_error(image: Image, error: Image) -> Self {
+        Self { noise: Noise::PerPixel, error: Some(error), ..Self::replicates(vec![image]) }
+    }
+
+    /// An image without noise.
+    #[must_use]
+    pub fn exact(image: Image) -> Self {
+        Self { noise: Noise::None, ..Self::replicates(vec![image]) }
+    }
+
+    /// Reads a side: several files are replicates; one file must be OpenEXR with the layer `error` (standard errors) or with
+    /// second moments `m2_L` of a layer `L` in RGB or XYZ, as Mitsuba's integrator `moment` writes them, from `spp` samples
+    /// per pixel (or as many as the attribute `spp` says).
+    ///
+    /// # Errors
+    /// Those of [`read`](crate::raster::read()), and [`Error::Input`] for one file that says nothing of its noise.
+    pub fn read(paths: &[PathBuf], spp: Option<u32>) -> Result<Self> {
+        if let [path] = paths {
+            return Self::read_one(path, spp);
+        }
+        let mut side = Self::replicates(Vec::new());
+        for path in paths {
+            let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+            side.images.push(image);
+            side.notes.extend(notes);
+            // Files that are no OpenEXR have no attributes that could name a seed.
+            if let Some(seed) = ExrFile::open(path).ok().and_then(|file| file.metadata().get("seed").map(str::to_owned))
+            {
+                side.seeds.push(seed);
+            }
+        }
+        Ok(side)
+    }
+
+    /// Reads an image without noise.
+    ///
+    /// # Errors
+    /// Those of [`read`](crate::raster::read()).
+    pub fn read_exact(path: &Path) -> Result<Self> {
+        let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+        Ok(Self { notes, ..Self::exact(image) })
+    }
+
+    fn read_one(path: &Path, spp: Option<u32>) -> Result<Self> {
+        let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+        let unknown = || {
+            Error::input(path, "one image that says nothing of its noise")
+                .with_hint("give several of different seeds, an OpenEXR file with a layer of standard errors or of second moments, or say that it has no noise")
+        };
+        let file = ExrFile::open(path).map_err(|_| unknown())?;
+        let layers = file.layers()?;
+        let layer = |name: &str| layers.iter().find(|(known, _)| known == name).map(|(_, image)| image.clone());
+        let attributes = file.metadata();
+        let mut side = if let Some(error) = layer("error") {
+            Self::with_error(image, error)
+        } else {
+            let moments = file.layer_names().into_iter().find(|name| name.starts_with(MOMENT)).ok_or_else(unknown)?;
+            let base = &moments[MOMENT.len()..];
+            let (mean, square, xyz) = match (layer(base), layer(&moments)) {
+                (Some(mean), Some(square)) => (mean, square, false),
+                _ => match (file.tristimulus(base)?, file.tristimulus(&moments)?) {
+                    (Some(mean), Some(square)) => (mean, square, true),
+                    _ => return Err(unknown()),
+                },
+            };
+            let spp = spp.or_else(|| attributes.get("spp")?.parse().ok()).ok_or_else(|| {
+                Error::parameter("spp", format!("{} has second moments, but not the number of samples", path.display()))
+                    .with_hint("say how many samples each pixel has")
+            })?;
+            Self { xyz, ..Self::with_error(mean.clone(), error_of_moments(&mean, &square, spp)) }
+        };
+        side.notes = notes;
+        if attributes.get("sampling").is_some_and(|name| name.ends_with("+lt")) {
+            side.notes.push(format!(
+                "{}: rendered with light tracing, whose paths reach many pixels: their errors are not independent, and the \
+                 tests may raise false alarms; replicates are safe",
+                path.display()
+            ));
+        }
+        side.seeds.extend(attributes.get("seed").map(str::to_owned));
+        Ok(side)
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.images.first().map_or([0, 0], |image| [image.width(), image.height()])
+    }
+
+    /// Whether it has seeds in common with `other`.
+    #[must_use]
+    pub fn shares_seeds(&self, other: &Self) -> bool {
+        self.seeds.iter().any(|seed| other.seeds.contains(seed))
+    }
+
+    pub(super) fn error(&self) -> Option<&Image> {
+        self.error.as_ref()
+    }
+
+    pub(super) fn has_few_replicates(&self) -> bool {
+        self.noise == Noise::Replicates && self.images.len() < super::REPLICATES_FOR_TILES
+    }
+}
+
+/// Before the name of a layer: its second moments.
+const MOMENT: &str = "m2_";
+
+/// √((mean of squares − square of the mean)/(n − 1)).
+fn error_of_moments(mean: &Image, square: &Image, spp: u32) -> Image {
+    Image::from_fn(mean.width(), mean.height(), |x, y| {
+        let (m, s) = (mean.get(x, y), square.get(x, y));
+        Rgb::from_array(std::array::from_fn(|c| {
+            let variance = (f64::from(s[c]) - f64::from(m[c]).powi(2)).max(0.0);
+            (variance / (f64::from(spp) - 1.0)).sqrt() as f32
+        }))
+    })
+}
+
+/// X, Y and Z of R, G and B with the primaries of Rec. 709 and white D65. Source: Rec. ITU-R BT.709-6; SMPTE RP 177.
+const XYZ_FROM_RGB: [[f64; 3]; 3] =
+    [[0.412_391, 0.357_584, 0.180_481], [0.212_639, 0.715_169, 0.072_192], [0.019_331, 0.119_195, 0.950_532]];
+
+/// Brings both sides to XYZ if one of them has it; returns the names of the channels.
+///
+/// The error of a sum of correlated channels is at most the sum of their errors: sides with errors by pixel get that.
+pub(super) fn in_common_colours(sides: &mut [Side; 2]) -> [&'static str; 3] {
+    if sides.iter().all(|side| !side.xyz) {
+        return ["R", "G", "B"];
+    }
+    let convert = |image: &mut Image| {
+        let xyz = |p: Rgb| XYZ_FROM_RGB.map(|row| (0..3).map(|c| row[c] * f64::from(p[c])).sum::<f64>() as f32);
+        *image = image.map(|p| Rgb::from_array(xyz(p)));
+    };
+    for side in sides.iter_mut().filter(|side| !side.xyz) {
+        side.images.iter_mut().chain(side.error.as_mut()).for_each(convert);
+        side.xyz = true;
+    }
+    ["X", "Y", "Z"]
+}
+
+/// Which pixels are finite in all images, errors included.
+pub(super) fn finite(sides: &[Side; 2]) -> Vec<bool> {
+    let [width, height] = sides[0].size();
+    let mut valid = vec![true; width * height];
+    for image in sides.iter().flat_map(|side| side.images.iter().chain(&side.error)) {
+        valid.iter_mut().zip(image.pixels()).for_each(|(valid, p)| *valid &= p.is_finite());
+    }
+    valid
+}
+
+/// Refuses an image that occurs twice: it is no independent replicate.
+pub(super) fn check_distinct(sides: &[Side; 2]) -> Result<()> {
+    let mut seen: HashMap<Vec<u32>, Vec<&Image>> = HashMap::new();
+    for (place, image) in sides.iter().enumerate().flat_map(|(s, side)| side.images.iter().map(move |i| (s, i))) {
+        // A few pixels tell most images apart.
+        let key = image.pixels().iter().step_by(image.pixels().len().div_ceil(64).max(1));
+        let same = seen.entry(key.flat_map(|p| p.to_array().map(f32::to_bits)).collect()).or_default();
+        if same.iter().any(|other| bits(other).eq(bits(image))) {
+            let name = if place == 0 { "a" } else { "against" };
+            return Err(Error::parameter(name, "the same image is given twice: it is no independent replicate")
+                .with_hint("render each image with a seed of its own; seeds that make no difference are a bug"));
+        }
+        same.push(image);
+    }
+    Ok(())
+}
+
+fn bits(image: &Image) -> impl Iterator<Item = u32> + '_ {
+    image.pixels().iter().flat_map(|p| p.to_array().map(f32::to_bits))
+}
+
+/// The mean of a side's images.
+pub(super) fn mean_image(side: &Side) -> Image {
+    let [width, height] = side.size();
+    let mut sums = vec![glam::DVec3::ZERO; width * height];
+    for image in &side.images {
+        sums.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+    }
+    let n = side.images.len() as f64;
+    Image::from_pixels(width, height, sums.into_iter().map(|sum| (sum / n).as_vec3()).collect())
+}

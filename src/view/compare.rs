@@ -1,0 +1,232 @@
+//! Images compared: their difference in false colour; tests of their expectation as a map, as p-values and as a table.
+
+use super::text::{p_value, power_of_ten};
+use crate::figure::{
+    Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
+};
+use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use crate::study::compare::{Answer, Compared, Functional, Tested};
+use serde::Serialize;
+
+/// Longest side of the drawing of the difference, in pixels.
+const LONGEST_SIDE: usize = 2048;
+/// Tiles that are marked and enlarged.
+const ENLARGED: usize = 3;
+/// Keeps dark pixels from outweighing all others in the relative difference, as in the relative metrics.
+const EPSILON: f64 = 0.01;
+
+/// Difference of (R + G + B)/3 in diverging colours around 0; relative to |B| + 0.01 if asked for.
+pub fn difference(a: &Image, b: &Image, relative: bool) -> Drawing {
+    let (width, height) = (a.width() as f64, a.height() as f64);
+    let longer = 480.0 / width.max(height);
+    let panel = difference_panel(a, b, relative);
+    Plot::new([panel]).frame_size(width * longer, height * longer).draw()
+}
+
+fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
+    let (width, height) = (a.width(), a.height());
+    // Large images are averaged over squares of pixels.
+    let side = width.max(height).div_ceil(LONGEST_SIDE);
+    let grey = |image: &Image, x: usize, y: usize| image.get(x, y).as_dvec3().element_sum() / 3.0;
+    let at = |x: usize, y: usize| {
+        let (a, b) = (grey(a, x, y), grey(b, x, y));
+        (a - b) / if relative { b.abs() + EPSILON } else { 1.0 }
+    };
+    let square = |x: usize, y: usize| {
+        let (columns, rows) = (x..width.min(x + side), y..height.min(y + side));
+        let count = (columns.len() * rows.len()) as f64;
+        rows.flat_map(|y| columns.clone().map(move |x| at(x, y))).sum::<f64>() / count
+    };
+    let rows = (0..height).step_by(side);
+    let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
+    let limit = robust_limit(&values);
+    let label = if relative {
+        "difference of (R + G + B)/3 by |B| + 0.01 (1 % exceed the scale)"
+    } else {
+        "difference of (R + G + B)/3 (1 % exceed the scale)"
+    };
+    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
+    pixels_panel(width, height).title("A − B: blue where A is darker, red where it is brighter").heatmap(map)
+}
+
+fn pixels_panel(width: usize, height: usize) -> Panel {
+    Panel::new(Axis::linear("column").range(0.0, width as f64), Axis::linear("row").range(height as f64, 0.0))
+}
+
+/// A scale that holds 99 % of the values: a single bright pixel does not hide the others.
+fn robust_limit(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let limit = sizes.get(sizes.len() * 99 / 100).copied().filter(|v| *v > 0.0);
+    limit.or(sizes.last().copied()).unwrap_or(0.0)
+}
+
+/// A line of the table of tests. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Row {
+    family: &'static str,
+    functional: String,
+    channel: &'static str,
+    mean_a: f64,
+    mean_b: f64,
+    standard_error: f64,
+    dof: f64,
+    t: f64,
+    /// The normal deviate that is as unlikely as t.
+    z: f64,
+    p: f64,
+    /// p times the number of tests of the family and of families.
+    adjusted_p: f64,
+    dominated: bool,
+    /// The difference that would have been found with 90 % probability.
+    detectable: f64,
+}
+
+pub fn rows(compared: &Compared) -> Vec<Row> {
+    let family = |family: &crate::study::compare::FamilyResult| {
+        let level = compared.plan.level / (3 * family.tests.len().max(1)) as f64;
+        let row = |test: &Tested| Row {
+            family: family.family.name(),
+            functional: test.functional.to_string(),
+            channel: compared.channels[test.channel],
+            mean_a: test.means[0],
+            mean_b: test.means[1],
+            standard_error: test.difference.standard_error,
+            dof: test.difference.dof,
+            t: test.difference.t(),
+            z: test.difference.z(),
+            p: test.difference.p(),
+            adjusted_p: family.adjusted(test),
+            dominated: test.dominated,
+            detectable: test.difference.detectable(level),
+        };
+        family.tests.iter().map(row).collect::<Vec<_>>()
+    };
+    compared.families.iter().flat_map(family).collect()
+}
+
+/// A tile with its channel that differs most.
+struct Tile {
+    place: [usize; 4],
+    worst: Option<Tested>,
+}
+
+fn tiles(compared: &Compared) -> Vec<Tile> {
+    let tests = compared.families.iter().flat_map(|family| family.tests.chunks(3));
+    let tile = |tests: &[Tested]| {
+        let Functional::Tile(place) = tests[0].functional else { return None };
+        let usable = tests.iter().filter(|test| !test.dominated).copied();
+        let worst = usable.max_by(|a, b| a.difference.t().abs().total_cmp(&b.difference.t().abs()));
+        Some(Tile { place, worst })
+    };
+    tests.filter_map(tile).collect()
+}
+
+/// The map of z by tiles with the worst marked, the p-values of all tests, and the worst tiles enlarged.
+pub fn drawing(compared: &Compared) -> Drawing {
+    let [width, height] = compared.size;
+    let mut tiles = tiles(compared);
+    let map = if tiles.is_empty() {
+        let [a, b] = &compared.means;
+        difference_panel(a, b, false)
+    } else {
+        z_map(compared, &tiles)
+    };
+    let order = |tile: &Tile| tile.worst.map_or(0.0, |worst| -worst.difference.t().abs());
+    tiles.sort_by(|a, b| order(a).total_cmp(&order(b)));
+    tiles.retain(|tile| tile.worst.is_some());
+    tiles.truncate(ENLARGED);
+    let map = tiles.iter().enumerate().fold(map, |panel, (i, tile)| {
+        let [x, y, w, h] = tile.place.map(|v| v as f64);
+        let corners = [[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]];
+        let frame = Stroke::solid(theme::MARKER_SHADE, 1.4);
+        panel.line("", frame, corners).note([x + w, y], format!("{}", i + 1), Colour::BLACK)
+    });
+    let longer = 400.0 / width.max(height) as f64;
+    let frame = [width as f64 * longer, (height as f64 * longer).max(120.0)];
+    let plots = Plot::new([map, p_values(compared)]).frame_size(frame[0].max(160.0), frame[1]).draw();
+    if tiles.is_empty() {
+        return plots;
+    }
+    Drawing::stacked(vec![plots, crops(compared, &tiles)], 0.5, 2.0)
+}
+
+fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
+    let [width, height] = compared.size;
+    let columns = width.div_ceil(compared.tile_side);
+    let rows = height.div_ceil(compared.tile_side);
+    let mut values = vec![f64::NAN; columns * rows];
+    for tile in tiles {
+        let [x, y, ..] = tile.place.map(|v| v / compared.tile_side);
+        values[y * columns + x] = tile.worst.map_or(f64::NAN, |worst| worst.difference.z());
+    }
+    let largest = values.iter().filter(|z| z.is_finite()).fold(5.0_f64, |m, z| m.max(z.abs())).min(10.0);
+    // The last tiles of a row or column may reach beyond the image.
+    let (width, height) = (columns * compared.tile_side, rows * compared.tile_side);
+    let label = "z of the channel that differs most; grey: not tested";
+    let map = Heatmap::new(columns, values, Shading::Diverging, label).range(-largest, largest);
+    pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
+}
+
+fn p_values(compared: &Compared) -> Panel {
+    // Smaller p-values are at the foot of the axis.
+    const LEAST: f64 = 1e-12;
+    let colours = [theme::CORRECTED, theme::INCONCLUSIVE, theme::OBSERVED];
+    let (mut first, mut foot) = (1.0_f64, 1e-3_f64);
+    let mut series: Vec<(String, Colour, Vec<Point>)> = Vec::new();
+    for (family, colour) in compared.families.iter().zip(colours) {
+        let usable = family.tests.iter().filter(|test| !test.dominated);
+        let mut p: Vec<f64> = usable.map(|test| test.difference.p().max(LEAST)).collect();
+        p.sort_unstable_by(f64::total_cmp);
+        let n = p.len() as f64 + 1.0;
+        let points: Vec<Point> = p.iter().enumerate().map(|(i, p)| [(i + 1) as f64 / n, *p]).collect();
+        if let (Some(point), tests) = (points.first(), family.tests.len()) {
+            first = first.min(point[0]);
+            foot = foot.min(point[1]).min(compared.plan.level / (3 * tests) as f64);
+            let limit = compared.plan.level / (3 * tests) as f64;
+            let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { format!("{limit:.1e}") };
+            series.push((format!("{}: different below {below}", family.family.name()), colour, points));
+        }
+    }
+    let foot = 10f64.powf(foot.log10().floor() - 0.5);
+    let panel =
+        Panel::new(Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0), Axis::log("/{p}-value").range(foot, 1.0))
+            .title(match compared.answer {
+                Answer::Different => "Different",
+                Answer::NoDifferenceFound => "No difference found",
+                Answer::CannotTell => "Cannot tell",
+            })
+            .line(
+                "uniform: one expectation",
+                Stroke::solid(theme::EXPECTED, theme::THIN),
+                [[first * 0.8, first * 0.8], [1.0, 1.0]],
+            );
+    series.into_iter().fold(panel, |panel, (label, colour, points)| panel.markers(label, colour, Marker::Disc, points))
+}
+
+/// The worst tiles with their surroundings: A, B and their difference.
+fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
+    let [a, b] = &compared.means;
+    let stops = auto_exposure(b);
+    let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops }));
+    let mut cells = Vec::new();
+    for (i, Tile { place: [x, y, w, h], worst }) in tiles.iter().enumerate() {
+        // As much around the tile as it is wide.
+        let margin = compared.tile_side;
+        let (left, top) = (x.saturating_sub(margin), y.saturating_sub(margin));
+        let (right, bottom) = ((x + w + margin).min(a.width()), (y + h + margin).min(a.height()));
+        let crop = |image: &Image| Image::from_fn(right - left, bottom - top, |i, j| image.get(left + i, top + j));
+        let (a, b) = (crop(a), crop(b));
+        let grey = a.pixels().iter().zip(b.pixels()).map(|(a, b)| (a - b).as_dvec3().element_sum() / 3.0);
+        let values: Vec<f64> = grey.collect();
+        let limit = robust_limit(&values);
+        let map = Heatmap::new(a.width(), values, Shading::Diverging, "").range(-limit, limit);
+        let Some(worst) = worst else { continue };
+        let [mean_a, mean_b] = worst.means.map(|mean| format!("{mean:.4}"));
+        let channel = compared.channels[worst.channel];
+        cells.push((format!("{}: A, {channel} {mean_a}", i + 1), shown(&a)));
+        cells.push((format!("B, {channel} {mean_b}"), shown(&b)));
+        cells.push((format!("A − B, ±{limit:.2e}; {}", p_value(worst.difference.p())), map.image()));
+    }
+    contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)
+}
