@@ -6,6 +6,7 @@ mod bad_input;
 mod book;
 mod collada_files;
 mod command_line;
+mod compare;
 mod converge;
 mod exec;
 mod exr_layers;

@@ -67,19 +67,25 @@ impl Compare {
     }
 
     fn measure(&self, a_path: &Path, b_path: &Path, global: &Global, console: &Console) -> Result<Verdict> {
-        // Images of any kind may be compared, 8-bit ones too.
+        // Images of any kind may be compared, 8-bit ones too: whether it is one stands beside the image.
         let read = |path| {
-            let (image, notes) = raster::read_with_notes(path, ReadOptions { allow_ldr: true })?;
+            let linear = raster::read_with_notes(path, ReadOptions::default());
+            let is_clipped = matches!(linear, Err(Error::Unsupported { .. }));
+            let (image, notes) = match linear {
+                Err(_) if is_clipped => raster::read_with_notes(path, ReadOptions { allow_ldr: true }),
+                linear => linear,
+            }?;
             notes.iter().for_each(|note| console.warn(note));
-            Ok::<_, Error>(image)
+            Ok::<_, Error>((image, is_clipped))
         };
         let name = format!("{}-vs-{}", short_name(a_path.as_os_str()), short_name(b_path.as_os_str()));
         let target = global.target(&["a"]);
         let stem = target.stem(&name, "", &output::DRAWING)?;
-        let (a, b) = (read(a_path)?, read(b_path)?);
+        let ((a, a_is_clipped), (b, b_is_clipped)) = (read(a_path)?, read(b_path)?);
         let numbers = raster::compare(&a, &b)?;
         // FLIP filters the images once for each exposure, which takes minutes for the largest.
-        let flip = (a.pixels().len() <= LARGEST_FLIP).then(|| raster::hdr_flip(&a, &b)).flatten();
+        let is_small = a.pixels().len() <= LARGEST;
+        let flip = is_small.then(|| raster::hdr_flip(&a, &b)).flatten();
         interrupt::check()?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
@@ -89,12 +95,12 @@ impl Compare {
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
-        if is_clipped(a_path) != is_clipped(b_path) {
+        if a_is_clipped != b_is_clipped {
             console.warn(
                 "one image has 8 or 16 bits (clipped at 1, decoded by the sRGB curve), the other holds linear light",
             );
         }
-        let explanation = explain(&a, &b);
+        let explanation = is_small.then(|| explain(&a, &b)).flatten();
         let output = Output { numbers, hdr_flip: flip, explanation };
         console.saved(&output, &written, || text(&output));
         Ok(Verdict::Good)
@@ -106,14 +112,14 @@ impl Compare {
 struct Output {
     #[serde(flatten)]
     numbers: Comparison,
-    /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST_FLIP`] pixels.
+    /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST`] pixels.
     hdr_flip: Option<f64>,
     /// What would explain most of the difference.
     explanation: Option<Explanation>,
 }
 
-/// Most pixels of an image for HDR-FLIP.
-const LARGEST_FLIP: usize = 1 << 22;
+/// Most pixels of an image for HDR-FLIP and for explanations.
+const LARGEST: usize = 1 << 22;
 
 fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
     let trimmed = |value: f64| format!("   {value:.6e} without the worst 0.1 %");
@@ -132,12 +138,6 @@ fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
         format!("{change}: this leaves {:.2} % of the mean squared error\n", 100.0 * mse_left)
     });
     lines.map(|(name, value, more)| format!("{name:<8} {value:.6e}{more}\n")).concat() + &explained.unwrap_or_default()
-}
-
-/// Whether a file is in a format for clipped images.
-fn is_clipped(path: &Path) -> bool {
-    // Both have been read before, without an error.
-    raster::read(path, ReadOptions::default()).is_err()
 }
 
 /// Reads a share, as a fraction or in percent, between 0 and 1.

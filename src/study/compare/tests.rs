@@ -105,7 +105,7 @@ fn a_firefly_in_one_replicate_is_inconclusive() {
     let mut a = replicates(Sampling::Mis, 1, 16);
     a[5].set(9, 9, Rgb::splat(1e6));
     let compared = compare(Side::replicates(a), Side::replicates(replicates(Sampling::Mis, 101, 16)), PLAN).unwrap();
-    assert_eq!(compared.answer, Answer::CannotTell, "{}", show(&[compared]));
+    assert_eq!(compared.answer, Answer::CannotTell, "{}", show(std::slice::from_ref(&compared)));
     assert_eq!((compared.families[0].dominated, compared.uniform_bias), (3, None));
     assert!((3..30).contains(&compared.families[2].dominated));
 }
@@ -120,7 +120,7 @@ fn errors_by_pixel_stand_in_for_replicates() {
         Side::with_error(film.image().map(|p| p * scale), film.standard_error())
     };
     let plain = compare(side(1, 1.0), side(2, 1.0), PLAN).unwrap();
-    assert_ne!(plain.answer, Answer::Different, "{}", show(&[plain]));
+    assert_ne!(plain.answer, Answer::Different, "{}", show(std::slice::from_ref(&plain)));
     let bias = 1.0 + 1.5 * plain.uniform_bias.unwrap() as f32;
     assert!(is_different(&compare(side(1, bias), side(2, 1.0), PLAN).unwrap()));
     let exact = compare(side(1, 1.0), Side::exact(side(3, bias).images.remove(0)), PLAN).unwrap();

@@ -1,0 +1,145 @@
+//! `etalon compare`: metrics by hand, what explains a difference, and the test of two renderers with its exit codes.
+
+use super::program::{etalon, json};
+use etalon::raster::{Channel, Image, Layer, Metadata, Precision, Samples, write_exr, write_exr_channels};
+use etalon::sampling::stream::{Independent, Stream};
+use glam::Vec3;
+use std::path::Path;
+
+const SIZE: [usize; 2] = [24, 16];
+
+/// An image with noise of a relative deviation of about 10 %, times `scale`.
+fn noisy(seed: u64, scale: f32) -> Image {
+    Image::from_fn(SIZE[0], SIZE[1], |x, y| {
+        let [u, v] = Independent::new(seed, (y * SIZE[0] + x) as u64, 0).pair(0).map(|u| u as f32);
+        let level = 0.5 + 0.02 * x as f32;
+        scale * level * Vec3::new(1.0 + 0.35 * (u - 0.5), 1.0 + 0.35 * (v - 0.5), 1.0 + 0.35 * (u * v - 0.25))
+    })
+}
+
+/// Writes `count` replicates of each side, and returns the arguments of a comparison.
+fn replicates(folder: &Path, count: u64, scale: f32) -> Vec<String> {
+    let mut args = vec!["compare".to_owned()];
+    for (side, scale) in [("a", scale), ("b", 1.0)] {
+        if side == "b" {
+            args.push("--against".into());
+        }
+        for k in 0..count {
+            let name = format!("{side}{k}.exr");
+            let image = noisy(1000 * u64::from(side == "b") + k, scale);
+            let layer = Layer { name: "", image: &image };
+            write_exr(&folder.join(&name), &[layer], Precision::Float, &Metadata::default()).unwrap();
+            args.push(name);
+        }
+    }
+    args
+}
+
+fn run(folder: &Path, args: &[String], more: &[&str]) -> super::program::Ran {
+    let args: Vec<&str> = args.iter().map(String::as_str).chain(more.iter().copied()).collect();
+    etalon(folder, &args)
+}
+
+#[test]
+fn exit_codes_say_the_verdict() {
+    let dir = tempfile::tempdir().unwrap();
+    let same = replicates(dir.path(), 16, 1.0);
+    let ran = run(dir.path(), &same, &["--junit", "t.xml"]);
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.starts_with("no difference found; a uniform bias of "), "{}", ran.stdout);
+    let junit = std::fs::read_to_string(dir.path().join("t.xml")).unwrap();
+    assert!(junit.contains("tests=\"3\" failures=\"0\" errors=\"0\""), "{junit}");
+    let ran = run(dir.path(), &same, &["--detect", "0.01%", "--json"]);
+    assert!(ran.code == 3 && ran.stdout.contains("\"answer\":\"cannot-tell\""), "{}", ran.stdout);
+
+    let biased = replicates(dir.path(), 16, 1.01);
+    let ran = run(dir.path(), &biased, &["--junit", "t.xml", "--json"]);
+    assert!(ran.code == 1 && ran.stdout.contains("\"answer\":\"different\""), "{}", ran.stdout);
+    assert!(std::fs::read_to_string(dir.path().join("t.xml")).unwrap().contains("<failure"));
+    // Tiles need 16 replicates.
+    let few = replicates(dir.path(), 3, 1.0);
+    let ran = run(dir.path(), &few, &[]);
+    assert!(ran.stdout.contains("not tested: fewer than 16 replicates"), "{}", ran.stdout);
+}
+
+#[test]
+fn bad_sides_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    replicates(dir.path(), 2, 1.0);
+    for (line, expected) in [
+        ("compare a0.exr a1.exr --against a0.exr b0.exr", "the same image is given twice"),
+        ("compare a0.exr --against b0.exr", "says nothing of its noise"),
+        ("compare a0.exr a1.exr --against b0.exr b1.exr --exact", "several images"),
+        ("compare a0.exr a1.exr b0.exr", "two images"),
+        ("compare a0.exr b0.exr --exact", "--against"),
+        ("compare a0.exr a1.exr --against b0.exr b1.exr --detect 0", "not a share"),
+        ("compare a0.exr a1.exr --against b0.exr b1.exr --level 2", "not a share"),
+    ] {
+        let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{line}: {}", ran.stderr);
+    }
+    // A reference without noise.
+    let ran = etalon(dir.path(), &["compare", "a0.exr", "a1.exr", "--against", "b0.exr", "--exact"]);
+    assert_ne!(ran.code, 2, "{}", ran.stderr);
+}
+
+#[test]
+fn errors_and_moments_are_read_by_their_layers() {
+    let dir = tempfile::tempdir().unwrap();
+    let spp = 64.0_f32;
+    // Samples with a standard deviation of 10 % of the mean.
+    let write = |name: &str, seed: u64, scale: f32, kind: &str| {
+        let image = noisy(seed, scale);
+        let error = image.map(|p| 0.1 * p);
+        let square = image.map(|p| p * p + (0.1 * p) * (0.1 * p) * (spp - 1.0));
+        let mut channels: Vec<Channel<'_>> = Layer { name: "", image: &image }.channels(Precision::Float).into();
+        match kind {
+            "error" => channels.extend(Layer { name: "error", image: &error }.channels(Precision::Float)),
+            _ => {
+                for (layer, values) in [("nested", &image), ("m2_nested", &square)] {
+                    for (c, role) in kind.chars().enumerate() {
+                        let samples = Samples::Float(Box::new(move |i| values.pixels()[i][c]));
+                        channels.push(Channel { name: format!("{layer}.{role}"), samples });
+                    }
+                }
+            }
+        }
+        write_exr_channels(&dir.path().join(name), (SIZE[0], SIZE[1]), channels, &Metadata::default()).unwrap();
+    };
+    write("e.exr", 1, 1.0, "error");
+    write("bright.exr", 2, 1.1, "error");
+    write("rgb.exr", 3, 1.0, "RGB");
+    write("xyz.exr", 4, 1.0, "XYZ");
+    write("xyz2.exr", 5, 1.1, "XYZ");
+    let code = |line: &str| {
+        let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
+        (ran.code, ran.stdout + &ran.stderr)
+    };
+    let (same, text) = code("compare e.exr --against rgb.exr --spp 64 --detect 10%");
+    assert_eq!(same, 0, "{text}");
+    assert_eq!(code("compare e.exr --against bright.exr").0, 1);
+    assert_eq!(code("compare xyz.exr --against xyz2.exr --spp 64").0, 1);
+    let (missing, text) = code("compare e.exr --against rgb.exr");
+    assert!(missing == 2 && text.contains("--spp"), "{text}");
+    // RGB and XYZ of other images are compared in XYZ.
+    let (_, text) = code("compare e.exr --against xyz.exr --spp 64");
+    assert!(text.contains("image, X") || text.contains("image, Y") || text.contains("image, Z"), "{text}");
+}
+
+#[test]
+fn common_mistakes_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let write = |name: &str, image: &Image| etalon::raster::write(&path(name), image, &Metadata::default()).unwrap();
+    let image = noisy(1, 1.0);
+    write("a.pfm", &image);
+    write("dark.pfm", &image.map(|p| p / 1.21));
+    write("down.pfm", &image.clone().flipped_vertically());
+    write("png.png", &image);
+    let change = |b: &str| json(dir.path(), &["compare", "a.pfm", b])["explanation"]["change"].to_string();
+    assert!(change("dark.pfm").contains("multiply A by 0.8264"), "{}", change("dark.pfm"));
+    assert!(change("down.pfm").contains("upside down"));
+    assert_eq!(change("a.pfm"), "null");
+    let ran = etalon(dir.path(), &["compare", "a.pfm", "png.png", "--relative"]);
+    assert!(ran.code == 0 && ran.stderr.contains("clipped at 1"), "{}", ran.stderr);
+}
