@@ -81,12 +81,12 @@ pub fn auto_exposure(image: &Image) -> f32 {
 }
 
 /// The sRGB transfer function, linear to encoded.
-pub(super) fn srgb_from_linear(v: f32) -> f32 {
+pub fn srgb_from_linear(v: f32) -> f32 {
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// The inverse of [`srgb_from_linear`].
-pub(super) fn linear_from_srgb(v: f32) -> f32 {
+pub fn linear_from_srgb(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 

@@ -1,7 +1,7 @@
 //! What would explain most of the difference of two images: an exposure, a flip, a transfer function, swapped channels.
 
 use crate::math::Rgb;
-use crate::raster::Image;
+use crate::raster::{Image, linear_from_srgb, srgb_from_linear};
 use serde::Serialize;
 
 /// A change of image `a` after which little of its difference from `b` is left.
@@ -41,26 +41,16 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
         ("swap green and blue of A".into(), mse(&|x, y| Rgb::from_array([0, 2, 1].map(|c| a.get(x, y)[c])))),
         (
             "undo the sRGB curve in A: its values are encoded, those of B linear".into(),
-            mse(&|x, y| by(linear, a.get(x, y))),
+            mse(&|x, y| by(linear_from_srgb, a.get(x, y))),
         ),
         (
             "apply the sRGB curve to A: its values are linear, those of B encoded".into(),
-            mse(&|x, y| by(encoded, a.get(x, y))),
+            mse(&|x, y| by(srgb_from_linear, a.get(x, y))),
         ),
     ];
     let (change, after) = candidates.into_iter().filter(|(_, e)| e.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
     let mse_left = after / before;
     (mse_left <= MOST_LEFT).then_some(Explanation { change, mse_left })
-}
-
-/// The inverse of the sRGB curve. Source: IEC 61966-2-1.
-fn linear(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The sRGB curve.
-fn encoded(v: f32) -> f32 {
-    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]
@@ -79,8 +69,8 @@ mod tests {
             (at(&|x, y| image.get(23 - x, y)), "left to right"),
             (at(&|x, y| image.get(x, 15 - y)), "upside down"),
             (image.map(|p| Rgb::new(p.z, p.y, p.x)), "red and blue"),
-            (image.map(|p| Rgb::from_array(p.to_array().map(encoded))), "apply the sRGB"),
-            (image.map(|p| Rgb::from_array(p.to_array().map(linear))), "undo the sRGB"),
+            (image.map(|p| Rgb::from_array(p.to_array().map(srgb_from_linear))), "apply the sRGB"),
+            (image.map(|p| Rgb::from_array(p.to_array().map(linear_from_srgb))), "undo the sRGB"),
         ] {
             let found = explain(&image, &other).unwrap();
             assert!(found.change.contains(expected) && found.mse_left < 1e-6, "{found:?}");

@@ -22,9 +22,6 @@ use etalon_stats::welch::Mean;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Replicates on each side from which tiles are tested. The test of a tile is far out in the tail of Student's t, where a
-/// handful of replicates says nothing.
-pub const REPLICATES_FOR_TILES: usize = 16;
 /// Differences up to this fraction of what is measured do not count: half floats, in which many images are stored, are no
 /// more precise.
 pub const PRECISION: f64 = 1.0 / 2048.0;

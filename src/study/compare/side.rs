@@ -6,6 +6,10 @@ use crate::raster::{ExrFile, Image, ReadOptions, read_with_notes};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+/// Replicates on each side from which tiles are tested. The test of a tile is far out in the tail of Student's t, where a
+/// handful of replicates says nothing.
+const REPLICATES_FOR_TILES: usize = 16;
+
 /// What is known of the noise of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
@@ -142,7 +146,7 @@ impl Side {
     }
 
     pub(super) fn has_few_replicates(&self) -> bool {
-        self.noise == Noise::Replicates && self.images.len() < super::REPLICATES_FOR_TILES
+        self.noise == Noise::Replicates && self.images.len() < REPLICATES_FOR_TILES
     }
 }
 
