@@ -189,18 +189,20 @@ fn p_values(compared: &Compared) -> Panel {
         }
     }
     let foot = 10f64.powf(foot.log10().floor() - 0.5);
-    let panel =
-        Panel::new(Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0), Axis::log("/{p}-value").range(foot, 1.0))
-            .title(match compared.answer {
-                Answer::Different => "Different",
-                Answer::NoDifferenceFound => "No difference found",
-                Answer::CannotTell => "Cannot tell",
-            })
-            .line(
-                "uniform: one expectation",
-                Stroke::solid(theme::EXPECTED, theme::THIN),
-                [[first * 0.8, first * 0.8], [1.0, 1.0]],
-            );
+    let panel = Panel::new(
+        Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
+        Axis::log("/{p}-value (smaller ones at 10^{−12})").range(foot, 1.0),
+    )
+    .title(match compared.answer {
+        Answer::Different => "Different",
+        Answer::NoDifferenceFound => "No difference found",
+        Answer::CannotTell => "Cannot tell",
+    })
+    .line(
+        "uniform: one expectation",
+        Stroke::solid(theme::EXPECTED, theme::THIN),
+        [[first * 0.8, first * 0.8], [1.0, 1.0]],
+    );
     series.into_iter().fold(panel, |panel, (label, colour, points)| panel.markers(label, colour, Marker::Disc, points))
 }
 
@@ -224,8 +226,8 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         let Some(worst) = worst else { continue };
         let [mean_a, mean_b] = worst.means.map(|mean| format!("{mean:.4}"));
         let channel = compared.channels[worst.channel];
-        cells.push((format!("{}: A, {channel} {mean_a}", i + 1), shown(&a)));
-        cells.push((format!("B, {channel} {mean_b}"), shown(&b)));
+        cells.push((format!("{}: image A, {channel} = {mean_a}", i + 1), shown(&a)));
+        cells.push((format!("image B, {channel} = {mean_b}"), shown(&b)));
         cells.push((format!("A − B, ±{limit:.2e}; {}", p_value(worst.difference.p())), map.image()));
     }
     contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)

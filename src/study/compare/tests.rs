@@ -6,9 +6,17 @@ use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Request, Scene, builtin};
 
-/// A scene of a few hundred pixels, in which BSDF sampling alone finds the light rarely.
+/// Diffuse spheres in a few hundred pixels, in which BSDF sampling alone finds the light rarely.
 fn scene() -> (Scene, Request) {
-    let (scene, request) = builtin::cornell_lambert();
+    small(builtin::cornell_lambert())
+}
+
+/// The same with a mirror and glass: caustics, which light tracing finds and BSDF sampling rarely.
+fn caustics() -> (Scene, Request) {
+    small(builtin::cornell_spheres())
+}
+
+fn small((scene, request): (Scene, Request)) -> (Scene, Request) {
     (scene, Request { width: 32, height: 24, spp: 16, light_samples: 1, ..request })
 }
 
@@ -18,16 +26,20 @@ fn image(scene: &Scene, request: &Request, sampling: Sampling, seed: u64) -> Ima
 }
 
 fn replicates(sampling: Sampling, first: u64, n: u64) -> Vec<Image> {
-    let (scene, request) = scene();
-    (first..first + n).map(|seed| image(&scene, &request, sampling, seed)).collect()
+    replicates_of(&scene(), sampling, first, n)
+}
+
+fn replicates_of((scene, request): &(Scene, Request), sampling: Sampling, first: u64, n: u64) -> Vec<Image> {
+    (first..first + n).map(|seed| image(scene, request, sampling, seed)).collect()
 }
 
 const PLAN: Plan = Plan { level: 0.01, detect: 0.01 };
 
 /// False alarms of `pairs` pairs, 16 replicates a side.
-fn false_alarms(pairs: u64, samplings: [Sampling; 2]) -> Vec<Compared> {
+fn false_alarms(scene: &(Scene, Request), pairs: u64, samplings: [Sampling; 2]) -> Vec<Compared> {
     let pair = |k: u64| {
-        let side = |i: u64| Side::replicates(replicates(samplings[i as usize], 10_000 * (i + 1) + 16 * k, 16));
+        let side =
+            |i: u64| Side::replicates(replicates_of(scene, samplings[i as usize], 1_000_000 * (i + 1) + 16 * k, 16));
         compare(side(0), side(1), PLAN).unwrap()
     };
     let all: Vec<Compared> = (0..pairs).map(pair).collect();
@@ -56,8 +68,10 @@ fn is_different(compared: &Compared) -> bool {
 #[test]
 fn estimators_of_one_expectation_are_rarely_called_different() {
     // More than 3 of 40 at 1 % have a probability of 0.07 %.
-    let alarms = false_alarms(40, [Sampling::Bsdf, Sampling::MisLt]);
-    assert!(alarms.len() <= 3, "{}", show(&alarms));
+    for (scene, other) in [(scene(), Sampling::Mis), (caustics(), Sampling::MisLt)] {
+        let alarms = false_alarms(&scene, 40, [Sampling::Bsdf, other]);
+        assert!(alarms.len() <= 3, "{}", show(&alarms));
+    }
 }
 
 #[test]
@@ -147,9 +161,14 @@ fn bad_sides_are_refused() {
 #[test]
 #[ignore = "takes minutes: cargo test --lib compare::tests -- --ignored --nocapture"]
 fn twenty_false_alarms_of_a_thousand_at_most() {
-    for samplings in [[Sampling::Bsdf, Sampling::MisLt], [Sampling::Mis, Sampling::MisLt], [Sampling::Mis; 2]] {
-        let alarms = false_alarms(1000, samplings);
-        println!("{samplings:?}: {} of 1000\n{}", alarms.len(), show(&alarms));
+    for (scene, samplings) in [
+        (caustics(), [Sampling::Bsdf, Sampling::MisLt]),
+        (caustics(), [Sampling::Mis, Sampling::MisLt]),
+        (scene(), [Sampling::Bsdf, Sampling::Mis]),
+        (scene(), [Sampling::Mis; 2]),
+    ] {
+        let alarms = false_alarms(&scene, 1000, samplings);
+        println!("{} {samplings:?}: {} of 1000\n{}", scene.0.name, alarms.len(), show(&alarms));
         assert!(alarms.len() <= 20, "{samplings:?}: {}", alarms.len());
     }
 }
