@@ -8,7 +8,7 @@ use super::Image;
 use crate::error::{Error, Result};
 
 /// Keeps dark pixels from outweighing all others in the relative metrics.
-pub const EPSILON: f64 = 0.01;
+const EPSILON: f64 = 0.01;
 /// One channel value in so many is left out of the metrics without the worst 0.1 %.
 const WORST: usize = 1000;
 
@@ -31,7 +31,7 @@ pub struct Comparison {
     pub mse: f64,
     /// √mse.
     pub rmse: f64,
-    /// mean((a - b)² / (b² + ε)) with ε = [`EPSILON`].
+    /// mean((a - b)² / (b² + ε)) with ε = 0.01.
     pub rel_mse: f64,
     /// mean(|a - b| / (|b| + ε)).
     pub mape: f64,
