@@ -18,6 +18,7 @@ use crate::study::converge::reference::Reference;
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
+use crate::view::converge_images;
 use clap::{ArgAction, Args};
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
@@ -152,7 +153,7 @@ impl Converge {
         let table = output::with_extension(&replicates, "csv");
         files::write_bytes(&table, &output::table(&view::replicate_rows(&result))?)?;
         files.push(table);
-        files.extend(view::images(&result).write(&images)?);
+        files.extend(converge_images::images(&result).write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { answer: Answer::of(&result), result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));
@@ -241,7 +242,7 @@ fn text(output: &Output<'_>) -> String {
             100.0 * half_width,
             100.0 * curve.bias2.value.max(0.0).sqrt() / mean
         );
-        text += &line(curve, curve.variance_efficiency(), &bias);
+        text += &line(curve, curve.variance_efficiency().unwrap_or(f64::NAN), &bias);
     }
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
@@ -265,6 +266,11 @@ fn text(output: &Output<'_>) -> String {
     text
 }
 
+/// A number, or "unknown".
+fn known(value: f64) -> String {
+    if value.is_nan() { "unknown".into() } else { format!("{value:.3e}") }
+}
+
 /// A contender's line of the table.
 fn line(curve: &Curve, efficiency: f64, end: &str) -> String {
     let Some(level) = curve.levels.last() else { return String::new() };
@@ -273,7 +279,7 @@ fn line(curve: &Curve, efficiency: f64, end: &str) -> String {
         value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
     };
     format!(
-        "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {efficiency:>11.3e} {:>10.3e}  {end}\n",
+        "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {:>11} {:>10}  {end}\n",
         curve.strategy,
         level.spp,
         duration(level.cpu_seconds),
@@ -281,6 +287,7 @@ fn line(curve: &Curve, efficiency: f64, end: &str) -> String {
         level.rel_mse.value,
         level.flip.map_or("none".into(), |flip| format!("{flip:.4}")),
         word(curve.verdict),
-        1.0 / efficiency,
+        known(efficiency),
+        known(1.0 / efficiency),
     )
 }

@@ -1,7 +1,6 @@
-//! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
+//! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words.
 
-use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
-use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
 use crate::study::converge::answer::{Answer, Ratio};
 use crate::study::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
@@ -150,7 +149,7 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
 }
 
 /// Two digits that count: "0.0020", "0.31".
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
 }
@@ -272,63 +271,6 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Every strategy's image after equal time, with its relative error beside it.
-pub fn images(result: &Convergence) -> Drawing {
-    let seconds = result.common_seconds();
-    let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
-    let truth = truth.image();
-    let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
-    // Each strategy at the level nearest to the common time
-    let shown: Vec<(&Curve, &Level, &Image)> = result
-        .curves
-        .iter()
-        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
-        .collect();
-    // One scale of errors for all: the median RMSE, rounded up
-    let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
-    errors.sort_by(f64::total_cmp);
-    let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
-    let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
-    let scale = |width: usize, values: Vec<f64>| {
-        Heatmap::new(width, values, Shading::Diverging, ERROR_LABEL).range(-100.0 * limit, 100.0 * limit)
-    };
-    let mut cells = Vec::new();
-    for (curve, level, image) in shown {
-        let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
-            let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
-            // Relative to at least 3 % of the mean
-            100.0 * (got - expected) / expected.max(0.03 * mean)
-        });
-        let map = scale(image.width(), relative.collect()).image();
-        let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
-        let caption = format!(
-            "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
-            curve.strategy,
-            level.spp,
-            duration(level.cpu_seconds),
-            short(level.rmse())
-        );
-        cells.push((caption, above(&shown, &map)));
-    }
-    let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
-    let sheet = contact_sheet(&title, 4, &cells);
-    let bar = scale(1, Vec::new()).bar(420.0);
-    Drawing::stacked(vec![sheet, bar], 0.5, 2.0)
-}
-
-/// The label of the colour bar of relative errors.
-pub const ERROR_LABEL: &str = "relative error (%): blue is too dark, red too bright, grey not compared";
-
-/// One image above another of the same width, a line apart.
-fn above(upper: &Rgb8, lower: &Rgb8) -> Rgb8 {
-    let height = upper.height();
-    Rgb8::from_fn(upper.width(), height + 1 + lower.height(), |x, y| match y {
-        y if y < height => upper.pixel(x, y),
-        y if y == height => [255; 3],
-        y => lower.pixel(x, y - height - 1),
-    })
-}
-
 /// The next of 1, 2, 5 times a power of ten.
 pub fn round(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
@@ -336,9 +278,4 @@ pub fn round(value: f64) -> f64 {
     }
     let power = 10.0_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
-}
-
-/// Curves above images at equal time.
-pub fn sheet(result: &Convergence) -> Drawing {
-    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
 }

@@ -7,6 +7,7 @@ use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge as view;
+use crate::view::converge_images::sheet;
 
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
 pub const LIMIT: f64 = 120.0;
@@ -87,7 +88,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    Content::new(view::sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), checks)
 }
 
 fn cornell_content(inputs: &Inputs) -> Result<Content> {
@@ -106,7 +107,7 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(view::sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), checks)
 }
 
 /// Nothing was left out for lack of time.

@@ -150,8 +150,8 @@ pub struct Run {
     pub seed: u64,
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,
-    /// The image at the last level.
-    pub last: Image,
+    /// The image at the last level, until its bias is known.
+    pub last: Option<Image>,
     /// Wall-clock seconds before the first sample.
     pub preparation: f64,
 }
@@ -198,7 +198,7 @@ impl Curve {
         let verdict = verdict(slope, [bias2, mean_bias], runs.len(), levels.last());
         let measured = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
         let preparation_seconds = times.map_or(measured, |fit| fit.startup_wall_seconds.value);
-        runs.iter_mut().for_each(|run| run.last = Image::new(0, 0));
+        runs.iter_mut().for_each(|run| run.last = None);
         Ok(Self {
             strategy: contender.name().to_owned(),
             contender: contender.clone(),
@@ -233,10 +233,12 @@ impl Curve {
         })
     }
 
-    /// 1/(variance · processor time) at the last level, the variance being what is left of the MSE without the squared bias.
-    pub fn variance_efficiency(&self) -> f64 {
-        let last = self.levels.last();
-        last.map_or(f64::NAN, |level| 1.0 / ((level.mse.value - self.bias2.value.max(0.0)) * level.cpu_seconds))
+    /// 1/(variance · processor time) at the last level, the variance being what is left of the MSE without the squared bias;
+    /// `None` where that is within two standard errors of nothing.
+    pub fn variance_efficiency(&self) -> Option<f64> {
+        let level = self.levels.last()?;
+        let variance = level.mse.value - self.bias2.value.max(0.0);
+        (variance > 2.0 * self.bias2.standard_error).then(|| 1.0 / (variance * level.cpu_seconds))
     }
 
     /// The level whose processor time is nearest to `seconds`, by their ratio.
@@ -285,7 +287,7 @@ fn mean_bias(runs: &[Run], reference: &Reference) -> Estimate {
 /// Unknown from fewer than three replicates.
 fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
     let images: Vec<(&Image, f64)> =
-        runs.iter().filter_map(|run| Some((&run.last, run.levels.last()?.errors.mse))).collect();
+        runs.iter().filter_map(|run| Some((run.last.as_ref()?, run.levels.last()?.errors.mse))).collect();
     let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
     reference.compare(first)?;
     // The jackknife leaves one out, and the estimate needs two.

@@ -116,8 +116,7 @@ impl Reference {
     /// Renders two halves, alternating, each longer than before until the deadline or `max_spp` forbids another step;
     /// `None` if it forbids the first one.
     fn grown(mut halves: [Replicate<'_>; 2], max_spp: u32, source: &str, deadline: &Deadline) -> Result<Option<Self>> {
-        let mut images = [Image::new(0, 0), Image::new(0, 0)];
-        let mut spp = 0;
+        let mut reached = None;
         while halves[0].next_spp().is_some_and(|next| next <= max_spp)
             && halves.iter().map(Replicate::next_step).sum::<f64>() < deadline.left()
         {
@@ -133,11 +132,9 @@ impl Reference {
             }
             // A step that the deadline stopped leaves the images of the one before.
             let Ok(whole) = <[Image; 2]>::try_from(grown) else { break };
-            (images, spp) = (whole, halves[0].spp);
+            reached = Some((whole, halves[0].spp));
         }
-        if spp == 0 {
-            return Ok(None);
-        }
+        let Some((images, spp)) = reached else { return Ok(None) };
         // The difference of the halves gives the error of their mean.
         let difference = compare(&images[0], &images[1])?;
         let facts = Facts {

@@ -26,7 +26,7 @@ struct Entry<'a> {
 struct Growing<'a> {
     replicate: Replicate<'a>,
     levels: Vec<Measured>,
-    last: Image,
+    last: Option<Image>,
     goes_on: bool,
 }
 
@@ -69,7 +69,7 @@ pub fn run(
         for entry in &entries {
             let contender = Some(entry.contender).filter(|_| !entry.given_up);
             let started = contender.map(|contender| contender.start(scene, &request, seed, index)).transpose()?;
-            let new = |replicate| Growing { replicate, levels: Vec::new(), last: Image::new(0, 0), goes_on: true };
+            let new = |replicate| Growing { replicate, levels: Vec::new(), last: None, goes_on: true };
             growing.push(started.flatten().map(new));
         }
         // Take more samples by all contenders, alternating, until none of them has a next level.
@@ -145,7 +145,7 @@ impl Setting<'_> {
             recorded::keep_image(dir, entry.contender.name(), [u64::from(spp), replicate.seed], &image)?;
         }
         let is_first = entry.runs.is_empty();
-        *last = image.clone();
+        *last = Some(image.clone());
         let shown = is_first.then(|| (flip::mean(&image, &self.exact), image));
         levels.push(Measured { spp, times, errors, shown });
         *goes_on = true;
@@ -165,7 +165,7 @@ impl Entry<'_> {
         let spp_of = |levels: &[Measured]| levels.iter().map(|level| level.spp).collect::<Vec<_>>();
         let is_complete = self.runs.first().is_none_or(|first| spp_of(&first.levels) == spp_of(&levels));
         let Some(end) = levels.last().filter(|_| is_complete) else { return None };
-        let same = self.runs.iter().find(|run| run.last.pixels() == last.pixels() && end.errors.mse != 0.0);
+        let same = self.runs.iter().find(|run| run.last == last && end.errors.mse != 0.0);
         if let Some(same) = same.filter(|_| self.contender.is_timed_from_outside()) {
             let message = format!("its image is that of seed {}, to the last bit: is {{seed}} used?", same.seed);
             self.given_up = true;

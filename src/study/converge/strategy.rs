@@ -141,7 +141,7 @@ impl Strategy {
         let names = if scene.environment.is_some() {
             "hemisphere+independent light+independent light mis mis-compensated light-cosine strata-64 median-cut-64"
         } else {
-            "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt"
+            "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt mis+lt+adaptive"
         };
         names.split(' ').filter_map(|name| name.parse().ok()).collect()
     }
