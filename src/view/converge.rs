@@ -122,7 +122,10 @@ pub fn sentence(answer: Option<&Answer>) -> String {
         return format!("{} alone has no known bias\n", answer.best);
     };
     let times = |ratio: &Ratio| format!("{} times", short(ratio.ratio));
-    let ends = |ratio: &Ratio| format!("{} to {}", short(ratio.low), short(ratio.high));
+    let ends = |ratio: &Ratio| match ratio.high.is_finite() {
+        true => format!("{} to {}", short(ratio.low), short(ratio.high)),
+        false => "unknown".to_owned(),
+    };
     let doubt = if next.low > 1.0 { "" } else { ", not beyond chance" };
     let mut text = format!(
         "best at {}{doubt}: {}, {} the efficiency of {} (95 %: {})",

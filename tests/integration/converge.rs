@@ -86,7 +86,7 @@ fn bad_input_is_refused_with_what_and_why() {
         (&["cornell-spheres", "--renderer", "prog"], "--renderer: "),
         (&["cornell-spheres", "--renderer", "a=prog {spp}"], "has no {out}"),
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {sed}"], "no placeholder {sed}"),
-        (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}"], "hint: `--renderer-scene`"),
+        (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}"], "hint: --renderer-scene"),
         (&["cornell-spheres", "--renderer", "mis=prog {spp} {out}"], "two of them are called mis"),
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out}", "--timeout", "0"], "--timeout: "),
         (&["cornell-spheres", "--runs", "."], "no folder in it has a file times.csv"),
