@@ -115,8 +115,8 @@ fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
     // Beyond 8 samples the pilot render of adaptive sampling would be start-up only in part.
     let renderer = ourselves("--sampling mis --uniform");
     let args =
-        ["converge", "cornell-lambert", "-r", "60", "45", "-t", "1", "--strategies", "mis", "--keep-runs", "kept"];
-    let more = ["--renderer", &renderer, "--max-spp", "256", "--replicates", "6", "--budget", "150", "-o", "out"];
+        ["converge", "cornell-lambert", "-r", "32", "24", "-t", "1", "--strategies", "mis", "--keep-runs", "kept"];
+    let more = ["--renderer", &renderer, "--max-spp", "256", "--replicates", "6", "--budget", "60", "-o", "out"];
     let value = json(folder.path(), &[&args[..], &more].concat());
     assert_eq!(value["faults"].as_array().unwrap().len(), 0, "{}", value["faults"]);
     let curves = value["curves"].as_array().unwrap();
@@ -133,7 +133,7 @@ fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
     assert!(external["times"]["startup_cpu_seconds"]["value"].as_f64().unwrap() < 1.0, "{external}");
     // What was kept is read, and gives the same errors.
     let args =
-        ["converge", "cornell-lambert", "-r", "60", "45", "--strategies", "none", "--runs", "kept", "--budget", "60"];
+        ["converge", "cornell-lambert", "-r", "32", "24", "--strategies", "none", "--runs", "kept", "--budget", "10"];
     let again =
         json(folder.path(), &[&args[..], &["--reference", "mis+lt", "--max-spp", "256", "-o", "again"]].concat());
     let names: Vec<&str> =

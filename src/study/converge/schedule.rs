@@ -164,7 +164,7 @@ impl Entry<'_> {
         let Growing { replicate, levels, last, .. } = one;
         let spp_of = |levels: &[Measured]| levels.iter().map(|level| level.spp).collect::<Vec<_>>();
         let is_complete = self.runs.first().is_none_or(|first| spp_of(&first.levels) == spp_of(&levels));
-        let Some(end) = levels.last().filter(|_| is_complete) else { return None };
+        let end = levels.last().filter(|_| is_complete)?;
         let same = self.runs.iter().find(|run| run.last == last && end.errors.mse != 0.0);
         if let Some(same) = same.filter(|_| self.contender.is_timed_from_outside()) {
             let message = format!("its image is that of seed {}, to the last bit: is {{seed}} used?", same.seed);
