@@ -1,7 +1,7 @@
 //! The answer of a comparison: which contender without bias is best after equal time, and by how much.
 
-use super::Convergence;
 use super::curve::{Curve, CurveVerdict};
+use super::result::Convergence;
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 

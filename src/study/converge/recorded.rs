@@ -3,7 +3,6 @@
 //! `DIR/NAME/spp-16_seed-3.exr` is the image of 16 samples per pixel by seed 3; `DIR/NAME/times.csv` has a row for each image, with
 //! the columns `spp`, `seed`, `wall_seconds`, `cpu_seconds`.
 
-use super::curve::Run;
 use super::doubling::Times;
 use crate::error::{Error, Result};
 use crate::files;
@@ -51,20 +50,11 @@ pub fn keep_image(dir: &Path, name: &str, [spp, seed]: [u64; 2], image: &Image) 
     raster::write(&image_path(&folder_of(dir, name), spp as u32, seed), image, &Metadata::default())
 }
 
-/// Keeps the times of a contender's replicates.
-pub fn keep_times(dir: &Path, name: &str, runs: &[Run]) -> Result<()> {
-    let rows: Vec<Row> = runs
-        .iter()
-        .flat_map(|run| {
-            run.levels.iter().map(|level| Row {
-                spp: level.spp,
-                seed: run.seed,
-                wall_seconds: level.times.wall,
-                cpu_seconds: level.times.cpu,
-            })
-        })
-        .collect();
-    files::write_bytes(&folder_of(dir, name).join(TIMES), &output::table(&rows)?)
+/// Keeps the times of a contender's images, by seed and samples per pixel.
+pub fn keep_times(dir: &Path, name: &str, times: impl Iterator<Item = (u64, u32, Times)>) -> Result<()> {
+    let row =
+        |(seed, spp, times): (u64, u32, Times)| Row { spp, seed, wall_seconds: times.wall, cpu_seconds: times.cpu };
+    files::write_bytes(&folder_of(dir, name).join(TIMES), &output::table(&times.map(row).collect::<Vec<_>>())?)
 }
 
 impl Recorded {

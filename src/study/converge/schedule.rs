@@ -3,8 +3,10 @@
 use super::contender::{Contender, Fault, Replicate, Step};
 use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, Run};
 use super::doubling::Deadline;
+use super::plan::{Plan, REPLICATES};
 use super::reference::Reference;
-use super::{Convergence, Plan, REPLICATES, flip, recorded};
+use super::result::Convergence;
+use super::{flip, recorded};
 use crate::error::Result;
 use crate::raster::Image;
 use crate::scene::{Request, Scene};
@@ -97,7 +99,9 @@ pub fn run(
             plan.max_spp.filter(|asked| reached <= asked / if contender.is_timed_from_outside() { 4 } else { 2 });
         result.cut.extend(asked.map(|asked| format!("{name}: {reached} of {asked} samples per pixel")));
         if let Some(dir) = &plan.keep {
-            recorded::keep_times(dir, name, &runs)?;
+            let of_run =
+                |run: &Run| run.levels.iter().map(|level| (run.seed, level.spp, level.times)).collect::<Vec<_>>();
+            recorded::keep_times(dir, name, runs.iter().flat_map(of_run))?;
         }
         if runs.is_empty() {
             continue;
