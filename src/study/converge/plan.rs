@@ -17,7 +17,7 @@ pub struct Plan {
     pub replicates: Option<u32>,
     /// Of the first replicate; the others follow it.
     pub seed: u64,
-    /// A folder for all images and their times; see [`recorded`].
+    /// A folder for all images and their times; see [`recorded`](super::recorded).
     pub keep: Option<PathBuf>,
 }
 

@@ -77,7 +77,7 @@ impl Reference {
         Ok(Self { halves: [image.clone(), image], facts })
     }
 
-    /// Renders two halves by our default strategy with several light samples; see [`Self::grown`].
+    /// Renders two halves by our default strategy with several light samples, alternating; `None` if the deadline forbids the first step.
     pub fn rendered(
         scene: &Scene,
         request: &Request,
@@ -93,7 +93,7 @@ impl Reference {
         Self::grown([half(0)?, half(1)?], max_spp, "our default strategy", deadline)
     }
 
-    /// Renders two halves by a contender; see [`Self::grown`].
+    /// Renders two halves by a contender, alternating; `None` if the deadline forbids the first step.
     ///
     /// # Errors
     /// [`Error::Parameter`] if it fails.
