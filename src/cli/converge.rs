@@ -2,15 +2,28 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict};
+use super::program::reply_limit;
 use super::scene_file::{Loaded, SceneArgs};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::import::renderer::{PLACEHOLDERS, Renderer};
 use crate::output::{self, file_name};
+use crate::raster::{self, ReadOptions};
 use crate::scene::{Material, Request, Scene};
+use crate::study::converge::answer::Answer;
+use crate::study::converge::contender::{Contender, Fault};
+use crate::study::converge::curve::{Curve, CurveVerdict};
+use crate::study::converge::recorded::Recorded;
+use crate::study::converge::reference::Reference;
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
-use crate::study::converge::{Convergence, Plan, measure};
+use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
+use crate::view::converge_images;
 use clap::{ArgAction, Args};
+use etalon_stats::estimate::Estimate;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
 
 /// Measure the error of sampling strategies against their run time
 #[derive(Args)]
@@ -18,18 +31,38 @@ use serde::Serialize;
 pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Strategies, with commas between them (default: eight that suit the scene)
+    /// Strategies, with commas between them (default: eight or nine that suit the scene; "none" for renderers alone)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
-    /// Seconds for the whole run, including the reference
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true)]
-    budget: f64,
-    /// Samples per pixel at which every curve ends
-    #[arg(long, value_name = "N", default_value_t = 4096)]
-    max_spp: u32,
-    /// Renders of each strategy with different seeds, for the confidence bands
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    replicates: u32,
+    /// A renderer in another program, repeatable: a name and the command that renders one image, with placeholders {spp} {out}
+    /// {seed} {scene} {threads} {width} {height}
+    #[arg(long, value_name = "NAME=COMMAND")]
+    renderer: Vec<String>,
+    /// The file that {scene} stands for (default: SCENE if it is a file)
+    #[arg(long, value_name = "FILE", requires = "renderer")]
+    renderer_scene: Option<PathBuf>,
+    /// Time limit of each run of a renderer
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, requires = "renderer", allow_negative_numbers = true)]
+    timeout: f64,
+    /// The reference: an image file, or the name of a renderer or strategy that renders it (default: the exact image where
+    /// there is one, else our default strategy)
+    #[arg(long, value_name = "FILE|NAME")]
+    reference: Option<String>,
+    /// Also compare runs of earlier days: DIR/NAME/times.csv and DIR/NAME/spp-16_seed-3.exr
+    #[arg(long, value_name = "DIR")]
+    runs: Option<PathBuf>,
+    /// Keep all images and their times in DIR, for --runs
+    #[arg(long, value_name = "DIR")]
+    keep_runs: Option<PathBuf>,
+    /// Seconds for the whole run, including the reference [default: 30, and 60 for each renderer]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    budget: Option<f64>,
+    /// Samples per pixel at which every curve ends [default: as many as fit into the budget]
+    #[arg(long, value_name = "N")]
+    max_spp: Option<u32>,
+    /// Renders of each strategy with different seeds, for the confidence bands [default: 8, if they fit]
+    #[arg(long, value_name = "N")]
+    replicates: Option<u32>,
     /// Light samples at each hit
     #[arg(short, value_name = "N", default_value_t = 1)]
     light_samples: u32,
@@ -41,21 +74,31 @@ pub struct Converge {
 fn after_help() -> String {
     let methods: String = strategy::methods().iter().map(|(name, what)| format!("  {name:<16} {what}\n")).collect();
     let suffixes: String = SUFFIXES.map(|(suffix, about, _)| format!("  ...+{suffix:<12} {about}\n")).concat();
+    let placeholders: String =
+        PLACEHOLDERS.map(|(name, what)| format!("  {{{name}}}{:<1$}{what}\n", "", 9 - name.len())).concat();
     format!(
         "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
          sphere), else against two\nlong renders that take half of the budget; images are at most \
-         {LONGEST_SIDE} pixels long unless -r says\nmore. Writes SCENE-converge.{{csv,svg,png,pdf}} (curves) and \
-         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nExit codes: 0 good, 2 usage or bad input, 3 the budget was too small \
+         {LONGEST_SIDE} pixels long unless -r says\nmore, and have the scene's own size if a renderer does not take \
+         {{width}} and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv and \
+         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
+         nothing is substituted):\n{placeholders}\nExit codes: 0 good, 1 a run of a renderer failed, 2 usage or bad input, \
+         3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
-         etalon converge sphere-env --envmap sun --strategies light,strata-64,median-cut-64"
+         etalon converge sphere-env --envmap sun --strategies light,strata-64,median-cut-64\n  \
+         etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'"
     )
 }
 
 /// Longest side of an image whose size is not given.
 const LONGEST_SIDE: usize = 120;
 
+/// Seconds of the default budget, and for each renderer.
+const BUDGET: [f64; 2] = [30.0, 60.0];
+
 #[derive(Serialize)]
 struct Output<'a> {
+    answer: Option<Answer>,
     #[serde(flatten)]
     result: &'a Convergence,
     common_cpu_seconds: f64,
@@ -64,38 +107,97 @@ struct Output<'a> {
 
 impl Converge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let strategies = self.strategies.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?;
+        let strategies = match self.strategies.as_slice() {
+            [only] if only == "none" && !(self.renderer.is_empty() && self.runs.is_none()) => Some(Vec::new()),
+            [] => None,
+            names => Some(names.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?),
+        };
+        let renderers = self.renderers(global)?;
+        let recorded = self.runs.as_deref().map(Recorded::read_all).transpose()?.unwrap_or_default();
         let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;
-        let target = global.target(&["scene"]).with_inputs(&Vec::from_iter(map));
+        let target = global
+            .target(&["scene", "renderer", "renderer_scene", "timeout", "runs", "keep_runs"])
+            .with_inputs(&Vec::from_iter(map));
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
+        let replicates = target.stem(&name, "-replicates", &["csv"])?;
         let images = target.stem(&name, "-pictures", &output::DRAWING)?;
-        if scene.name == "furnace" {
+        let is_ours_alone = renderers.is_empty() && recorded.is_empty();
+        if scene.name == "furnace" && is_ours_alone {
             console
                 .warn("the metal sphere is left out of the furnace: it loses light, and without it the image is known");
             scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
         }
-        let (scene, request) = self.size(scene, asked);
-        let strategies = if strategies.is_empty() { Strategy::usual(&scene) } else { strategies };
-        let plan = Plan { budget: self.budget, max_spp: self.max_spp, replicates: self.replicates, seed: global.seed };
-        let result = measure(&scene, &request, &strategies, &plan, None)?;
-        let end =
-            if result.interrupted { "the interruption".into() } else { format!("the budget of {} s", self.budget) };
+        let (scene, request) = self.size(scene, asked, renderers.iter().all(Renderer::has_size));
+        let strategies = strategies.unwrap_or_else(|| Strategy::usual(&scene));
+        let mut contenders = Contender::of(&strategies);
+        contenders.extend(renderers.into_iter().map(Contender::Renderer));
+        let budget = self.budget.unwrap_or(BUDGET[0] + BUDGET[1] * self.renderer.len() as f64);
+        contenders.extend(recorded.into_iter().map(Contender::Recorded));
+        let (max_spp, replicates_asked) = (self.max_spp, self.replicates);
+        let keep = self.keep_runs.clone();
+        let plan = Plan { budget, max_spp, replicates: replicates_asked, seed: global.seed, keep };
+        let reference = self.reference(&contenders, &request)?;
+        let reference = reference.as_ref().map(|reference| match reference {
+            Chosen::Image(image) => Asked::Known(image),
+            Chosen::By(contender) => Asked::By(contender),
+        });
+        let result = measure(&scene, &request, &contenders, &plan, reference)?;
+        let end = if result.interrupted { "the interruption".into() } else { format!("the budget of {budget} s") };
         for what in &result.cut {
             console.warn(&format!("stopped by {end}: {what}"));
         }
+        for Fault { strategy, replicate, seed, spp, message } in &result.faults {
+            console.warn(&format!("{strategy}, replicate {replicate} (seed {seed}, {spp} spp): {message}"));
+        }
+        result.notes.iter().for_each(|note| console.warn(note));
         let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        files.extend(view::images(&result).write(&images)?);
+        let table = output::with_extension(&replicates, "csv");
+        files::write_bytes(&table, &output::table(&view::replicate_rows(&result))?)?;
+        files.push(table);
+        files.extend(converge_images::images(&result).write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
-        let output = Output { result: &result, common_cpu_seconds, common_rmse };
+        let output = Output { answer: Answer::of(&result), result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));
-        Ok(if result.has_verdict() && !result.interrupted { Verdict::Good } else { Verdict::Inconclusive })
+        Ok(match result.has_verdict() {
+            _ if result.interrupted => Verdict::Inconclusive,
+            _ if !result.faults.is_empty() => Verdict::Rejected,
+            true => Verdict::Good,
+            false => Verdict::Inconclusive,
+        })
+    }
+
+    /// The renderers in other programs.
+    fn renderers(&self, global: &Global) -> Result<Vec<Renderer>> {
+        let threads = global.threads.map_or_else(|| available_parallelism().map_or(1, usize::from), |n| n as usize);
+        let limit = reply_limit(self.timeout)?;
+        let scene = self.renderer_scene.as_deref().or_else(|| self.scene.file());
+        self.renderer.iter().map(|definition| Renderer::new(definition, scene, threads, limit)).collect()
+    }
+
+    /// The reference that is asked for: by a contender's name, a file, or a strategy that is not compared.
+    fn reference(&self, contenders: &[Contender], request: &Request) -> Result<Option<Chosen>> {
+        let Some(name) = &self.reference else { return Ok(None) };
+        if let Some(contender) = contenders.iter().find(|contender| contender.name() == name) {
+            return Ok(Some(Chosen::By(Box::new(contender.clone()))));
+        }
+        let path = Path::new(name);
+        if path.is_file() {
+            let image = raster::read(path, ReadOptions::default())?;
+            return Reference::given(image, request, path.display().to_string())
+                .map(|r| Some(Chosen::Image(Box::new(r))));
+        }
+        let strategy = name.parse::<Strategy>().map_err(|_| {
+            Error::parameter("reference", format!("{name:?} is no file, renderer or strategy"))
+                .with_hint("an image file, or the name of what renders it")
+        })?;
+        Ok(Some(Chosen::By(Box::new(strategy.into()))))
     }
 
     /// An image small enough to be rendered thousands of times, unless a size is given.
-    fn size(&self, scene: Scene, asked: Request) -> (Scene, Request) {
+    fn size(&self, scene: Scene, asked: Request, may_change: bool) -> (Scene, Request) {
         let longest = asked.width.max(asked.height);
-        let (scene, request) = if self.scene.has_size() || longest <= LONGEST_SIDE {
+        let (scene, request) = if self.scene.has_size() || !may_change || longest <= LONGEST_SIDE {
             (scene, asked)
         } else {
             let scaled = |side: usize| (side * LONGEST_SIDE).div_ceil(longest);
@@ -106,34 +208,56 @@ impl Converge {
     }
 }
 
+/// A reference that was asked for.
+enum Chosen {
+    Image(Box<Reference>),
+    By(Box<Contender>),
+}
+
 fn text(output: &Output<'_>) -> String {
-    let Output { result, common_cpu_seconds, common_rmse } = output;
-    let mut text = format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
+    let Output { answer, result, common_cpu_seconds, common_rmse } = output;
+    let mut text = view::sentence(answer.as_ref());
+    text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
-        Some(facts) if facts.exact => "against the exact image\n".to_owned(),
-        Some(facts) => format!("reference of {} spp, its own RMSE {:.2e}\n", facts.spp, facts.rmse),
+        Some(facts) if facts.spp == 0 => format!("against {}\n", facts.source),
+        Some(facts) => format!("reference by {}, {} spp, its own RMSE {:.2e}\n", facts.source, facts.spp, facts.rmse),
     };
     text += &format!(
-        "{:<26} {:>7} {:>10} {:>10} {:>10} {:>8}  {:<17} {:<15} time to RMSE {common_rmse:.2e}\n",
-        "strategy", "spp", "time", "RMSE", "rel. MSE", "FLIP", "slope", "verdict"
+        "{:<26} {:>7} {:>10} {:>10} {:>10} {:>8}  {:<17} {:<15} {:>11} {:>10}  time to RMSE {common_rmse:.2e}\n",
+        "strategy", "spp", "time", "RMSE", "rel. MSE", "FLIP", "slope", "verdict", "efficiency", "TTUV"
     );
+    let is_biased = |curve: &&Curve| curve.verdict == CurveVerdict::Biased;
+    for curve in result.curves.iter().filter(|curve| !is_biased(curve)) {
+        let efficiency = curve.log_efficiency_at(*common_cpu_seconds).value.exp();
+        text += &line(curve, efficiency, curve.time_to(*common_rmse).map_or("never".into(), duration).as_str());
+    }
+    if result.curves.iter().any(|curve| is_biased(&curve)) {
+        text += "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
+    }
+    for curve in result.curves.iter().filter(is_biased) {
+        let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+        let Estimate { value, half_width, .. } = curve.mean_bias;
+        let bias = format!(
+            "bias: mean {:+.2} ± {:.2} %, RMS {:.2} % of the mean",
+            100.0 * value,
+            100.0 * half_width,
+            100.0 * curve.bias2.value.max(0.0).sqrt() / mean
+        );
+        text += &line(curve, curve.variance_efficiency().unwrap_or(f64::NAN), &bias);
+    }
     for curve in &result.curves {
-        let Some(level) = curve.levels.last() else { continue };
-        let slope = match curve.slope.value {
-            unknown if unknown.is_nan() => "unknown".to_owned(),
-            value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
-        };
+        let Some(fit) = curve.times else { continue };
+        let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);
         text += &format!(
-            "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {}\n",
-            curve.strategy.name,
-            level.spp,
-            duration(level.cpu_seconds),
-            level.rmse(),
-            level.rel_mse.value,
-            level.flip.map_or("none".into(), |flip| format!("{flip:.4}")),
-            word(curve.verdict),
-            curve.time_to(*common_rmse).map_or("never".into(), duration),
+            "{}: start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s\n",
+            curve.strategy,
+            start[0],
+            start[1],
+            each[0],
+            each[1],
+            fit.startup_wall_seconds.value,
+            fit.wall_seconds_per_spp.value
         );
     }
     text +=
@@ -142,4 +266,30 @@ fn text(output: &Output<'_>) -> String {
         text += "interrupted: this is what was measured until then\n";
     }
     text
+}
+
+/// A number, or "unknown".
+fn known(value: f64) -> String {
+    if value.is_nan() { "unknown".into() } else { format!("{value:.3e}") }
+}
+
+/// A contender's line of the table.
+fn line(curve: &Curve, efficiency: f64, end: &str) -> String {
+    let Some(level) = curve.levels.last() else { return String::new() };
+    let slope = match curve.slope.value {
+        unknown if unknown.is_nan() => "unknown".to_owned(),
+        value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
+    };
+    format!(
+        "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {:>11} {:>10}  {end}\n",
+        curve.strategy,
+        level.spp,
+        duration(level.cpu_seconds),
+        level.rmse(),
+        level.rel_mse.value,
+        level.flip.map_or("none".into(), |flip| format!("{flip:.4}")),
+        word(curve.verdict),
+        known(efficiency),
+        known(1.0 / efficiency),
+    )
 }

@@ -81,7 +81,7 @@ impl SceneArgs {
     }
 
     /// The scene file, if the argument is one by its extension.
-    fn file(&self) -> Option<&Path> {
+    pub fn file(&self) -> Option<&Path> {
         let path = Path::new(&self.scene);
         let known = |e: &std::ffi::OsStr| SCENE_EXTENSIONS.iter().any(|known| e.eq_ignore_ascii_case(known));
         path.extension().is_some_and(known).then_some(path)

@@ -1,5 +1,5 @@
 //! Files and programs of others: scene and mesh files, read as a [`Scene`](crate::scene::Scene) and a
-//! [`Request`](crate::scene::Request); samplers and BSDFs of other programs to be tested.
+//! [`Request`](crate::scene::Request); samplers, BSDFs and renderers of other programs to be tested.
 
 pub mod collada;
 mod imported;
@@ -8,6 +8,7 @@ pub(crate) mod number;
 pub mod pbrt;
 mod place;
 pub mod program;
+pub mod renderer;
 mod rule;
 pub mod sampler;
 mod shape;

@@ -1,9 +1,9 @@
-//! Error against run time by strategy: curves with their slopes, efficiency, images at equal time, the table.
+//! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words.
 
-use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
-use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
-use crate::study::converge::curve::{Curve, CurveVerdict, Level};
+use crate::study::converge::answer::{Answer, Ratio};
+use crate::study::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use serde::Serialize;
 
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
@@ -31,6 +31,11 @@ pub struct Row {
     mean_squared_bias: f64,
     mean_squared_bias_error: f64,
     verdict: &'static str,
+    /// Time to unit variance, MSE · processor seconds: the inverse of the efficiency.
+    ttuv_seconds: f64,
+    /// Mean of the last level's images over that of the reference, minus 1.
+    mean_bias: f64,
+    mean_bias_half_width: f64,
     /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
     seconds_to_common_rmse: Option<f64>,
 }
@@ -38,12 +43,12 @@ pub struct Row {
 pub fn rows(result: &Convergence) -> Vec<Row> {
     let target = result.common_rmse();
     let of_curve = |curve: &Curve| {
-        let Curve { strategy, replicates, slope, bias2, verdict, preparation_seconds, .. } = curve.clone();
+        let Curve { strategy, replicates, slope, bias2, mean_bias, verdict, preparation_seconds, .. } = curve.clone();
         let seconds_to_common_rmse = curve.time_to(target);
         let row = move |level: &Level| {
             let [rmse_low, rmse_high] = level.rmse_band();
             Row {
-                strategy: strategy.name.clone(),
+                strategy: strategy.clone(),
                 spp: level.spp,
                 replicates,
                 cpu_seconds: level.cpu_seconds,
@@ -61,12 +66,79 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
                 mean_squared_bias: bias2.value,
                 mean_squared_bias_error: bias2.standard_error,
                 verdict: word(verdict),
+                ttuv_seconds: 1.0 / level.efficiency,
+                mean_bias: mean_bias.value,
+                mean_bias_half_width: mean_bias.half_width,
                 seconds_to_common_rmse,
             }
         };
         curve.levels.iter().map(row).collect::<Vec<_>>()
     };
     result.curves.iter().flat_map(of_curve).collect()
+}
+
+/// One image of one replicate. Field names are the CSV columns; times of renderers in other programs are those of the whole
+/// process.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ReplicateRow {
+    strategy: String,
+    /// From 1.
+    replicate: usize,
+    seed: u64,
+    spp: u32,
+    wall_seconds: f64,
+    cpu_seconds: f64,
+    mse: f64,
+    rel_mse: f64,
+    /// Of the channel values of the image.
+    mean: f64,
+}
+
+pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
+    let of_curve = |curve: &Curve| {
+        let of_run = |(i, run): (usize, &Run)| {
+            let row = |level: &Measured| ReplicateRow {
+                strategy: curve.strategy.clone(),
+                replicate: i + 1,
+                seed: run.seed,
+                spp: level.spp,
+                wall_seconds: level.times.wall,
+                cpu_seconds: level.times.cpu,
+                mse: level.errors.mse,
+                rel_mse: level.errors.rel_mse,
+                mean: level.errors.mean_a,
+            };
+            run.levels.iter().map(row).collect::<Vec<_>>()
+        };
+        curve.runs.iter().enumerate().flat_map(of_run).collect::<Vec<_>>()
+    };
+    result.curves.iter().flat_map(of_curve).collect()
+}
+
+/// "best at 0.20 s: mis, 1.3 times the efficiency of light (95 %: 1.2 to 1.5), 22 times that of bsdf (18 to 27)".
+pub fn sentence(answer: Option<&Answer>) -> String {
+    let Some(answer) = answer else { return "no answer: no method without bias was measured\n".to_owned() };
+    let [next, others @ ..] = answer.ratios.as_slice() else {
+        return format!("{} alone has no known bias\n", answer.best);
+    };
+    let times = |ratio: &Ratio| format!("{} times", short(ratio.ratio));
+    let ends = |ratio: &Ratio| match ratio.high.is_finite() {
+        true => format!("{} to {}", short(ratio.low), short(ratio.high)),
+        false => "unknown".to_owned(),
+    };
+    let doubt = if next.low > 1.0 { "" } else { ", not beyond chance" };
+    let mut text = format!(
+        "best at {}{doubt}: {}, {} the efficiency of {} (95 %: {})",
+        duration(answer.cpu_seconds),
+        answer.best,
+        times(next),
+        next.over,
+        ends(next)
+    );
+    if let Some(last) = others.last() {
+        text += &format!(", {} that of {} ({})", times(last), last.over, ends(last));
+    }
+    text + "\n"
 }
 
 pub fn word(verdict: CurveVerdict) -> &'static str {
@@ -80,20 +152,20 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
 }
 
 /// Two digits that count: "0.0020", "0.31".
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
 }
 
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
 fn strokes(result: &Convergence) -> Vec<Stroke> {
-    let names: Vec<String> = result.curves.iter().map(|c| c.strategy.name.replace("+independent", "")).collect();
+    let names: Vec<String> = result.curves.iter().map(|c| c.strategy.replace("+independent", "")).collect();
     let mut distinct: Vec<&str> = names.iter().map(String::as_str).collect();
     distinct.sort_unstable();
     distinct.dedup();
     let colours = theme::strategies(&distinct);
     let stroke = |(curve, name): (&Curve, &String)| {
-        let dash = if curve.strategy.is_independent() { theme::DASHED } else { theme::SOLID };
+        let dash = if curve.contender.is_independent() { theme::DASHED } else { theme::SOLID };
         let colour = distinct.binary_search(&name.as_str()).map_or(theme::INK, |place| colours[place]);
         Stroke { dash, ..Stroke::solid(colour, theme::LINE) }
     };
@@ -106,7 +178,7 @@ pub fn curves(result: &Convergence) -> Drawing {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
-            panel = panel.banded_line(curve.strategy.name.as_str(), stroke, &points);
+            panel = panel.banded_line(curve.strategy.as_str(), stroke, &points);
         }
         panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
         match &result.reference {
@@ -168,7 +240,7 @@ fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve
     let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
     let border = unbiased.len() as f64;
     let rows = || unbiased.iter().chain(&biased);
-    let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy.name {
+    let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy {
         _ if !names => String::new(),
         name if is_biased(&(curve, *stroke)) => format!("{name}: biased"),
         name => name.clone(),
@@ -186,7 +258,7 @@ fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve
     }
     // The legend of the panels above
     for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
-        panel = panel.line(curve.strategy.name.as_str(), stroke, Vec::new());
+        panel = panel.line(curve.strategy.as_str(), stroke, Vec::new());
     }
     panel.line(GUIDE, theme::GUIDE, Vec::new())
 }
@@ -202,63 +274,6 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Every strategy's image after equal time, with its relative error beside it.
-pub fn images(result: &Convergence) -> Drawing {
-    let seconds = result.common_seconds();
-    let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
-    let truth = truth.image();
-    let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
-    // Each strategy at the level nearest to the common time
-    let shown: Vec<(&Curve, &Level, &Image)> = result
-        .curves
-        .iter()
-        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
-        .collect();
-    // One scale of errors for all: the median RMSE, rounded up
-    let mut errors: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
-    errors.sort_by(f64::total_cmp);
-    let limit = round(errors.get(errors.len() / 2).copied().unwrap_or(0.05));
-    let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
-    let scale = |width: usize, values: Vec<f64>| {
-        Heatmap::new(width, values, Shading::Diverging, ERROR_LABEL).range(-100.0 * limit, 100.0 * limit)
-    };
-    let mut cells = Vec::new();
-    for (curve, level, image) in shown {
-        let relative = image.pixels().iter().zip(truth.pixels()).map(|(p, q)| {
-            let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
-            // Relative to at least 3 % of the mean
-            100.0 * (got - expected) / expected.max(0.03 * mean)
-        });
-        let map = scale(image.width(), relative.collect()).image();
-        let shown = Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
-        let caption = format!(
-            "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
-            curve.strategy.name,
-            level.spp,
-            duration(level.cpu_seconds),
-            short(level.rmse())
-        );
-        cells.push((caption, above(&shown, &map)));
-    }
-    let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
-    let sheet = contact_sheet(&title, 4, &cells);
-    let bar = scale(1, Vec::new()).bar(420.0);
-    Drawing::stacked(vec![sheet, bar], 0.5, 2.0)
-}
-
-/// The label of the colour bar of relative errors.
-pub const ERROR_LABEL: &str = "relative error (%): blue is too dark, red too bright, grey not compared";
-
-/// One image above another of the same width, a line apart.
-fn above(upper: &Rgb8, lower: &Rgb8) -> Rgb8 {
-    let height = upper.height();
-    Rgb8::from_fn(upper.width(), height + 1 + lower.height(), |x, y| match y {
-        y if y < height => upper.pixel(x, y),
-        y if y == height => [255; 3],
-        y => lower.pixel(x, y - height - 1),
-    })
-}
-
 /// The next of 1, 2, 5 times a power of ten.
 pub fn round(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
@@ -266,9 +281,4 @@ pub fn round(value: f64) -> f64 {
     }
     let power = 10.0_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
-}
-
-/// Curves above images at equal time.
-pub fn sheet(result: &Convergence) -> Drawing {
-    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
 }

@@ -163,5 +163,5 @@ const SAMPLED: [&str; 3] = ["light", "light-cosine", "strata-64"];
 
 /// K of "median-cut-K".
 pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
-    curve.strategy.name.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
+    curve.strategy.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
 }

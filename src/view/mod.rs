@@ -6,6 +6,7 @@ pub mod audit;
 pub mod claims;
 pub mod compare;
 pub mod converge;
+pub mod converge_images;
 pub mod converge_series;
 pub mod depth;
 pub mod fresnel;

@@ -1,6 +1,7 @@
 //! The sphere under an environment map: the render beside its error, and error against samples and time.
 
-use super::converge::{ERROR_LABEL, round};
+use super::converge::round;
+use super::converge_images::ERROR_LABEL;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{ToneMap, to_rgb8};
 use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};

@@ -21,7 +21,7 @@ fn curves_of_a_room_against_a_rendered_reference() {
         assert!(curve["slope"]["value"].as_f64().unwrap() < -0.3 && curve["verdict"] != "biased", "{curve}");
     }
     let files: Vec<&str> = value["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
-    assert_eq!(files.len(), 7, "{files:?}");
+    assert_eq!(files.len(), 8, "{files:?}");
     assert!(files.iter().all(|file| folder.path().join(file).is_file()), "{files:?}");
     let table = std::fs::read_to_string(folder.path().join("out/room.csv")).unwrap();
     assert!(table.starts_with("strategy,spp,replicates,cpu_seconds,wall_seconds,") && table.lines().count() == 19);
@@ -44,8 +44,10 @@ fn fixed_lights_are_biased_and_regions_as_strata_are_not() {
 fn it_ends_when_the_budget_does() {
     let folder = tempfile::tempdir().unwrap();
     let start = Instant::now();
-    let ran =
-        etalon(folder.path(), &["converge", "cornell-spheres", "--budget", "2", "--quiet", "-o", "out", "--json"]);
+    let ran = etalon(
+        folder.path(),
+        &["converge", "cornell-spheres", "--budget", "2", "--max-spp", "4096", "--quiet", "-o", "out", "--json"],
+    );
     let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     let seconds = value["seconds"].as_f64().unwrap();
     // Other tests may keep the machine busy.
@@ -81,9 +83,133 @@ fn bad_input_is_refused_with_what_and_why() {
         (&["cornell-spheres", "-l", "0"], "-l: must be at least 1"),
         (&["cornell-spheres", "-r", "0", "10"], "cannot render 0x10"),
         (&["cornell-spheres", "-r", "100000", "100000"], "the films of"),
+        (&["cornell-spheres", "--renderer", "prog"], "--renderer: "),
+        (&["cornell-spheres", "--renderer", "a=prog {spp}"], "has no {out}"),
+        (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {sed}"], "no placeholder {sed}"),
+        (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}"], "hint: --renderer-scene"),
+        (&["cornell-spheres", "--renderer", "mis=prog {spp} {out}"], "two of them are called mis"),
+        (&["cornell-spheres", "--renderer", "a=prog {spp} {out}", "--timeout", "0"], "--timeout: "),
+        (&["cornell-spheres", "--runs", "."], "no folder in it has a file times.csv"),
+        (&["cornell-spheres", "--reference", "missing.exr"], "is no file, renderer or strategy"),
     ] {
         let ran = etalon(folder.path(), &[&["converge"], args].concat());
         assert_eq!(ran.code, 2, "{args:?}: {}{}", ran.stdout, ran.stderr);
         assert!(ran.stderr.contains(says), "{args:?}: {}", ran.stderr);
     }
+}
+
+/// A renderer in another program: our own, by its command line.
+#[cfg(unix)]
+fn ourselves(extra: &str) -> String {
+    let program = assert_cmd::cargo::cargo_bin("etalon");
+    format!(
+        "etalon='{}' render cornell-lambert -r {{width}} {{height}} -s {{spp}} --seed {{seed}} -t {{threads}} -l 1 --quiet {extra} -o {{out}}",
+        program.display()
+    )
+}
+
+#[cfg(unix)]
+#[test]
+fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
+    let folder = tempfile::tempdir().unwrap();
+    let renderer = ourselves("--sampling mis --uniform");
+    let args =
+        ["converge", "cornell-lambert", "-r", "32", "24", "-t", "1", "--strategies", "mis", "--keep-runs", "kept"];
+    let more =
+        ["--renderer", &renderer, "--max-spp", "256", "--replicates", "6", "--budget", "60", "-o", "out/own.csv"];
+    let value = json(folder.path(), &[&args[..], &more].concat());
+    assert_eq!(value["faults"].as_array().unwrap().len(), 0, "{}", value["faults"]);
+    let curves = value["curves"].as_array().unwrap();
+    let external = &curves[1];
+    assert_ne!(external["verdict"], "biased", "{external}");
+    // The samples are the same, and so is the error.
+    let last = |curve: &serde_json::Value| curve["levels"].as_array().unwrap().last().unwrap().clone();
+    let mse = |curve| last(curve)["mse"]["value"].as_f64().unwrap();
+    assert!((mse(external) / mse(&curves[0]) - 1.0).abs() < 1e-9, "{} {}", mse(external), mse(&curves[0]));
+    // The time per sample is that of the library, up to the noise of a machine that other tests keep busy.
+    let seconds = |curve| last(curve)["cpu_seconds"].as_f64().unwrap();
+    let ratio = seconds(external) / seconds(&curves[0]);
+    assert!((0.4..2.5).contains(&ratio), "{ratio}");
+    assert!(external["times"]["startup_cpu_seconds"]["value"].as_f64().unwrap() < 1.0, "{external}");
+    // What was kept is read, and gives the same errors.
+    let args =
+        ["converge", "cornell-lambert", "-r", "32", "24", "--strategies", "none", "--runs", "kept", "--budget", "10"];
+    let again =
+        json(folder.path(), &[&args[..], &["--reference", "mis+lt", "--max-spp", "256", "-o", "again"]].concat());
+    let names: Vec<&str> =
+        again["curves"].as_array().unwrap().iter().map(|c| c["strategy"].as_str().unwrap()).collect();
+    assert_eq!(names, ["etalon", "mis"]);
+    let kept = &again["curves"][0];
+    assert_eq!((kept["replicates"].as_u64(), last(kept)["spp"].as_u64()), (Some(6), Some(256)));
+    assert_ne!(kept["verdict"], "biased", "{kept}");
+    let table = std::fs::read_to_string(folder.path().join("out/own-replicates.csv")).unwrap();
+    assert!(table.starts_with("strategy,replicate,seed,spp,wall_seconds,cpu_seconds,mse,"), "{table}");
+    assert_eq!(table.lines().count(), 1 + 6 * (9 + 5));
+}
+
+/// Planted faults of renderers: each is found and named, and the others are measured all the same.
+#[cfg(unix)]
+#[test]
+fn faults_of_renderers_are_found_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = assert_cmd::cargo::cargo_bin("etalon");
+    let good =
+        format!("'{}' render cornell-lambert -s $0 --seed $1 -l 1 -t 1 --quiet -r $2 16 -o $3", program.display());
+    let renderer = |name: &str, script: &str| format!("{name}=sh -c \"{script}\" {{spp}} {{seed}} 20 {{out}}");
+    let renderers = [
+        renderer("sound", &good),
+        renderer("small", &good.replace("-r $2 16", "-r 10 8")),
+        renderer("crash", "echo no memory left >&2; exit 9"),
+        renderer("same", &good.replace("--seed $1", "--seed 5")),
+        renderer("hang", "sleep 1000"),
+        renderer("later", &format!("test $0 -lt 16 || exit 4; {good}")),
+    ];
+    let mut args = vec!["converge", "cornell-lambert", "-r", "20", "16", "--strategies", "mis", "-o", "out", "--json"];
+    args.extend(["--max-spp", "64", "--replicates", "4", "--budget", "100", "--timeout", "5"]);
+    renderers.iter().for_each(|renderer| args.extend(["--renderer", renderer]));
+    let ran = etalon(folder.path(), &args);
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let names: Vec<&str> =
+        value["curves"].as_array().unwrap().iter().map(|c| c["strategy"].as_str().unwrap()).collect();
+    assert_eq!(names, ["mis", "sound"], "{}", ran.stderr);
+    let faults = value["faults"].as_array().unwrap();
+    for (name, count, says) in [
+        ("small", 2, "its image has 10x8 pixels, not 20x16"),
+        ("crash", 2, "exit code 9); its standard error ends with \"no memory left\""),
+        ("same", 1, "its image is that of seed 1, to the last bit"),
+        ("hang", 1, "did not end within 5."),
+        ("later", 2, "exit code 4"),
+    ] {
+        let found: Vec<&str> = faults
+            .iter()
+            .filter(|fault| fault["strategy"] == name)
+            .map(|fault| fault["message"].as_str().unwrap())
+            .collect();
+        assert!(found.len() == count && found.iter().all(|message| message.contains(says)), "{name}: {found:?}");
+        assert!(ran.stderr.contains(&format!("warning: {name}, replicate")), "{}", ran.stderr);
+    }
+}
+
+/// Images that are 1 % brighter than the reference.
+#[test]
+fn one_per_cent_of_light_is_bias() {
+    use etalon::raster::{Image, Metadata, ReadOptions, read, write};
+    let folder = tempfile::tempdir().unwrap();
+    let render =
+        ["render", "cornell-lambert", "-r", "40", "30", "-s", "1024", "-l", "4", "--seed", "77", "-o", "long.exr"];
+    json(folder.path(), &render);
+    let long = read(&folder.path().join("long.exr"), ReadOptions::default()).unwrap();
+    let verdict = |factor: f32| {
+        let scaled: Image = long.map(|pixel| pixel * factor);
+        write(&folder.path().join("reference.exr"), &scaled, &Metadata::default()).unwrap();
+        let args = ["converge", "cornell-lambert", "-r", "40", "30", "--strategies", "mis", "--max-spp", "64"];
+        let more = ["--replicates", "8", "--reference", "reference.exr", "-o", "out"];
+        let value = json(folder.path(), &[&args[..], &more].concat());
+        (value["curves"][0]["verdict"].as_str().unwrap() == "biased", value["curves"][0]["mean_bias"]["value"].as_f64())
+    };
+    let (is_biased, mean) = verdict(1.0 / 1.01);
+    assert!(is_biased && (mean.unwrap() - 0.01).abs() < 0.002, "{mean:?}");
+    let (is_biased, mean) = verdict(1.0);
+    assert!(!is_biased && mean.unwrap().abs() < 0.002, "{mean:?}");
 }

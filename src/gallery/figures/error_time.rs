@@ -2,10 +2,12 @@
 
 use crate::gallery::prelude::*;
 use crate::scene::{Environment, Request, Scene, builtin};
+use crate::study::converge::contender::Contender;
 use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge as view;
+use crate::view::converge_images::sheet;
 
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
 pub const LIMIT: f64 = 120.0;
@@ -14,7 +16,7 @@ const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-compensated", "light-c
 
 /// A plan of so many samples per pixel and replicates.
 pub fn plan(inputs: &Inputs, max_spp: u32, replicates: u32) -> Plan {
-    Plan { budget: LIMIT, max_spp, replicates, seed: inputs.seed }
+    Plan { budget: LIMIT, max_spp: Some(max_spp), replicates: Some(replicates), seed: inputs.seed, keep: None }
 }
 
 /// The sphere under the map with one light sample, at the size of these figures.
@@ -39,7 +41,7 @@ fn of_size((scene, request): (Scene, Request), size: [usize; 2]) -> (Scene, Requ
 pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
     let (scene, request) = sphere(inputs);
     let plan = plan(inputs, 32, 5);
-    studies.get("sphere", || measure(&scene, &request, &Strategy::usual(&scene), &plan, None))
+    studies.get("sphere", || measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None))
 }
 
 /// The curves of the sphere and of the Cornell box.
@@ -69,8 +71,8 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = sphere_curves(inputs, studies)?;
     let mut checks = vec![stopped(&result)];
     for curve in &result.curves {
-        let name = curve.strategy.name.as_str();
-        if curve.strategy.has_fixed_lights() {
+        let name = curve.strategy.as_str();
+        if curve.contender.has_fixed_lights() {
             checks.push(biased(curve));
             // The error of the last level is bias and hardly anything else.
             let share = curve.levels.last().map_or(f64::NAN, |level| curve.bias2.value / level.mse.value);
@@ -80,24 +82,24 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         checks.push(unbiased(curve));
         // With uniform directions the error under a map of high contrast depends on few samples: its replicates do not
         // give an interval.
-        if curve.strategy.is_independent() && !name.starts_with("hemisphere") {
+        if curve.contender.is_independent() && !name.starts_with("hemisphere") {
             checks.push(as_monte_carlo(curve));
         } else if FASTER_ON_SPHERE.contains(&name) {
             checks.push(faster(curve));
         }
     }
-    Content::new(view::sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), checks)
 }
 
 fn cornell_content(inputs: &Inputs) -> Result<Content> {
     // Large enough to recognize in print what each strategy renders
     let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([164, 123], [48, 36]));
     let plan = plan(inputs, inputs.effort.of(32, 16), inputs.effort.of(5, 4));
-    let result = measure(&scene, &request, &Strategy::usual(&scene), &plan, None)?;
+    let result = measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None)?;
     let mut checks = vec![stopped(&result)];
     for curve in &result.curves {
         checks.push(unbiased(curve));
-        checks.push(if curve.strategy.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
+        checks.push(if curve.contender.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
     }
     let last = |name: &str| result.curve(name).and_then(|c| c.levels.last()).map_or(f64::NAN, |level| level.mse.value);
     let best = last("light").min(last("bsdf"));
@@ -105,7 +107,7 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(view::sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), checks)
 }
 
 /// Nothing was left out for lack of time.
@@ -120,21 +122,21 @@ fn bias(curve: &Curve) -> f64 {
 
 /// The mean of all replicates is biased beyond chance.
 pub fn biased(curve: &Curve) -> Check {
-    Check::at_least(format!("squared bias (standard errors), {}", curve.strategy.name), bias(curve), SIGMAS)
+    Check::at_least(format!("squared bias (standard errors), {}", curve.strategy), bias(curve), SIGMAS)
 }
 
 /// The bias is within what chance explains.
 fn unbiased(curve: &Curve) -> Check {
-    Check::at_most(format!("squared bias (standard errors), {}", curve.strategy.name), bias(curve), 2.0 * SIGMAS)
+    Check::at_most(format!("squared bias (standard errors), {}", curve.strategy), bias(curve), 2.0 * SIGMAS)
 }
 
 /// Independent random numbers: the slope is −1/2, up to 3 of its own standard errors.
 fn as_monte_carlo(curve: &Curve) -> Check {
-    let name = format!("slope (−1/2 + 3 standard errors), {}", curve.strategy.name);
+    let name = format!("slope (−1/2 + 3 standard errors), {}", curve.strategy);
     Check::at_most(name, curve.slope.value, -0.5 + 3.0 * curve.slope.standard_error)
 }
 
 /// Sobol' points: the slope's interval is below −1/2.
 fn faster(curve: &Curve) -> Check {
-    Check::at_most(format!("slope, upper end of its 95 % interval, {}", curve.strategy.name), curve.slope.high(), -0.5)
+    Check::at_most(format!("slope, upper end of its 95 % interval, {}", curve.strategy), curve.slope.high(), -0.5)
 }

@@ -16,6 +16,8 @@ pub mod sampler;
 
 pub use answer::Answer;
 pub use connection::Connection;
+pub(in crate::import) use group::Group;
+pub(in crate::import) use process::{last_line, tail};
 
 use crate::error::{Error, Result};
 use crate::import::sampler::Space;

@@ -178,7 +178,7 @@ fn forward(mut from: impl Read, to: &SyncSender<Vec<u8>>) {
 
 /// The last line that is not empty, quoted, control characters escaped; of a very long one only the end, where most
 /// messages say what is wrong.
-fn last_line(bytes: &[u8]) -> Option<String> {
+pub fn last_line(bytes: &[u8]) -> Option<String> {
     let text = String::from_utf8_lossy(bytes);
     let line = text.lines().map(str::trim).rfind(|line| !line.is_empty())?;
     let start = line.ceil_char_boundary(line.len().saturating_sub(LONGEST_LINE));
@@ -186,7 +186,7 @@ fn last_line(bytes: &[u8]) -> Option<String> {
 }
 
 /// Reads to the end and keeps the last bytes.
-fn tail(mut from: impl Read) -> Vec<u8> {
+pub fn tail(mut from: impl Read) -> Vec<u8> {
     let (mut block, mut tail) = (vec![0; 1 << 12], Vec::new());
     while let Ok(length @ 1..) = from.read(&mut block) {
         tail.extend_from_slice(&block[..length]);

@@ -1,14 +1,15 @@
 //! The error of one strategy as its samples and its time grow: levels from replicates, the slope, and whether it is bias.
 
+use super::contender::Contender;
 use super::doubling::Times;
 use super::reference::Reference;
-use super::strategy::Strategy;
 use crate::error::Result;
 use crate::raster::{Comparison, Image};
 use crate::study::fit;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One replicate at one number of samples.
 #[derive(Debug, Clone)]
@@ -70,11 +71,43 @@ pub enum CurveVerdict {
     Unknown,
 }
 
-/// One strategy's errors.
+/// What a renderer's process needs, by a fit of its time over the samples: start-up + time per sample · spp.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TimeFit {
+    /// Wall-clock seconds before the first sample.
+    pub startup_wall_seconds: Estimate,
+    /// Processor seconds before the first sample.
+    pub startup_cpu_seconds: Estimate,
+    /// Wall-clock seconds for each sample per pixel.
+    pub wall_seconds_per_spp: Estimate,
+    /// Processor seconds for each sample per pixel.
+    pub cpu_seconds_per_spp: Estimate,
+}
+
+impl TimeFit {
+    /// By weighted least squares (see [`fit::relative_line`]); `None` unless both times per sample are positive beyond
+    /// two standard errors.
+    fn new(runs: &[&Run]) -> Option<Self> {
+        let line = |time: fn(Times) -> f64| {
+            let points = runs.iter().flat_map(|run| run.levels.iter().map(|m| [f64::from(m.spp), time(m.times)]));
+            fit::relative_line(&points.collect::<Vec<_>>())
+        };
+        let ([startup_wall_seconds, wall], [startup_cpu_seconds, cpu]) = (line(|t| t.wall)?, line(|t| t.cpu)?);
+        let is_known = |slope: Estimate| slope.value > 2.0 * slope.standard_error;
+        let fit =
+            Self { startup_wall_seconds, startup_cpu_seconds, wall_seconds_per_spp: wall, cpu_seconds_per_spp: cpu };
+        (is_known(wall) && is_known(cpu)).then_some(fit)
+    }
+}
+
+/// One contender's errors.
 #[derive(Debug, Clone, Serialize)]
 pub struct Curve {
     /// Whose errors they are.
-    pub strategy: Strategy,
+    pub strategy: String,
+    /// What was measured.
+    #[serde(skip)]
+    pub contender: Contender,
     /// Renders with seeds of their own.
     pub replicates: usize,
     /// By samples per pixel, ascending.
@@ -85,8 +118,16 @@ pub struct Curve {
     pub bias2: Estimate,
     /// The conclusion from slope and bias.
     pub verdict: CurveVerdict,
-    /// Mean wall-clock time of the preparation: tables, trees.
+    /// Mean over the image of the contender, relative to that of the reference, minus 1.
+    pub mean_bias: Estimate,
+    /// Mean wall-clock time of the preparation: tables, trees; of a renderer, its start-up.
     pub preparation_seconds: f64,
+    /// Of a renderer: start-up and time per sample; `None` for ours, whose preparation is timed by itself, and where the
+    /// time does not grow measurably with the samples. Then the whole time counts.
+    pub times: Option<TimeFit>,
+    /// Each replicate's measurements, without its images.
+    #[serde(skip)]
+    pub runs: Vec<Run>,
     /// The first replicate's image at each level.
     #[serde(skip)]
     pub images: Vec<Image>,
@@ -95,35 +136,43 @@ pub struct Curve {
 /// Levels with fewer samples per pixel are left out of the fit: so few Sobol' points are not stratified yet.
 pub const FIT_FROM: u32 = 4;
 /// Levels that a slope needs.
-const FIT_LEVELS: usize = 3;
+pub const FIT_LEVELS: usize = 3;
 /// Number of standard errors beyond which the error of the mean image is bias.
 pub const SIGMAS: f64 = 3.0;
 
+/// Level of the t-test of the image's mean.
+const MEAN_LEVEL: f64 = 1e-3;
+
 /// The result of one replicate.
+#[derive(Debug, Clone)]
 pub struct Run {
+    /// Of its random numbers.
+    pub seed: u64,
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,
-    /// The image at the last level.
-    pub last: Image,
+    /// The image at the last level, until its bias is known.
+    pub last: Option<Image>,
     /// Wall-clock seconds before the first sample.
     pub preparation: f64,
 }
 
 impl Curve {
     /// From at least one replicate, all with the same levels.
-    pub fn new(strategy: Strategy, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
+    pub fn new(contender: &Contender, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
         let count = runs[0].levels.len();
         let (flips, images): (Vec<_>, Vec<_>) =
             runs[0].levels.iter_mut().filter_map(|level| level.shown.take()).unzip();
+        let everyone: Vec<&Run> = runs.iter().collect();
+        let times = TimeFit::new(&everyone).filter(|_| contender.is_timed_from_outside());
+        let means = mean_times(&everyone, times);
         let level = |i: usize| {
             let all = |f: &dyn Fn(&Measured) -> f64| runs.iter().map(|run| f(&run.levels[i])).collect::<Vec<_>>();
-            let mean = |f: &dyn Fn(&Measured) -> f64| all(f).iter().sum::<f64>() / runs.len() as f64;
             let mse = Estimate::mean(&all(&|m| m.errors.mse));
-            let cpu_seconds = mean(&|m| m.times.cpu);
+            let Times { cpu: cpu_seconds, wall: wall_seconds } = means[i];
             Level {
                 spp: runs[0].levels[i].spp,
                 cpu_seconds,
-                wall_seconds: mean(&|m| m.times.wall),
+                wall_seconds,
                 mse,
                 rel_mse: Estimate::mean(&all(&|m| m.errors.rel_mse)),
                 flip: flips[i],
@@ -145,9 +194,51 @@ impl Curve {
             Estimate::mean(&runs.iter().map(slope_of).collect::<Vec<_>>())
         };
         let bias2 = bias2(&runs, reference)?;
-        let verdict = verdict(slope, bias2, levels.last());
-        let preparation_seconds = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
-        Ok(Self { strategy, replicates: runs.len(), levels, slope, bias2, verdict, preparation_seconds, images })
+        let mean_bias = mean_bias(&runs, reference);
+        let verdict = verdict(slope, [bias2, mean_bias], runs.len(), levels.last());
+        let measured = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
+        let preparation_seconds = times.map_or(measured, |fit| fit.startup_wall_seconds.value);
+        runs.iter_mut().for_each(|run| run.last = None);
+        Ok(Self {
+            strategy: contender.name().to_owned(),
+            contender: contender.clone(),
+            replicates: runs.len(),
+            levels,
+            slope,
+            bias2,
+            mean_bias,
+            verdict,
+            preparation_seconds,
+            times,
+            runs,
+            images,
+        })
+    }
+
+    /// The logarithm of the efficiency after `seconds` of processor time, 1/(MSE · seconds), its error by the jackknife over the
+    /// replicates. Between levels the MSE follows a power law; beyond them, the efficiency stays.
+    pub fn log_efficiency_at(&self, seconds: f64) -> Estimate {
+        Estimate::jackknife(&self.runs, |some| {
+            let fit = if self.times.is_some() { TimeFit::new(some) } else { None };
+            let mean = |i: usize| some.iter().map(|run| run.levels[i].errors.mse).sum::<f64>() / some.len() as f64;
+            let points: Vec<[f64; 2]> =
+                mean_times(some, fit).iter().enumerate().map(|(i, times)| [times.cpu, mean(i)]).collect();
+            let (Some(first), Some(last)) = (points.first(), points.last()) else { return f64::NAN };
+            let [time, mse] = match seconds {
+                early if early <= first[0] => *first,
+                late if late >= last[0] => *last,
+                _ => [seconds, fit::log_log_at(&points, seconds).unwrap_or(f64::NAN)],
+            };
+            -(mse * time).ln()
+        })
+    }
+
+    /// 1/(variance · processor time) at the last level, the variance being what is left of the MSE without the squared bias;
+    /// `None` where that is within two standard errors of nothing.
+    pub fn variance_efficiency(&self) -> Option<f64> {
+        let level = self.levels.last()?;
+        let variance = level.mse.value - self.bias2.value.max(0.0);
+        (variance > 2.0 * self.bias2.standard_error).then(|| 1.0 / (variance * level.cpu_seconds))
     }
 
     /// The level whose processor time is nearest to `seconds`, by their ratio.
@@ -164,6 +255,31 @@ impl Curve {
     }
 }
 
+/// The mean times of each level; by a fit, those of its samples alone.
+fn mean_times(runs: &[&Run], fit: Option<TimeFit>) -> Vec<Times> {
+    let level = |i: usize| {
+        let mean = |f: fn(Times) -> f64| runs.iter().map(|run| f(run.levels[i].times)).sum::<f64>() / runs.len() as f64;
+        let spp = f64::from(runs[0].levels[i].spp);
+        fit.map_or_else(
+            || Times { wall: mean(|t| t.wall), cpu: mean(|t| t.cpu) },
+            |fit| Times { wall: fit.wall_seconds_per_spp.value * spp, cpu: fit.cpu_seconds_per_spp.value * spp },
+        )
+    };
+    (0..runs[0].levels.len()).map(level).collect()
+}
+
+/// The mean of the last level's images over that of the reference, minus 1. The standard error has that of the reference in it;
+/// the pixels of a reference are independent.
+fn mean_bias(runs: &[Run], reference: &Reference) -> Estimate {
+    let errors = || runs.iter().filter_map(|run| Some(run.levels.last()?.errors));
+    let relative: Vec<f64> = errors().map(|e| e.mean_a / e.mean_b - 1.0).collect();
+    let estimate = Estimate::mean(&relative);
+    let of_reference = reference.mean_error() / reference.facts.mean;
+    let standard_error = estimate.standard_error.hypot(of_reference);
+    let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
+    Estimate { standard_error, half_width: standard_error * ratio, ..estimate }
+}
+
 /// The mean over all pixels of the squared bias of the last level, which replicates do not average away.
 ///
 /// With x̄ the mean image of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
@@ -171,7 +287,7 @@ impl Curve {
 /// Unknown from fewer than three replicates.
 fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
     let images: Vec<(&Image, f64)> =
-        runs.iter().filter_map(|run| Some((&run.last, run.levels.last()?.errors.mse))).collect();
+        runs.iter().filter_map(|run| Some((run.last.as_ref()?, run.levels.last()?.errors.mse))).collect();
     let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
     reference.compare(first)?;
     // The jackknife leaves one out, and the estimate needs two.
@@ -202,10 +318,20 @@ fn mean(images: &[&Image]) -> Image {
     Image::from_pixels(images[0].width(), images[0].height(), pixels)
 }
 
-/// Bias must be significant, and at least a hundredth of the last level's mean squared error.
-fn verdict(slope: Estimate, bias2: Estimate, last: Option<&Level>) -> CurveVerdict {
+/// Bias must be significant: that of the pixels, and then at least a hundredth of the last level's mean squared error, or that of
+/// the whole image, by a t-test of the replicates' means.
+fn verdict(
+    slope: Estimate,
+    [bias2, mean_bias]: [Estimate; 2],
+    replicates: usize,
+    last: Option<&Level>,
+) -> CurveVerdict {
     let last = last.map_or(f64::NAN, |level| level.mse.value);
-    if bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last {
+    let in_pixels = bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last;
+    let t = StudentsT::new(0.0, 1.0, replicates as f64 - 1.0)
+        .map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - MEAN_LEVEL / 2.0));
+    let in_mean = mean_bias.value.abs() > t * mean_bias.standard_error;
+    if in_pixels || in_mean {
         CurveVerdict::Biased
     } else if !slope.half_width.is_finite() {
         CurveVerdict::Unknown

@@ -1,8 +1,9 @@
 //! References of errors: the exact image where there is one, else two independent long renders.
 
-use super::doubling::{Deadline, Doubling};
+use super::contender::{Contender, Replicate, Step};
+use super::doubling::Deadline;
 use crate::envmap::irradiance::IrradianceTree;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::raster::{Comparison, Image, compare, compare_with_halves};
 use crate::render::Settings;
@@ -11,6 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
+use std::time::Instant;
 
 /// A reference. Pixels that are not finite do not count.
 #[derive(Debug, Clone)]
@@ -34,12 +36,18 @@ pub struct Facts {
     pub mean: f64,
     /// Pixels that are compared.
     pub pixels: usize,
+    /// Where it comes from, in words.
+    pub source: String,
 }
 
 /// Steps of light samples in the long renders.
 const LIGHT_SAMPLES: u32 = 4;
 /// Offset of the seed of the long renders, whose random numbers must be independent of the others'.
 const SEED_OFFSET: u64 = 0x5eed_0000_0000;
+/// The same for other programs, whose seeds may have 31 bits.
+const SHORT_SEED_OFFSET: u64 = 1_000_003;
+/// Pixels by which the time of an exact image is estimated.
+const PROBES: usize = 64;
 /// Inner and outer radius of the pixels of the sphere that count, in units of its radius: in the middle the report's
 /// camera touches it, and at the silhouette radiance changes too fast for four points in a pixel.
 const RING: [f64; 2] = [0.05, 0.95];
@@ -49,12 +57,27 @@ impl Reference {
     pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Self> {
         let image = lit_sphere(scene, request, deadline).or_else(|| white_furnace(scene, request))?;
         let Comparison { mean_a, pixels, .. } = compare(&image, &image).ok()?;
-        let facts = Facts { exact: true, spp: 0, rmse: 0.0, mean: mean_a, pixels };
+        let facts = Facts { exact: true, spp: 0, rmse: 0.0, mean: mean_a, pixels, source: "the exact image".into() };
         Some(Self { halves: [image.clone(), image], facts })
     }
 
-    /// Renders two halves by the renderer's default strategy, alternating, each twice as long as before until the deadline
-    /// or `max_spp` forbids another step; `None` if it forbids the first one.
+    /// An image of unknown noise, which counts as error of what is compared with it. `source` says where it comes from.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another size than the request's, or an image without a finite pixel.
+    pub fn given(image: Image, request: &Request, source: String) -> Result<Self> {
+        let Comparison { mean_a, pixels, .. } = compare(&image, &image)?;
+        if [image.width(), image.height()] != [request.width, request.height] || pixels == 0 {
+            let [[w, h], [rw, rh]] = [[image.width(), image.height()], [request.width, request.height]];
+            let message =
+                format!("{source} has {pixels} finite pixels of {w}x{h}, and images of {rw}x{rh} are compared");
+            return Err(Error::parameter("reference", message).with_hint("`resolution` sets the size of the images"));
+        }
+        let facts = Facts { exact: false, spp: 0, rmse: 0.0, mean: mean_a, pixels, source };
+        Ok(Self { halves: [image.clone(), image], facts })
+    }
+
+    /// Renders two halves by our default strategy with several light samples, alternating; `None` if the deadline forbids the first step.
     pub fn rendered(
         scene: &Scene,
         request: &Request,
@@ -63,29 +86,71 @@ impl Reference {
         deadline: &Deadline,
     ) -> Result<Option<Self>> {
         let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
-        let doubling = |i: u64| {
+        let half = |i: u64| {
             let settings = Settings { seed: seed.wrapping_add(SEED_OFFSET + i), ..Settings::default() };
-            Doubling::new(scene, &request, &settings)
+            Replicate::ours(scene, &request, &settings)
         };
-        let mut renders = [doubling(0)?, doubling(1)?];
-        while renders[0].spp() <= max_spp / 2 && renders.iter().map(Doubling::next_step).sum::<f64>() < deadline.left()
+        Self::grown([half(0)?, half(1)?], max_spp, "our default strategy", deadline)
+    }
+
+    /// Renders two halves by a contender, alternating; `None` if the deadline forbids the first step.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if it fails.
+    pub fn by(
+        contender: &Contender,
+        scene: &Scene,
+        request: &Request,
+        seed: u64,
+        max_spp: u32,
+        deadline: &Deadline,
+    ) -> Result<Option<Self>> {
+        let half = |i: u32| {
+            let seed = seed.wrapping_add(SHORT_SEED_OFFSET + u64::from(i));
+            contender.start(scene, &Request { spp: max_spp, ..*request }, seed, i)
+        };
+        let (Some(first), Some(second)) = (half(0)?, half(1)?) else { return Ok(None) };
+        Self::grown([first, second], max_spp, contender.name(), deadline)
+    }
+
+    /// Renders two halves, alternating, each longer than before until the deadline or `max_spp` forbids another step;
+    /// `None` if it forbids the first one.
+    fn grown(mut halves: [Replicate<'_>; 2], max_spp: u32, source: &str, deadline: &Deadline) -> Result<Option<Self>> {
+        let mut reached = None;
+        while halves[0].next_spp().is_some_and(|next| next <= max_spp)
+            && halves.iter().map(Replicate::next_step).sum::<f64>() < deadline.left()
         {
-            let mut grown = renders.iter_mut().map(|doubling| doubling.double(deadline));
-            if !grown.all(|whole| whole) {
-                return Ok(None);
+            let mut grown = Vec::new();
+            for half in &mut halves {
+                match half.advance(deadline) {
+                    Step::Done(image, _) => grown.push(image),
+                    Step::Failed(failure) => {
+                        return Err(Error::parameter("reference", format!("{source}: {}", failure.message)));
+                    }
+                    Step::Stopped | Step::End => {}
+                }
             }
+            // A step that the deadline stopped leaves the images of the one before.
+            let Ok(whole) = <[Image; 2]>::try_from(grown) else { break };
+            reached = Some((whole, halves[0].spp));
         }
-        let halves = [renders[0].image(), renders[1].image()];
+        let Some((images, spp)) = reached else { return Ok(None) };
         // The difference of the halves gives the error of their mean.
-        let difference = compare(&halves[0], &halves[1])?;
+        let difference = compare(&images[0], &images[1])?;
         let facts = Facts {
             exact: false,
-            spp: 2 * renders[0].spp(),
+            spp: 2 * spp,
             rmse: 0.5 * difference.rmse,
             mean: 0.5 * (difference.mean_a + difference.mean_b),
             pixels: difference.pixels,
+            source: source.into(),
         };
-        Ok(Some(Self { halves, facts }).filter(|r| r.facts.spp > 0))
+        Ok(Some(Self { halves: images, facts }))
+    }
+
+    /// The standard error of the mean over the image, as far as the pixels' errors are independent.
+    pub fn mean_error(&self) -> f64 {
+        self.facts.rmse / (self.facts.pixels as f64).sqrt()
     }
 
     /// The errors of an image, unbiased by the noise of the reference.
@@ -134,6 +199,13 @@ fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<I
         }
         Some((sum * 0.25 * scale).as_vec3())
     };
+    // Give up at once what would take too long: few pixels, spread over the image, take a known share of the time.
+    let start = Instant::now();
+    let stride = (size * size / PROBES).max(1);
+    let _: Vec<_> = (0..size * size).into_par_iter().step_by(stride).map(pixel).collect();
+    if start.elapsed().as_secs_f64() * stride as f64 > deadline.left() {
+        return None;
+    }
     let pixels = (0..size * size).into_par_iter().map(|i| pixel(i).unwrap_or(Rgb::NAN)).collect();
     let image = Image::from_pixels(size, size, pixels);
     (!deadline.is_over()).then_some(image)

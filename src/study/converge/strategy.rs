@@ -141,7 +141,7 @@ impl Strategy {
         let names = if scene.environment.is_some() {
             "hemisphere+independent light+independent light mis mis-compensated light-cosine strata-64 median-cut-64"
         } else {
-            "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt"
+            "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt mis+lt+adaptive"
         };
         names.split(' ').filter_map(|name| name.parse().ok()).collect()
     }
@@ -213,6 +213,6 @@ mod tests {
         let check = |name: &str, scene| name.parse::<Strategy>().unwrap().check(scene).is_ok();
         assert!(check("mis", &cornell) && !check("strata-16", &cornell) && check("strata-16", &furnace));
         assert!(Strategy::usual(&cornell).iter().all(|s| s.check(&cornell).is_ok()));
-        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (8, 8));
+        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (9, 8));
     }
 }
