@@ -1,6 +1,6 @@
 //! The directives: where in a file each is allowed, and its effect.
 
-use super::lexer::Lexer;
+use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::reader::{Reader, Stage};
 use crate::error::Result;
@@ -12,7 +12,7 @@ use glam::{DMat4, DVec3};
 const OPTIONS: &str = "Camera Film Sampler PixelFilter SurfaceIntegrator Integrator Accelerator VolumeIntegrator Renderer \
                        WorldBegin";
 const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Shape LightSource \
-                       AreaLightSource";
+                       AreaLightSource ObjectBegin ObjectEnd ObjectInstance";
 
 impl Reader<'_> {
     /// Executes the directive `name` at `at`; its arguments come from `lexer`.
@@ -61,6 +61,20 @@ impl Reader<'_> {
                     return Err(at.unsupported(format!("ColorSpace {} is not supported, only srgb", quote(&space))));
                 }
             }
+            "ObjectBegin" => {
+                let object = lexer.text(name, &at, "a name")?;
+                self.begin_object(object, at)?;
+            }
+            "ObjectEnd" => self.end_object(&at)?,
+            "ObjectInstance" => {
+                let object = lexer.text(name, &at, "a name")?;
+                self.instance(&object, &at)?;
+            }
+            "MediumInterface" => only_vacuum(name, &at, lexer)?,
+            "MakeNamedMedium" => {
+                let medium = Params::read(lexer, name, at)?;
+                self.warnings.push(medium.at.warning(&format!("{}: refused where it is used", medium.owner)));
+            }
             "NamedMaterial" => {
                 let wanted = lexer.text(name, &at, "a name")?;
                 let known = self.materials.get(&wanted).cloned();
@@ -98,7 +112,7 @@ impl Reader<'_> {
                 self.materials.insert(material_name, material);
                 Ok(())
             }
-            "Shape" => self.shape(&params),
+            "Shape" => self.shape_or_part(params),
             "AreaLightSource" => self.area_light(&params),
             "LightSource" => self.light(&params),
             _ => {
@@ -141,13 +155,25 @@ impl Reader<'_> {
     }
 }
 
+/// `MediumInterface`: the medium inside, and the one outside if it is another. The empty name is vacuum.
+fn only_vacuum(name: &str, at: &At, lexer: &mut Lexer) -> Result<()> {
+    let inside = lexer.text(name, at, "a medium")?;
+    let outside =
+        if let Some(Token::Text(_)) = lexer.peek()? { lexer.text(name, at, "a medium")? } else { String::new() };
+    match [inside, outside].iter().find(|medium| !medium.is_empty()) {
+        Some(medium) => Err(at
+            .unsupported(format!("{name}: the medium {} is not supported", quote(medium)))
+            .with_hint("leave the MediumInterface out to render without it")),
+        None => Ok(()),
+    }
+}
+
 /// A directive of pbrt that is not supported, or no directive at all.
 fn unknown(name: &str, at: &At) -> crate::error::Error {
     let hint = match name {
         "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
-        "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => "repeat the shapes instead",
         "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",
-        "MakeNamedMedium" | "MediumInterface" | "Volume" => "there are no media here: leave it out",
+        "Volume" => "there are no media here: leave it out",
         "Attribute" | "Option" => "leave it out, or give its parameters where they are needed",
         _ => return at.input(format!("{} is not a directive of pbrt", quote(name))),
     };

@@ -1,5 +1,6 @@
 //! Lights: environment maps, directional, point and area lights.
 
+use super::octahedral;
 use super::params::Params;
 use super::reader::Reader;
 use super::setup::MAX_SAMPLES;
@@ -9,7 +10,7 @@ use crate::import::place::{At, quote};
 use crate::import::rule::{ANY, LIGHT};
 use crate::import::transform::{self, in_range};
 use crate::math::Rgb;
-use crate::raster::{Image, ReadOptions, read_lat_long};
+use crate::raster::{Image, ReadOptions, read_lat_long, read_with_notes};
 use crate::scene::{Emission, EmitterVisibility, Environment, Falloff, Light};
 use glam::{DMat3, DMat4, DVec3};
 use std::sync::Arc;
@@ -76,21 +77,24 @@ impl Reader<'_> {
     /// The map that `parameter` names.
     fn map(&mut self, name: &str, parameter: &str, at: &At) -> Result<Image> {
         let path = self.folder.join(name);
-        let read = read_lat_long(&path, ReadOptions { allow_ldr: self.options.allow_ldr });
-        let (image, notes) =
+        let reader = if parameter == EQUAL_AREA { read_with_notes } else { read_lat_long };
+        let read = reader(&path, ReadOptions { allow_ldr: self.options.allow_ldr });
+        let (mut image, notes) =
             read.map_err(|e| at.cannot_read(e).with_hint("`environment` stands in for the map that the scene names"))?;
         self.warnings.extend(notes);
+        check_range(&path, &image)?;
         if parameter == EQUAL_AREA {
             let (width, height) = (image.width(), image.height());
-            if width != 2 * height {
-                let what = format!("the map {} ({width} x {height}) is not lat-long", quote(name));
-                return Err(at
-                    .unsupported(format!("{what}: equal-area is not supported"))
-                    .with_hint("give a lat-long map as \"string mapname\", or in place of the file's"));
+            if width == height {
+                self.warnings.push(at.warning("this equal-area map is resampled to a lat-long map"));
+                image = octahedral::to_lat_long(&image);
+            } else if width == 2 * height {
+                self.warnings.push(at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
+            } else {
+                let what = format!("the map {} ({width} x {height}) is neither square (equal-area)", quote(name));
+                return Err(at.unsupported(format!("{what} nor twice as wide as high (lat-long)")));
             }
-            self.warnings.push(at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
         }
-        check_range(&path, &image)?;
         self.map = Some(path);
         Ok(image)
     }

@@ -11,17 +11,21 @@
 //! | `Film` | `image`, `rgb`: size and file name |
 //! | `PixelFilter` | `box` of one pixel |
 //! | `Sampler` | the number of samples |
-//! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath` |
+//! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
 //! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor` on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
-//! | `Shape` | `sphere`, whole and round |
-//! | `LightSource` | one `infinite`, constant or with a lat-long map |
+//! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh` |
+//! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
+//! | `MakeNamedMedium`, `MediumInterface` | only media that no surface and no camera is in |
+//! | `LightSource` | one `infinite`, constant, with a lat-long map, or with a square equal-area map, which is resampled; `distant`, `point` |
 //!
 //! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
 
 mod directives;
+mod instance;
 mod lexer;
 mod light;
 mod material;
+mod octahedral;
 mod params;
 mod reader;
 mod setup;

@@ -54,6 +54,12 @@ impl Params {
         Ok(Self { owner, kind, at, given, known: RefCell::default() })
     }
 
+    /// Memory of the values, in bytes, and some for the directive itself.
+    pub fn bytes(&self) -> u64 {
+        let numbers: usize = self.given.values().map(|param| param.numbers.len()).sum();
+        256 + (numbers * size_of::<f64>()) as u64
+    }
+
     /// The error for a kind that is not implemented; `supported` names those that are.
     pub fn unsupported_kind(&self, supported: &str) -> Error {
         self.at.unsupported(format!("{} is not supported", self.owner)).with_hint(format!("supported: {supported}"))
@@ -71,7 +77,9 @@ impl Params {
 
     /// The parameter, if it is given; an error if it is of none of the types.
     fn find(&self, name: &'static str, types: &[&str]) -> Result<Option<&Param>> {
-        self.known.borrow_mut().push(name);
+        if !self.known.borrow().contains(&name) {
+            self.known.borrow_mut().push(name);
+        }
         let Some(param) = self.given.get(name) else { return Ok(None) };
         match param.type_name.as_str() {
             known if types.contains(&known) => Ok(Some(param)),

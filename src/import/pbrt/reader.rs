@@ -1,6 +1,7 @@
 //! Walks through a pbrt file and those that it includes, and keeps what their directives set until the scene is whole.
 
 use super::lexer::{Lexer, Token};
+use super::params::Params;
 use super::setup::Setup;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
@@ -46,8 +47,12 @@ pub struct Reader<'a> {
     pub(super) light_samples: Option<u32>,
     /// The file of the map.
     pub(super) map: Option<PathBuf>,
-    /// How many more bytes of mesh files may be read.
+    /// How many more bytes of mesh files, and of shapes that are repeated, may be read.
     pub(super) mesh_bytes: u64,
+    /// The shapes of each object that `ObjectInstance` repeats.
+    pub(super) instanced: HashMap<String, Rc<[Part]>>,
+    /// The object between `ObjectBegin` and `ObjectEnd`: its name, and its shapes so far.
+    pub(super) recording: Option<(String, Vec<Part>)>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -68,6 +73,9 @@ pub(super) struct State {
     pub(super) emission: Option<Emission>,
     pub(super) reversed: bool,
 }
+
+/// A shape of an object for `ObjectInstance`, with the state that it was given in.
+pub(super) type Part = (Params, State);
 
 /// A block that is open, with what it gives back at its end.
 struct Block {
@@ -101,6 +109,8 @@ impl<'a> Reader<'a> {
             map: None,
             light_samples: None,
             mesh_bytes: MAX_MESH_BYTES,
+            instanced: HashMap::new(),
+            recording: None,
             warnings: Vec::new(),
         };
         reader.file(path, None)?;

@@ -2,7 +2,7 @@
 
 use super::params::Params;
 use crate::error::Result;
-use crate::import::place::At;
+use crate::import::place::{At, quote};
 use crate::import::rule::{ANGLE, ANY, POSITIVE, Rule};
 use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Camera, Projection, Request};
@@ -83,9 +83,19 @@ impl Setup {
         if width as usize * height as usize > MAX_PIXELS {
             return Err(p.at.input(format!("{width} x {height} pixels are more than {MAX_PIXELS}")));
         }
-        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
-            p.only_float(name, |x| x == neutral, &neutral.to_string())?;
+        p.only_float("scale", |x| x == 1.0, "1")?;
+        // pbrt-v4 multiplies the image by iso/100 times the exposure time.
+        let exposure = p.float("exposuretime", &POSITIVE)?.unwrap_or(1.0);
+        let iso = p.float("iso", &POSITIVE)?.unwrap_or(100.0);
+        if (iso * exposure / 100.0 - 1.0).abs() > 1e-6 {
+            let message = format!("{}: iso {iso} with exposuretime {exposure} scales the image", p.owner);
+            return Err(p.place(if iso == 100.0 { "exposuretime" } else { "iso" }).unsupported(message));
         }
+        if let Some(sensor) = p.text("sensor")?.filter(|&sensor| sensor != "cie1931") {
+            let message = format!("{}: the sensor {} is not supported, only \"cie1931\"", p.owner, quote(sensor));
+            return Err(p.place("sensor").unsupported(message));
+        }
+        p.only_float("whitebalance", |x| x == 0.0, "0 (none)")?;
         let crop = p.numbers("cropwindow", &["float"], &ANY)?;
         if crop.is_some_and(|crop| crop != [0.0, 1.0, 0.0, 1.0]) {
             return Err(p.place("cropwindow").unsupported("a crop window is not supported"));
@@ -152,10 +162,20 @@ impl Setup {
                 (1, all_lights)
             }
             "path" | "volpath" => (depth + u32::from(v2), false),
-            _ => return Err(p.unsupported_kind("directlighting, path, volpath")),
+            // They estimate what path tracing does, but for Whitted's, which leaves out light between diffuse surfaces.
+            kind if OTHER_INTEGRATORS.contains(&kind) => {
+                warnings.push(p.at.warning(&format!("{}: read as \"path\"", p.owner)));
+                (depth + u32::from(v2), false)
+            }
+            _ => {
+                let others = OTHER_INTEGRATORS.join(", ");
+                return Err(p.unsupported_kind(&format!("directlighting, path, volpath; as path: {others}")));
+            }
         });
-        p.only_false("regularize")?;
-        p.finish(&["rrthreshold", "lightsampler", "lightsamplestrategy"], warnings)
+        for name in ["regularize", "visualizestrategies", "visualizeweights"] {
+            p.only_false(name)?;
+        }
+        p.finish(&METHOD_SETTINGS, warnings)
     }
 
     /// The camera and the request; `light_samples` is what the light asks for. `file` stands for the whole file.
@@ -195,6 +215,29 @@ impl Setup {
         Ok((view.camera(f64::from(film.width) / f64::from(film.height))?, request, film.filename))
     }
 }
+
+/// Integrators that path tracing stands in for.
+const OTHER_INTEGRATORS: [&str; 8] =
+    ["whitted", "simplepath", "simplevolpath", "randomwalk", "lightpath", "bdpt", "mlt", "sppm"];
+
+/// Parameters of integrators that set how they sample, and not what they estimate.
+const METHOD_SETTINGS: [&str; 15] = [
+    "rrthreshold",
+    "lightsampler",
+    "lightsamplestrategy",
+    "samplelights",
+    "samplebsdf",
+    "bootstrapsamples",
+    "chains",
+    "mutationsperpixel",
+    "largestepprobability",
+    "sigma",
+    "iterations",
+    "numiterations",
+    "photonsperiteration",
+    "imagewritefrequency",
+    "radius",
+];
 
 const DEFAULT_SAMPLES: u32 = 16;
 const DEFAULT_DEPTH: u32 = 5;

@@ -163,10 +163,16 @@ fn maps_are_loaded_or_stood_in_for() {
         std::fs::write(&path, in_world(text)).unwrap();
         read_file(&path)
     };
-    write_map(&file, &Image::new(4, 4));
     let v4 = "LightSource \"infinite\" \"string filename\" \"m.exr\"";
-    let error = fails(load(v4), "s.pbrt:7:24: the map \"m.exr\" (4 x 4) is not lat-long");
-    assert!(matches!(error, Error::Unsupported { .. }) && error.hint().is_some());
+    write_map(&file, &Image::new(4, 3));
+    let error = fails(load(v4), "s.pbrt:7:24: the map \"m.exr\" (4 x 3) is neither square");
+    assert!(matches!(error, Error::Unsupported { .. }));
+    // pbrt-v4's square maps: what lies in the middle of the square is at the light's +z.
+    write_map(&file, &Image::from_fn(4, 4, |x, y| Rgb::splat(if x.min(y) >= 1 && x.max(y) <= 2 { 8.0 } else { 1.0 })));
+    let square = load(v4).unwrap();
+    assert!(square.warnings[0].contains("s.pbrt:7:24: this equal-area map is resampled"), "{:?}", square.warnings);
+    let square = square.scene.environment.unwrap();
+    assert_eq!((square.radiance(DVec3::Z).x, square.radiance(DVec3::NEG_Z).x), (8.0, 1.0));
     // A missing map is reported where the file names it, other trouble where it is.
     let light = "LightSource \"infinite\"\n\"string mapname\" \"m.exr\"";
     std::fs::write(&file, b"broken").unwrap();
@@ -259,8 +265,30 @@ fn what_a_file_leaves_open_is_said() {
     warned("Accelerator \"kdtree\" \"integer intersectcost\" 80", "Accelerator \"kdtree\" cannot change this image");
     warned("\nSampler \"halton\"", "scene.pbrt:2:1: Sampler \"halton\" sets no number of samples: 16 per pixel");
     warned("Film \"rgb\"", "no PixelFilter");
+    warned("Integrator \"bdpt\" \"integer maxdepth\" 7", "Integrator \"bdpt\": read as \"path\"");
+    assert_eq!(with_options("Integrator \"sppm\" \"integer maxdepth\" 7").unwrap().request.max_depth, 7);
+    assert!(
+        with_options("Film \"rgb\" \"string sensor\" \"cie1931\" \"float iso\" 50 \"float exposuretime\" 2").is_ok()
+    );
+    let medium =
+        "MediumInterface \"\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1]";
+    warned(medium, "MakeNamedMedium \"fog\": refused where it is used");
     warned("\"float shutteropen\" 0", "has no effect here");
     assert!(with_options("ColorSpace \"srgb\"").is_ok());
+}
+
+#[test]
+fn instances_are_copies_in_the_current_coordinate_system() {
+    let part = "Translate 1 0 0 Material \"mirror\" Shape \"sphere\" \"float radius\" 2";
+    let object = format!("Translate 0 1 0 ObjectBegin \"a\" {part} ObjectEnd Identity");
+    let instances = "ObjectInstance \"a\" Scale 2 2 2 ObjectInstance \"a\" Shape \"sphere\"";
+    let read = read(&in_world(&format!("{object} {instances}"))).unwrap();
+    let found = read.scene.objects.iter().map(|object| match object.shape {
+        Shape::Sphere(sphere) => (sphere.centre, sphere.radius, matches!(object.material, Material::Mirror { .. })),
+        _ => panic!("{object:?}"),
+    });
+    let place = |scale: f32| scale * Vec3::new(1.0, 1.0, 0.0);
+    assert_eq!(found.collect::<Vec<_>>(), [(place(1.0), 2.0, true), (place(2.0), 4.0, true), (Vec3::ZERO, 2.0, false)]);
 }
 
 #[test]
