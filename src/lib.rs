@@ -10,7 +10,7 @@
 //! | `gallery` | one file per figure, the registry of figures, their checks and the page |
 //! | `view` | results of studies as drawings and tables |
 //! | [`study`] | one file or folder per experiment: computes a plain result |
-//! | [`render`], [`import`] | the path tracer and its film; scene files, meshes, external samplers |
+//! | [`render`], [`import`], [`export`] | the path tracer and its film; scene files, meshes, external samplers; scenes as files of other renderers |
 //! | [`scene`] | camera, shapes, BVH, materials, lights, built-in scenes |
 //! | [`bsdf`], [`envmap`] | BSDFs; lat-long maps and their samplers |
 //! | `output` | drawings and tables as files |
@@ -28,6 +28,7 @@ pub mod cli;
 pub mod envmap;
 pub mod errata;
 pub mod error;
+pub mod export;
 mod figure;
 mod files;
 mod gallery;

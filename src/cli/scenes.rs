@@ -1,16 +1,32 @@
-//! `etalon scenes`: what can be rendered.
+//! `etalon scenes`: what can be rendered, and built-in scenes as files of other renderers.
 
 use super::console::Console;
 use super::global::{Global, Verdict};
+use super::map_file::MapOptions;
+use super::scene_file::SceneArgs;
 use crate::error::Result;
+use crate::export;
 use crate::import::SCENE_EXTENSIONS;
+use crate::output::Written;
 use crate::scene::builtin;
 use clap::Args;
 use serde::Serialize;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
-/// List the built-in scenes
+/// List the built-in scenes, or write one as a file of pbrt-v4 or Mitsuba 3
 #[derive(Args)]
-pub struct Scenes {}
+pub struct Scenes {
+    /// Write the scene NAME as NAME.pbrt (pbrt-v4) or NAME.xml (Mitsuba 3), its meshes and its map beside it; a folder may stand
+    /// before NAME
+    #[arg(long, value_name = "NAME.{pbrt,xml}")]
+    export: Option<PathBuf>,
+    /// The environment map of the exported scene: a file or a built-in name
+    #[arg(long, value_name = "MAP", requires = "export")]
+    envmap: Option<OsString>,
+    #[command(flatten)]
+    map_options: MapOptions,
+}
 
 #[derive(Serialize)]
 struct Entry {
@@ -27,6 +43,23 @@ struct Output {
 
 impl Scenes {
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
+        match &self.export {
+            Some(path) => self.write(path, console),
+            None => Self::list(console),
+        }
+    }
+
+    fn write(&self, path: &Path, console: &Console) -> Result<Verdict> {
+        let name = path.file_stem().unwrap_or_default().to_owned();
+        let loaded = SceneArgs::built_in(name, self.envmap.clone(), self.map_options).load(console)?;
+        let exported = export::write(path, &loaded.scene, &loaded.request)?;
+        exported.notes.iter().for_each(|note| console.warn(note));
+        let written = Written { files: exported.files, replaced: Vec::new() };
+        console.result(&written, || written.text());
+        Ok(Verdict::Good)
+    }
+
+    fn list(console: &Console) -> Result<Verdict> {
         let scenes =
             builtin::scenes().into_iter().map(|scene| Entry { name: scene.name, description: scene.doc }).collect();
         let output = Output { scenes, files: SCENE_EXTENSIONS };

@@ -1,6 +1,7 @@
 //! Environment maps: geometry, statistics, importance sampling, median cut, exact irradiance, built-in maps.
 
 pub mod cut;
+pub(crate) mod equal_area;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;

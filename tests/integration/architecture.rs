@@ -17,7 +17,7 @@ const LAYERS: &[&[&str]] = &[
     &["output"],
     &["envmap", "bsdf"],
     &["scene"],
-    &["import", "render"],
+    &["import", "export", "render"],
     &["study"],
     &["view"],
     &["gallery"],

@@ -1,10 +1,9 @@
 //! Lights: environment maps, directional, point and area lights.
 
-use super::octahedral;
 use super::params::Params;
 use super::reader::Reader;
 use super::setup::MAX_SAMPLES;
-use crate::envmap::{EnvMap, MAX_RADIANCE, check_range};
+use crate::envmap::{EnvMap, MAX_RADIANCE, check_range, equal_area};
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::rule::{ANY, LIGHT};
@@ -87,7 +86,7 @@ impl Reader<'_> {
             let (width, height) = (image.width(), image.height());
             if width == height {
                 self.warnings.push(at.warning("this equal-area map is resampled to a lat-long map"));
-                image = octahedral::to_lat_long(&image);
+                image = equal_area::to_lat_long(&image);
             } else if width == 2 * height {
                 self.warnings.push(at.warning("this map is twice as wide as high: taken as lat-long, not equal-area"));
             } else {

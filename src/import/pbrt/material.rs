@@ -130,10 +130,21 @@ fn distribution(p: &Params) -> Result<Distribution> {
 
 /// pbrt-v3's `metal` and pbrt-v4's `conductor`.
 fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
-    let eta = index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?;
-    let k = index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?;
+    let (eta, k) = match p.rgb("reflectance", &FRACTION)? {
+        // With a reflectance, `eta` and `k` are parameters that are not known.
+        Some(reflectance) => (Rgb::ONE, extinction(reflectance)),
+        None => (
+            index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?,
+            index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?,
+        ),
+    };
     let alpha = if p.kind == "metal" { roughness(p, 0.01, remapped_v3)? } else { roughness(p, 0.0, f64::sqrt)? };
     Ok(Conductor { alpha, two_sided: true, ..Conductor::new(eta, k, 0.0, distribution(p)?) })
+}
+
+/// k of a conductor with η = 1 that reflects r = k²/(4 + k²) head-on, r at most 0.9999, as in pbrt-v4.
+fn extinction(reflectance: Rgb) -> Rgb {
+    Rgb::from_array(reflectance.min(Rgb::splat(0.9999)).to_array().map(|r| 2.0 * (r / (1.0 - r)).sqrt()))
 }
 
 /// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.
@@ -173,6 +184,15 @@ fn index_spectrum(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_conductor_reflects_what_its_reflectance_says() {
+        let wanted = Rgb::new(0.0, 0.5, 1.0);
+        let (k, expected) = (extinction(wanted).to_array(), [0.0, 0.5, 0.9999]);
+        for (k, r) in k.into_iter().zip(expected) {
+            assert!((crate::optics::conductor::normal_reflectance(1.0, f64::from(k)) - r).abs() < 1e-6, "{k} {r}");
+        }
+    }
 
     #[test]
     fn the_third_versions_roughness_has_its_known_values() {

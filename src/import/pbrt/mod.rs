@@ -12,7 +12,7 @@
 //! | `PixelFilter` | `box` of one pixel |
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
-//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor` on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
+//! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor`, also by its `reflectance`, on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
 //! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh` |
 //! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
 //! | `MakeNamedMedium`, `MediumInterface` | only media that no surface and no camera is in |
@@ -25,7 +25,6 @@ mod instance;
 mod lexer;
 mod light;
 mod material;
-mod octahedral;
 mod params;
 mod reader;
 mod setup;
