@@ -1,28 +1,19 @@
 #!/usr/bin/env python3
-"""CPU time x MSE of `etalon render` and of Mitsuba 3 on the scenes of `benches/scenes`.
+"""CPU time x MSE of `etalon` and of Mitsuba 3 on the scenes of `benches/scenes`, by `etalon converge --runs`.
 
     python3 -m venv venv && venv/bin/pip install mitsuba numpy     # its LLVM variant also wants libLLVM
     venv/bin/python benches/against_mitsuba.py target/release/etalon --quick
-    venv/bin/python benches/against_mitsuba.py target/release/etalon --references target/references --csv ratios.csv
+    venv/bin/python benches/against_mitsuba.py target/release/etalon --csv ratios.csv
 
-Both programs render the same .pbrt file (`pbrt_to_mitsuba.py` translates it) at the same resolution, depth and samples
-per pixel, alternating, with as many threads; Mitsuba with its LLVM variant and multijitter sampler. CPU time (user and
-system) is that of a render minus that of a render with one sample, times spp / (spp - 1): without what either prepares.
+Mitsuba (LLVM variant, multijitter sampler) renders each .pbrt file, which `pbrt_to_mitsuba.py` translates, by several seeds in one
+process. Its images and CPU times, without loading and compiling, go to a folder that `etalon converge` reads beside its own
+renders by the strategy that `etalon render` has by default, at the same resolution, depth and threads. The errors are
+against two long renders by etalon, whose own noise cancels; `converge` says if a program has another expectation.
 
-The MSE of an image a is the mean of (a - b1)(a - b2), where b1 and b2 are references of Mitsuba and of etalon, each the
-mean of many renders with seeds of their own: their noise is independent and adds nothing on average. The ratio is
-etalon's CPU time x MSE over Mitsuba's, below 1 where etalon reaches the same error sooner, with its 90 % interval
-(bootstrap over the seeds), from all pixels and without the worst 0.1 % of each image.
-
-Welch's t-test compares the two programs' means of the image and of 8 x 6 tiles: of the references, and of etalon's
-measured images with Mitsuba's reference. p is the smallest, times their number (Bonferroni). Below 0.01 a program is
-biased, or reads the scene differently, or has outliers that few seeds miss. Mitsuba's multijitter sampler is itself
-biased at 16 samples per pixel, by 1 % in the scene `furnace-knot`, and not measurably at 64. `--agreement` makes this
-test alone, with `--seeds` renders of each program:
-
-    venv/bin/python benches/against_mitsuba.py target/release/etalon --agreement --scenes rough-glass-mesh --seeds 32
+The ratio is etalon's CPU time x MSE over Mitsuba's at the last number of samples, below 1 where etalon reaches the same error
+sooner, with its 90 % interval (bootstrap over the seeds).
 """
-import argparse, csv, math, os, resource, shlex, shutil, subprocess, tempfile, time
+import argparse, csv, json, os, shutil, subprocess, tempfile, time
 import drjit as dr, mitsuba as mi, numpy as np
 mi.set_variant("llvm_ad_rgb")
 import pbrt_to_mitsuba, scene_assets
@@ -35,81 +26,26 @@ NEW = sorted({name[:-5] for name in os.listdir(SCENES) if name.endswith(".pbrt")
 SETS = {"known": KNOWN, "new": NEW, "held-out": HELD_OUT}
 
 
-def mitsuba(path, options):
-    """Renders the scene at `path` with Mitsuba: a function of samples per pixel and seed to image and CPU seconds."""
-    scene = pbrt_to_mitsuba.load(path, *options.resolution)
-
-    def render(spp, seed):
-        start = time.process_time()
-        image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=np.float64)
-        return image, time.process_time() - start
-
-    # Compiles the kernels.
-    render(1, 0), render(options.spp, 0)
-    return render
-
-
-def etalon(path, options, extra=""):
-    """The same with etalon and extra arguments."""
-    size, image = map(str, options.resolution), path.removesuffix(".pbrt") + "-etalon.pfm"
-    command = [options.program, "render", path, "-r", *size, "-t", str(options.threads), "--quiet", "-o", image,
-               *shlex.split(extra)]
-    cpu = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
-
-    def render(spp, seed):
-        start = cpu()
-        subprocess.run([*command, "-s", str(spp), "--seed", str(seed)], check=True, stdout=subprocess.DEVNULL)
-        return np.array(mi.Bitmap(image), dtype=np.float64), cpu() - start
-
-    return render
-
-
-def means(image):
-    """The mean of the image and of 8 x 6 tiles."""
-    tiles = [tile for row in np.array_split(image, 6) for tile in np.array_split(row, 8, axis=1)]
-    return [x.mean() for x in (image, *tiles)]
-
-
-def reference(render, path, text, options):
-    """The mean of renders with seeds of their own, and `means` of each; from the file at `path` if it fits."""
-    if os.path.exists(path):
-        kept = np.load(path)
-        if kept["text"] == text and kept["spp"] * len(kept["means"]) >= options.spp * options.reference_runs:
-            return kept["image"], kept["means"]
-    images = [render(options.spp, 1_000_001 + i)[0] for i in range(options.reference_runs)]
-    image, rows = np.mean(images, 0), np.array([means(image) for image in images])
-    np.savez_compressed(path, image=image, means=rows, spp=options.spp, text=text)
-    return image, rows
-
-
-def two_sided_p(t, freedom):
-    """P(|T| >= |t|) of Student's distribution: the pdf of atan(t / sqrt(freedom)) goes with cos^(freedom - 1)."""
-    angle = (np.arange(65536) + .5) / 65536 * math.pi / 2
-    pdf = np.cos(angle) ** (freedom - 1)
-    return pdf[angle >= math.atan(abs(t) / math.sqrt(freedom))].sum() / pdf.sum()
-
-
-def student(a, b):
-    """Welch's t and its degrees of freedom for the columns of a and b, and their relative differences."""
-    va, vb = (np.maximum(x.var(0, ddof=1) / len(x), 1e-30) for x in (a, b))
-    t = (a.mean(0) - b.mean(0)) / np.sqrt(va + vb)
-    freedom = (va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
-    return t, freedom, a.mean(0) / np.maximum(b.mean(0), 1e-30) - 1
-
-
-def welch(a, b):
-    """Of Welch's t-tests of the columns of a and b: Bonferroni's p-value, its column, the relative difference there."""
-    t, freedom, difference = student(a, b)
-    # The programs interpolate environment maps differently, which shows where there is little noise.
-    p = [two_sided_p(*x) if abs(d) > 1e-3 else 1.0 for *x, d in zip(t, freedom, difference)]
-    worst = int(np.argmin(p))
-    return min(1.0, p[worst] * len(p)), worst, difference[worst]
-
-
-def errors(image, references):
-    """The MSE with all pixels, and without the worst 0.1 % of them."""
-    pixels = np.sort(((image - references[0]) * (image - references[1])).mean(-1), axis=None)
-    return pixels.mean(), pixels[:-math.ceil(len(pixels) / 1000)].mean()
+def render_by_mitsuba(path, folder, options):
+    """Writes Mitsuba's images and their CPU times as `etalon converge --runs` reads them."""
+    os.makedirs(folder)
+    scene, levels = pbrt_to_mitsuba.load(path, *options.resolution), [options.spp >> 4, options.spp >> 2, options.spp]
+    dr.set_thread_count(options.threads)
+    for spp in levels:
+        mi.render(scene, spp=spp, seed=0).numpy()  # Compiles the kernel.
+    rows, images = [], []
+    for seed in range(1, options.seeds + 1):
+        for spp in levels:
+            wall, cpu = time.perf_counter(), time.process_time()
+            image = mi.render(scene, spp=spp, seed=seed).numpy()
+            rows.append([spp, seed, time.perf_counter() - wall, time.process_time() - cpu])
+            images.append(image[:, :, :3])
+    # The writer of OpenEXR files waits for a second thread.
+    dr.set_thread_count(max(2, options.threads))
+    for (spp, seed, *_), image in zip(rows, images):
+        mi.Bitmap(image).write(os.path.join(folder, f"spp-{spp}_seed-{seed}.exr"))
+    with open(os.path.join(folder, "times.csv"), "w", newline="") as f:
+        csv.writer(f).writerows([["spp", "seed", "wall_seconds", "cpu_seconds"], *rows])
 
 
 def ratio(ours, theirs):
@@ -121,74 +57,50 @@ def ratio(ours, theirs):
 
 def measure(label, options):
     """One row of the results."""
-    path, (width, height) = os.path.join(options.work, f"{label}.pbrt"), options.resolution
-    text, renderers = pbrt_to_mitsuba.source(path), [mitsuba(path, options), etalon(path, options, options.etalon_args)]
-    kept = os.path.join(options.references or options.work, f"{label}-{width}x{height}")
-    references = [reference(renderers[0], f"{kept}-Mitsuba.npz", text, options),
-                  reference(etalon(path, options), f"{kept}-etalon.npz", text, options)]
-    start = [np.median([render(1, seed)[1] for seed in range(1, 6)]) for render in renderers]
-    runs, ours_means = ([], []), []
-    for seed in range(1, options.seeds + 1):
-        for side, render in enumerate(renderers):
-            image, cpu = render(options.spp, seed)
-            cpu = (cpu - start[side]) * options.spp / (options.spp - 1)
-            runs[side].append([cpu, *errors(image, [mean for mean, _ in references])])
-        ours_means.append(means(image))
-    theirs, ours = map(np.array, runs)
+    path, runs = (os.path.join(options.work, name) for name in (f"{label}.pbrt", f"{label}-runs"))
+    render_by_mitsuba(path, os.path.join(runs, "mitsuba"), options)
+    has_map = "mapname" in pbrt_to_mitsuba.source(path)
+    strategy = "mis-cosine-compensated+lt+adaptive" if has_map else "mis+lt+adaptive"
+    results = os.path.join(options.work, f"{label}.csv")
+    done = subprocess.run(
+        [options.program, "converge", path, "-r", *map(str, options.resolution), "-t", str(options.threads), "--runs", runs,
+         "--strategies", strategy, "--max-spp", str(options.spp), "--replicates", str(options.seeds), "--budget",
+         str(options.budget), "--json", "--quiet", "-o", results], check=True, stdout=subprocess.PIPE)
+    curves = {curve["strategy"]: curve for curve in json.loads(done.stdout)["curves"]}
+    with open(results.replace(".csv", "-replicates.csv"), newline="") as f:
+        rows = [row for row in csv.DictReader(f) if int(row["spp"]) == options.spp]
+    side = {name: np.array([[float(row["cpu_seconds"]), float(row["mse"])] for row in rows if row["strategy"] == name])
+            for name in curves}
     row = {"scene": label, "set": next(name for name in SETS if label in SETS[name])}
-    for name, x in [("mitsuba", theirs), ("etalon", ours)]:
-        row |= zip([f"{name}_cpu_seconds", f"{name}_mse", f"{name}_mse_trimmed"], x.mean(0))
-    for name, columns in [("ratio", [0, 1]), ("ratio_trimmed", [0, 2])]:
-        row |= zip([name, f"{name}_low", f"{name}_high"], ratio(ours[:, columns], theirs[:, columns]))
-    for name, x in [("references", references[1][1]), ("images", np.array(ours_means))]:
-        row |= zip([f"{name}_p", f"{name}_tile", f"{name}_difference"], welch(x, references[0][1]))
-    return row
-
-
-def agreement(label, options):
-    """Prints whether the means of both programs agree, by renders with seeds of their own, without timing."""
-    path = os.path.join(options.work, f"{label}.pbrt")
-    renderers = [mitsuba(path, options), etalon(path, options, options.etalon_args)]
-    theirs, ours = (np.array([means(render(options.spp, 10_000 * side + seed)[0]) for seed in range(1, options.seeds + 1)])
-                    for side, render in enumerate(renderers))
-    t, freedom, difference = student(ours, theirs)
-    tile = 1 + int(np.argmax(abs(t[1:])))
-    least = min(1.0, min(two_sided_p(*x) for x in zip(t, freedom)) * len(t))
-    print(f"| {label} | {t[0]:+.2f} ({difference[0]:+.2%}) | {t[tile]:+.2f} ({difference[tile]:+.2%}, tile {tile}) "
-          f"| {least:.2g} |", flush=True)
+    for name, key in [("mitsuba", "mitsuba"), ("etalon", strategy)]:
+        row |= zip([f"{name}_seeds", f"{name}_cpu_seconds", f"{name}_mse"], [len(side[key]), *side[key].mean(0)])
+        row[f"{name}_verdict"], row[f"{name}_mean_bias"] = curves[key]["verdict"], curves[key]["mean_bias"]["value"]
+    return row | dict(zip(["ratio", "ratio_low", "ratio_high"], ratio(side[strategy], side["mitsuba"])))
 
 
 def show(row):
     """Prints the row in Markdown."""
     cells = [f"{row[f'{name}_cpu_seconds']:.2f} | {row[f'{name}_mse']:.2e}" for name in ("mitsuba", "etalon")]
-    cells += ["{:.2f} ({:.2f} to {:.2f})".format(*(row[name + end] for end in ("", "_low", "_high")))
-              for name in ("ratio", "ratio_trimmed")]
-    for name in ("references", "images"):
-        p, tile, difference = (row[f"{name}_{what}"] for what in ("p", "tile", "difference"))
-        where = f" ({difference:+.2%} in {f'tile {tile}' if tile else 'the image'})"
-        cells.append(f"{p:.2g}{where if p < .01 else ''}")
-    print(f"| {' | '.join([row['scene'], row['set'], *cells])} |", flush=True)
+    cells.append("{:.2f} ({:.2f} to {:.2f})".format(*(row["ratio" + end] for end in ("", "_low", "_high"))))
+    biased = [name for name in ("mitsuba", "etalon") if row[f"{name}_verdict"] == "biased"]
+    print(f"| {' | '.join([row['scene'], row['set'], *cells, ', '.join(biased)])} |", flush=True)
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     option = parser.add_argument
     option("program", help="the program etalon")
-    option("--quick", action="store_true", help="a first look: 4 seeds, 6 reference runs, 48 x 36 pixels")
+    option("--quick", action="store_true", help="a first look: 4 seeds, 48 x 36 pixels")
     option("--scenes", default="known,new,held-out", help="names of scenes or sets, with commas (default: %(default)s)")
-    option("--spp", type=int, default=64, help="samples per pixel, a square number (default: 64)")
-    option("--seeds", type=int, help="measured renders of each program (default: 16)")
-    option("--reference-runs", type=int, help="renders of each reference (default: 64)")
-    option("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: 160 120)")
+    option("--spp", type=int, default=64, help="samples per pixel, a power of 4 from 16 (default: 64)")
+    option("--seeds", type=int, help="renders of each program (default: 16)")
+    option("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: 80 60)")
     option("--threads", type=int, default=1, help="threads of each program (default: 1)")
-    option("--etalon-args", default="", help='more arguments of the measured renders, like "--sampling light"')
-    option("--agreement", action="store_true", help="only compare the means of both programs")
-    option("--references", metavar="FOLDER", help="keeps the references between runs")
+    option("--budget", type=float, default=60, help="seconds of etalon for each scene (default: %(default)s)")
     option("--csv", metavar="FILE", help="also write the results as CSV")
     options = parser.parse_args()
-    seeds, runs, size = (4, 6, [48, 36]) if options.quick else (16, 64, [160, 120])
-    options.seeds, options.reference_runs = options.seeds or seeds, options.reference_runs or runs
-    options.resolution = options.resolution or size
+    seeds, size = (4, [48, 36]) if options.quick else (16, [80, 60])
+    options.seeds, options.resolution = options.seeds or seeds, options.resolution or size
     options.scenes = [name for word in options.scenes.split(",") for name in SETS.get(word, [word])]
     if unknown := set(options.scenes) - {*KNOWN, *NEW, *HELD_OUT}:
         parser.error(f"no such scene: {', '.join(unknown)}")
@@ -200,18 +112,9 @@ def run(options):
     rows = []
     shutil.copytree(SCENES, options.work, dirs_exist_ok=True)
     scene_assets.write_assets(os.path.join(options.work, "assets"))
-    os.makedirs(options.references or options.work, exist_ok=True)
-    dr.set_thread_count(options.threads)
-    if options.agreement:
-        print(f"{options.resolution} pixels, {options.spp} spp, {options.seeds} seeds of each program\n\n"
-              "| scene | t of the image | largest t of 48 tiles | smallest p (Bonferroni) |\n|---|---|---|---|")
-        for label in options.scenes:
-            agreement(label, options)
-        return
     print("Quick look, not for publication: " * options.quick + f"{options.resolution} pixels, {options.spp} spp, "
-          f"{options.seeds} seeds, threads: {options.threads}, etalon arguments: {options.etalon_args or 'none'}\n")
-    print("| scene | set | Mitsuba, CPU s | MSE | etalon, CPU s | MSE | ratio (90 %) | without the worst 0.1 % "
-          "| references: p | images: p |\n|---|---|---|---|---|---|---|---|---|---|")
+          f"{options.seeds} seeds, threads: {options.threads}\n")
+    print("| scene | set | Mitsuba, CPU s | MSE | etalon, CPU s | MSE | ratio (90 %) | biased |\n|---|---|---|---|---|---|---|---|")
     for label in options.scenes:
         rows.append(measure(label, options))
         show(rows[-1])

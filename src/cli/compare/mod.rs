@@ -12,7 +12,7 @@ use crate::raster::{self, Comparison, ReadOptions};
 use crate::study::compare::{Explanation, explain};
 use crate::view::compare as view;
 use crate::view::text::counted;
-use clap::Args;
+use clap::{ArgAction, Args};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ pub struct Compare {
     #[arg(value_name = "IMAGE", required = true)]
     a: Vec<PathBuf>,
     /// Images of the second renderer: test whether both have the same expectation
-    #[arg(long, value_name = "IMAGE", num_args = 1..)]
+    #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set)]
     against: Vec<PathBuf>,
     /// The image of --against is the expectation itself, without noise
     #[arg(long, requires = "against")]

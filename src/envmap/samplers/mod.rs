@@ -73,6 +73,12 @@ impl MapSampling {
         self.entry
     }
 
+    /// The number of its regions; 0 where there are none.
+    #[must_use]
+    pub const fn regions(self) -> RegionCount {
+        self.regions
+    }
+
     /// Whether it looks at the surface's normal.
     #[must_use]
     pub fn needs_normal(self) -> bool {
