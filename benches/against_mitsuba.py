@@ -96,7 +96,7 @@ def arguments():
     option("--seeds", type=int, help="renders of each program (default: 16)")
     option("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: 80 60)")
     option("--threads", type=int, default=1, help="threads of each program (default: 1)")
-    option("--budget", type=float, default=60, help="seconds of etalon for each scene (default: %(default)s)")
+    option("--budget", type=float, default=1000, help="most seconds of etalon for each scene (default: %(default)s)")
     option("--csv", metavar="FILE", help="also write the results as CSV")
     options = parser.parse_args()
     seeds, size = (4, [48, 36]) if options.quick else (16, [80, 60])
