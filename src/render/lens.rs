@@ -22,6 +22,8 @@ pub struct Lens {
     size: [f32; 2],
     /// The pixel filter along x and y.
     filter: [FilterAxis; 2],
+    /// How far it reaches beyond a pixel, along x and y; negative if it ends inside.
+    margin: [f32; 2],
     /// Whether the filter is the box of one pixel, which random numbers sample as they are.
     is_unit_box: bool,
 }
@@ -44,6 +46,7 @@ impl Lens {
             Projection::Orthographic { half_width, half_height } => (half_width, half_height, true),
             Projection::Perspective { tan_half_width, tan_half_height } => (tan_half_width, tan_half_height, false),
         };
+        let filter = camera.filter.axes();
         Self {
             position: camera.position.as_vec3(),
             forward: camera.forward.as_vec3(),
@@ -52,7 +55,8 @@ impl Lens {
             parallel,
             step: [2.0 / width as f32, 2.0 / height as f32],
             size: [width as f32, height as f32],
-            filter: camera.filter.axes(),
+            margin: [filter[0].radius() - 0.5, filter[1].radius() - 0.5],
+            filter,
             is_unit_box: camera.filter == PixelFilter::default(),
         }
     }
@@ -88,7 +92,7 @@ impl Lens {
         let down = -film.dot(self.up) / self.up.length_squared();
         let film = [(across + 1.0) / self.step[0], (down + 1.0) / self.step[1]];
         let is_reached = |axis: usize| {
-            let margin = self.filter[axis].radius() - 0.5;
+            let margin = self.margin[axis];
             film[axis] >= -margin && film[axis] < self.size[axis] + margin
         };
         (is_reached(0) && is_reached(1)).then_some(View { direction, distance, film })
@@ -97,11 +101,13 @@ impl Lens {
     /// Calls `add` with each pixel whose filter reaches a film position, and the value f of the filter there.
     #[inline]
     pub fn pixels_around(&self, film: [f32; 2], mut add: impl FnMut([u32; 2], f32)) {
-        // Centres are at ½, and less than the radius away.
+        if self.is_unit_box {
+            add(film.map(|x| x as u32), 1.0);
+            return;
+        }
         let range = |axis: usize| {
-            let radius = self.filter[axis].radius();
-            let first = (film[axis] - (radius + 0.5)).floor() + 1.0;
-            let last = (film[axis] + (radius - 0.5)).floor();
+            let first = (film[axis] - self.margin[axis]).floor();
+            let last = (film[axis] + self.margin[axis]).floor();
             first.max(0.0) as i32..=last.min(self.size[axis] - 1.0) as i32
         };
         let value = |axis: usize, pixel: i32| self.filter[axis].value(film[axis] - (pixel as f32 + 0.5));

@@ -31,7 +31,7 @@ pub(super) fn sphere(material: Material) -> Object {
     Object::new(Shape::Sphere(Sphere { centre: Vec3::new(0.2, 0.6, 0.0), radius: 0.5 }), material)
 }
 
-pub(super) fn metal(alpha: f32) -> Material {
+fn metal(alpha: f32) -> Material {
     let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
     Material::Conductor(Conductor::new(eta, k, alpha, Distribution::Beckmann))
 }
