@@ -76,7 +76,7 @@ fn shards_are_merged_to_the_same_bits() {
     assert!(merge(&["all.exr"], "merged.exr") == whole);
     for (args, message) in [
         (ARGS.replace("-s 4", "-s 8"), "-s: 8"),
-        (ARGS.replace("triangle", "triangle:1"), "fingerprint of scene and settings"),
+        (ARGS.replace("triangle", "triangle:1"), "filter: triangle:2 there, triangle:1 here"),
     ] {
         let words = ["render"].into_iter().chain(args.split(' ')).chain(["--shard", "2/3", "--resume", parts[1]]);
         let other = etalon(dir.path(), &words.collect::<Vec<_>>());

@@ -101,13 +101,13 @@ struct Bias {
     detectable: f64,
 }
 
-/// Standard errors at which a bias is found: with the 64 images of a test, by chance with a probability of 5·10⁻⁶.
+/// Standard errors at which a bias is found: with the 256 images of a test, by chance with a probability of 10⁻⁶.
 const FOUND: f64 = 5.0;
 
 /// The bias of `mis+lt` against `mis` in an image of 2 × 2 pixels; and the same if light paths contributed only from inside of the
 /// image, to pixels that have this share of their filter there.
 fn biases_at_the_border(scene: &Scene, inside: f64) -> [Bias; 2] {
-    const ROUNDS: u64 = 64;
+    const ROUNDS: u64 = 256;
     let request = Request { width: 2, height: 2, spp: 1 << 12, light_samples: 1, max_depth: 4 };
     let film = |sampling, seed| {
         let settings = Settings { sampling, stream: StreamKind::Independent, seed, ..Settings::default() };
@@ -129,19 +129,13 @@ fn biases_at_the_border(scene: &Scene, inside: f64) -> [Bias; 2] {
     })
 }
 
-/// All pixels are at the border. The planted fault leaves out what comes from outside, in proportion to the filter. The objects are
-/// polished, so that light tracing finds most of the light that they reflect to the floor.
+/// All pixels are at the border. The planted fault leaves out what comes from outside, in proportion to the filter.
 #[test]
 fn light_paths_from_outside_of_the_image_contribute_to_its_border() {
-    let glass = || sphere(Material::Dielectric(Dielectric::clear(1.5)));
     let parallel = Projection::Orthographic { half_width: 0.6, half_height: 0.6 };
-    let mirror = Material::Mirror { reflectance: Rgb::splat(0.9) };
-    for (objects, projection, filter) in [
-        (vec![glass()], WIDE, "gaussian:1.5,0.5"),
-        (vec![glass()], parallel, "box:1"),
-        (vec![sphere(mirror)], WIDE, "triangle:2x1"),
-    ] {
-        let mut scene = box_with(objects, projection);
+    for (projection, filter) in [(WIDE, "gaussian:1.5,0.5"), (parallel, "box:1"), (parallel, "triangle:2x1")] {
+        let glass = Material::Dielectric(Dielectric::clear(1.5));
+        let mut scene = box_with(vec![sphere(glass)], projection);
         scene.camera.filter = filter.parse().unwrap();
         // The image begins ½ before the centre of a pixel and ends 1½ behind it, or the other way round.
         let within = |radius| {
@@ -151,7 +145,7 @@ fn light_paths_from_outside_of_the_image_contribute_to_its_border() {
         let [rx, ry] = scene.camera.filter.radius();
         let [right, faulty] = biases_at_the_border(&scene, within(rx) * within(ry));
         println!("{filter}: {} and {} standard errors; {} is found", right.z, faulty.z, right.detectable);
-        assert!(right.detectable < 0.05, "{filter}: {}", right.detectable);
+        assert!(right.detectable < 0.03, "{filter}: {}", right.detectable);
         assert!(right.z.abs() < FOUND, "{filter}: {} standard errors", right.z);
         assert!(faulty.z.abs() > FOUND, "{filter}: the planted fault is found: {} standard errors", faulty.z);
     }
