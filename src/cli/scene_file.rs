@@ -2,10 +2,11 @@
 
 use super::console::Console;
 use super::map_file::{self, MapOptions};
+use super::values::filter;
 use crate::envmap::NamedMap;
 use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
-use crate::scene::{Environment, Material, Request, Scene, builtin};
+use crate::scene::{Environment, Material, PixelFilter, Request, Scene, builtin};
 use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,10 @@ pub struct SceneArgs {
     /// Camera settings of the course's renderer (30 numbers) in place of the camera of a .dae scene
     #[arg(short, value_name = "FILE")]
     camera: Option<PathBuf>,
+    /// Pixel filter: box, triangle or gaussian, with its radius in pixels and the sigma of a Gaussian. Without them box:0.5, triangle:2,
+    /// gaussian:1.5,0.5, as in pbrt-v4 (default: what a .pbrt file asks for, otherwise box)
+    #[arg(long, value_name = "NAME[:RADIUS[,SIGMA]]", value_parser = filter)]
+    filter: Option<PixelFilter>,
     /// A .ply or .obj mesh in place of the statue of a cornell-statue scene, fitted to its place
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
@@ -66,6 +71,9 @@ impl SceneArgs {
             Some(path) => self.imported(path, console)?,
             None => self.builtin(console)?,
         };
+        if let Some(filter) = self.filter {
+            loaded.scene.camera.filter = filter;
+        }
         if let Some(alpha) = alpha {
             change(&mut loaded.scene, "alpha", "metal or glass", |material| {
                 match material {

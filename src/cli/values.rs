@@ -2,6 +2,7 @@
 
 use crate::envmap::samplers::{self, Entry, MapSampling};
 use crate::errata::Conventions;
+use crate::sampling::filter::{PixelFilter, RANGE};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// Parses one of a few names; each has a help, which may be empty, and a value.
@@ -41,6 +42,14 @@ pub fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
     };
     let some = samplers::ALL.iter().filter(|entry| among(MapSampling::new(entry)));
     some.map(|entry| line(entry)).collect::<Vec<_>>().join("; ")
+}
+
+/// Reads a pixel filter.
+pub fn filter(text: &str) -> std::result::Result<PixelFilter, String> {
+    let [low, high] = RANGE;
+    text.parse().map_err(|_| {
+        format!("box, triangle or gaussian, like gaussian:1.5,0.5, with radius and sigma from {low} to {high} pixels")
+    })
 }
 
 /// An exposure in stops.

@@ -1,8 +1,9 @@
-//! The camera for many rays at once.
+//! The camera for many rays at once, and the pixels around a film position.
 
 use super::lanes::{LANES, Lane, Rays, set};
 use super::wide::{Wide, wide};
-use crate::scene::{Camera, Projection};
+use crate::sampling::filter::FilterAxis;
+use crate::scene::{Camera, PixelFilter, Projection};
 use glam::Vec3;
 use pulp::Arch;
 
@@ -17,6 +18,14 @@ pub struct Lens {
     parallel: bool,
     /// Of a pixel, on a film from −1 to 1.
     step: [f32; 2],
+    /// Columns and rows.
+    size: [f32; 2],
+    /// The pixel filter along x and y.
+    filter: [FilterAxis; 2],
+    /// How far it reaches beyond a pixel, along x and y; negative if it ends inside.
+    margin: [f32; 2],
+    /// Whether the filter is the box of one pixel, which random numbers sample as they are.
+    is_unit_box: bool,
 }
 
 /// The projection of a point to the film.
@@ -26,8 +35,8 @@ pub struct View {
     pub direction: Vec3,
     /// Distance to where the camera's ray to the point starts.
     pub distance: f32,
-    /// Column and row of its pixel.
-    pub pixel: [u32; 2],
+    /// Film position in pixels, from the upper left corner of the image.
+    pub film: [f32; 2],
 }
 
 impl Lens {
@@ -37,6 +46,7 @@ impl Lens {
             Projection::Orthographic { half_width, half_height } => (half_width, half_height, true),
             Projection::Perspective { tan_half_width, tan_half_height } => (tan_half_width, tan_half_height, false),
         };
+        let filter = camera.filter.axes();
         Self {
             position: camera.position.as_vec3(),
             forward: camera.forward.as_vec3(),
@@ -44,6 +54,10 @@ impl Lens {
             up: (camera.up * half_height).as_vec3(),
             parallel,
             step: [2.0 / width as f32, 2.0 / height as f32],
+            size: [width as f32, height as f32],
+            margin: [filter[0].radius() - 0.5, filter[1].radius() - 0.5],
+            filter,
+            is_unit_box: camera.filter == PixelFilter::default(),
         }
     }
 
@@ -60,7 +74,7 @@ impl Lens {
         film * depth * depth * depth / to.length()
     }
 
-    /// Projects a point to the film, if it is inside; occlusion is not tested.
+    /// Projects a point to the film, if a pixel's filter reaches it, also from inside of the image; occlusion is not tested.
     #[inline]
     pub fn project(&self, point: Vec3) -> Option<View> {
         let to = point - self.position;
@@ -76,15 +90,47 @@ impl Lens {
         };
         let across = film.dot(self.right) / self.right.length_squared();
         let down = -film.dot(self.up) / self.up.length_squared();
-        let [x, y] = [(across + 1.0) / self.step[0], (down + 1.0) / self.step[1]];
-        let [width, height] = self.step.map(|step| (2.0 / step).round());
-        let inside = x >= 0.0 && y >= 0.0 && x < width && y < height;
-        inside.then_some(View { direction, distance, pixel: [x as u32, y as u32] })
+        let film = [(across + 1.0) / self.step[0], (down + 1.0) / self.step[1]];
+        let is_reached = |axis: usize| {
+            let margin = self.margin[axis];
+            film[axis] >= -margin && film[axis] < self.size[axis] + margin
+        };
+        (is_reached(0) && is_reached(1)).then_some(View { direction, distance, film })
     }
 
-    /// The rays through row `y` of the film at the given columns, `u` inside each pixel.
+    /// Calls `add` with each pixel whose filter reaches a film position, and the value f of the filter there.
+    #[inline]
+    pub fn pixels_around(&self, film: [f32; 2], mut add: impl FnMut([u32; 2], f32)) {
+        if self.is_unit_box {
+            add(film.map(|x| x as u32), 1.0);
+            return;
+        }
+        let range = |axis: usize| {
+            let first = (film[axis] - self.margin[axis]).floor();
+            let last = (film[axis] + self.margin[axis]).floor();
+            first.max(0.0) as i32..=last.min(self.size[axis] - 1.0) as i32
+        };
+        let value = |axis: usize, pixel: i32| self.filter[axis].value(film[axis] - (pixel as f32 + 0.5));
+        for y in range(1) {
+            for x in range(0) {
+                add([x as u32, y as u32], value(0, x) * value(1, y));
+            }
+        }
+    }
+
+    /// The rays through row `y` of the film at the given columns: `u` samples the filter of each pixel.
     pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
-        wide(arch, CameraRays { lens: self, columns, y, u, count, rays });
+        if self.is_unit_box {
+            wide(arch, CameraRays { lens: self, columns, y, within: u, count, rays });
+            return;
+        }
+        let mut within = [[0.0; LANES]; 2];
+        for axis in 0..2 {
+            for i in 0..count.min(LANES) {
+                within[axis][i] = 0.5 + self.filter[axis].sample(u[axis][i]);
+            }
+        }
+        wide(arch, CameraRays { lens: self, columns, y, within: &within, count, rays });
     }
 }
 
@@ -92,7 +138,8 @@ struct CameraRays<'a> {
     lens: &'a Lens,
     columns: &'a [u32; LANES],
     y: u32,
-    u: &'a [Lane; 2],
+    /// Film positions relative to the upper left corner of the pixel.
+    within: &'a [Lane; 2],
     count: usize,
     rays: &'a mut Rays,
 }
@@ -100,11 +147,11 @@ struct CameraRays<'a> {
 impl Wide for CameraRays<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { columns, y, u, count, rays, .. } = self;
-        let Lens { position, forward, right, up, parallel, step } = *self.lens;
+        let Self { columns, y, within, count, rays, .. } = self;
+        let &Lens { position, forward, right, up, parallel, step, .. } = self.lens;
         for i in 0..count.min(LANES) {
-            let across = (columns[i] as i32 as f32 + u[0][i]) * step[0] - 1.0;
-            let down = (y as i32 as f32 + u[1][i]) * step[1] - 1.0;
+            let across = (columns[i] as i32 as f32 + within[0][i]) * step[0] - 1.0;
+            let down = (y as i32 as f32 + within[1][i]) * step[1] - 1.0;
             let on_film = right * across - up * down;
             let origin = if parallel { position + on_film } else { position };
             let direction = if parallel { forward } else { forward + on_film };
@@ -131,7 +178,9 @@ mod tests {
                 let ray = camera.ray((f64::from(x) + 0.3) / 30.0, (f64::from(y) + 0.8) / 20.0);
                 let point = ray.origin + 2.5 * ray.direction;
                 let view = lens.project(point).unwrap();
-                assert_eq!(view.pixel, [x as u32, y as u32]);
+                let mut pixels = Vec::new();
+                lens.pixels_around(view.film, |pixel, weight| pixels.push((pixel, weight)));
+                assert_eq!(pixels, [([x as u32, y as u32], 1.0)]);
                 assert!((view.distance - 2.5).abs() < 1e-5 && (view.direction + ray.direction).length() < 1e-5);
                 assert!(lens.project(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
             }

@@ -17,6 +17,9 @@
 //! ([`LightTracing::from_camera`]), and the light its [`density`](LightTracing::density). Camera paths carry q; light paths carry the
 //! densities of the other techniques over their own, from the same factors.
 //!
+//! The weights depend on the path alone, not on the pixel or its filter. For each path those of all techniques sum to 1, and each technique has
+//! the expectation ∫ f w L over the film positions that the filter f of a pixel reaches, also outside of the image: together ∫ f L.
+//!
 //! The density of light tracing is 0 for a path that is not a caustic in this sense: its vertex next to the light is diffuse or is
 //! the only one, the one next to the camera is a delta lobe, a BSDF on it is not reciprocal, or a shading normal on it is not
 //! [sound](super::shading_normal::is_sound).

@@ -1,8 +1,9 @@
-//! Sampling: random number streams, warps, tables, normals of microfacets, rectangles, triangles.
+//! Sampling: random number streams, warps, tables, pixel filters, normals of microfacets, rectangles, triangles.
 
 pub mod alias;
 pub mod batch;
 mod direction;
+pub mod filter;
 pub mod normals;
 pub(crate) mod prefetch;
 pub mod rectangle;

@@ -3,7 +3,7 @@
 use super::statue::statue;
 use super::{
     Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object,
-    Projection, Rectangle, Request, Scene, Shape, Sphere,
+    PixelFilter, Projection, Rectangle, Request, Scene, Shape, Sphere,
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 /// A camera that looks along −z, +y upwards.
 fn along_minus_z(position: DVec3, projection: Projection) -> Camera {
-    Camera { position, right: DVec3::X, up: DVec3::Y, forward: DVec3::NEG_Z, projection }
+    let filter = PixelFilter::default();
+    Camera { position, right: DVec3::X, up: DVec3::Y, forward: DVec3::NEG_Z, projection, filter }
 }
 
 /// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, in orthographic projection along −z

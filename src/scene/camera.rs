@@ -1,5 +1,6 @@
-//! Cameras: a film position in, a ray out.
+//! Cameras: a film position in, a ray out; and the filter of the film's pixels.
 
+use crate::sampling::filter::PixelFilter;
 use glam::{DVec3, Vec3};
 
 /// A half-line. The direction has unit length.
@@ -43,16 +44,19 @@ pub struct Camera {
     pub forward: DVec3,
     /// How film positions become rays.
     pub projection: Projection,
+    /// How a pixel weights the radiance around its centre.
+    pub filter: PixelFilter,
 }
 
 impl Camera {
     /// A camera at `position` that looks at `target`, `up` pointing upwards in the image; `None` when these three
-    /// do not span a frame.
+    /// do not span a frame. A pixel is the plain mean over its area.
     #[must_use]
     pub fn look_at(position: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {
         let forward = (target - position).try_normalize()?;
         let right = forward.cross(up).try_normalize()?;
-        Some(Self { position, right, up: right.cross(forward), forward, projection })
+        let filter = PixelFilter::default();
+        Some(Self { position, right, up: right.cross(forward), forward, projection, filter })
     }
 
     /// The camera for an image of another size: where its shape differs, the shorter side shows what the shorter side

@@ -14,6 +14,7 @@ pub mod scattering;
 pub mod sphere;
 pub mod statue;
 
+pub use crate::sampling::filter::{FilterShape, PixelFilter};
 pub use bvh::{Bvh, Hit, Rays};
 pub use camera::{Camera, Projection, Ray};
 pub use description::{Object, Request, Scene, Shape};

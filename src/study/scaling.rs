@@ -6,8 +6,8 @@ use crate::math::Rgb;
 use crate::render::{Sampling, Settings};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
-    Camera, Emission, EmitterVisibility, Light, Material, Mesh, Object, Projection, Rectangle, Request, Scene, Shape,
-    Sphere,
+    Camera, Emission, EmitterVisibility, Light, Material, Mesh, Object, PixelFilter, Projection, Rectangle, Request,
+    Scene, Shape, Sphere,
 };
 use glam::{DVec3, Vec3};
 use serde::Serialize;
@@ -109,6 +109,7 @@ fn scene(many: Many, count: usize, seed: u64) -> Result<Scene> {
         up: DVec3::Y,
         forward: DVec3::NEG_Z,
         projection,
+        filter: PixelFilter::default(),
     };
     Ok(Scene { name: format!("{count} {}", many.name()), camera, objects, lights, environment: None })
 }

@@ -46,7 +46,7 @@ fn all_scenes_are_listed_and_rendered_with_or_without_leaving_out() {
 #[test]
 fn shards_are_merged_to_the_same_bits() {
     let dir = folder();
-    const ARGS: &str = "cornell-spheres -r 48 36 -s 4 --paths 2";
+    const ARGS: &str = "cornell-spheres -r 48 36 -s 4 --paths 2 --filter triangle";
     let (_, whole) = render(dir.path(), ARGS, "whole.exr");
     // As separate processes at the same time, like those of a cluster.
     let children = (1..=3).map(|i| {
@@ -58,8 +58,9 @@ fn shards_are_merged_to_the_same_bits() {
     for mut child in children.collect::<Vec<_>>() {
         assert!(child.wait().unwrap().success());
     }
-    let parts: Vec<PathBuf> =
-        (1..=3).map(|i| format!("parts/cornell-spheres-r48x36-s4-paths-2.shard-{i}-of-3.exr").into()).collect();
+    let parts: Vec<PathBuf> = (1..=3)
+        .map(|i| format!("parts/cornell-spheres-r48x36-filter-triangle-s4-paths-2.shard-{i}-of-3.exr").into())
+        .collect();
     assert_eq!(std::fs::read_dir(dir.path().join("parts")).unwrap().count(), 3, "a shard writes one file");
     let parts: Vec<&str> = parts.iter().map(|p| p.to_str().unwrap()).collect();
     let merge = |parts: &[&str], out: &str| {
@@ -73,25 +74,33 @@ fn shards_are_merged_to_the_same_bits() {
     assert_eq!((&some["samples"], &some["interrupted"]), (&1.into(), &false.into()));
     render(dir.path(), &format!("{ARGS} --shard 1/1"), "all.exr");
     assert!(merge(&["all.exr"], "merged.exr") == whole);
-    let other = etalon(
-        dir.path(),
-        &[
-            "render",
-            "cornell-spheres",
-            "-s",
-            "8",
-            "-r",
-            "48",
-            "36",
-            "--paths",
-            "2",
-            "--shard",
-            "2/3",
-            "--resume",
-            parts[1],
-        ],
-    );
-    assert!(other.code == 2 && other.stderr.contains("-s: 8"), "{}", other.stderr);
+    for (args, message) in [
+        (ARGS.replace("-s 4", "-s 8"), "-s: 8"),
+        (ARGS.replace("triangle", "triangle:1"), "filter: triangle:2 there, triangle:1 here"),
+    ] {
+        let words = ["render"].into_iter().chain(args.split(' ')).chain(["--shard", "2/3", "--resume", parts[1]]);
+        let other = etalon(dir.path(), &words.collect::<Vec<_>>());
+        assert!(other.code == 2 && other.stderr.contains(message), "{}", other.stderr);
+    }
+    let other = ARGS.replace("triangle", "box");
+    render(dir.path(), &format!("{other} --shard 1/3"), "other.exr");
+    let ran = etalon(dir.path(), &["merge", "other.exr", parts[1], "-o", "no.exr"]);
+    assert!(ran.code == 2 && ran.stderr.contains("fingerprint of scene and settings"), "{}", ran.stderr);
+}
+
+#[test]
+fn filters_change_the_image_and_are_named_in_it() {
+    let dir = folder();
+    let of = |filter: &str| render(dir.path(), &format!("furnace -r 16 12 -s 2 {filter}"), "image.exr").1;
+    let plain = of("--uniform");
+    assert!(plain == of("--uniform --filter box") && plain == of("--uniform --filter box:0.5x0.5"));
+    assert!(plain != of("--uniform --filter gaussian"));
+    let file = ExrFile::open(&dir.path().join("image.exr")).unwrap();
+    assert_eq!(file.metadata().get("filter"), Some("gaussian:1.5,0.5"));
+    for bad in ["mitchell", "box:0", "gaussian:1.5,nan", "triangle:1,1"] {
+        let ran = etalon(dir.path(), &["render", "furnace", "--filter", bad]);
+        assert!(ran.code == 2 && ran.stderr.contains("box, triangle or gaussian"), "{bad}: {}", ran.stderr);
+    }
 }
 
 /// Interrupts a render of `args` by a signal while it renders: later and later, until it is neither killed nor at its end.

@@ -19,7 +19,7 @@ use crate::raster::{Metadata, ToneMap};
 use crate::render::film::{Part, shard};
 use crate::render::{Job, Kernel, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
-use crate::scene::Request;
+use crate::scene::{Request, Scene};
 use crate::view::text::counted;
 use clap::Args;
 use images::{Images, Look};
@@ -144,7 +144,7 @@ impl Render {
         let samples = self.samples(request.spp, held.as_ref())?;
         // Prepare the render and check the files, before any sample
         let job = Job::new(&scene, &request, &settings)?;
-        let metadata = self.metadata(&scene.name, &request, &settings);
+        let metadata = self.metadata(&scene, &request, &settings);
         let fresh = job.part(metadata.clone())?;
         let mut part = match (held, state) {
             (Some(held), Some(path)) => resume::continued(held, path, &fresh)?,
@@ -245,14 +245,15 @@ impl Render {
         })
     }
 
-    fn metadata(&self, scene: &str, request: &Request, settings: &Settings) -> Metadata {
+    fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {
         Metadata::default()
             .with("command", command_line())
-            .with("scene", scene)
+            .with("scene", &scene.name)
             .with("seed", settings.seed)
             .with("spp", request.spp)
             .with("lightSamples", request.light_samples)
             .with("maxDepth", request.max_depth)
+            .with("filter", scene.camera.filter)
             .with("sampling", settings.sampling.name())
             .with("lightDensity", settings.map_sampling().density())
             .with("adaptive", settings.adaptive)

@@ -16,7 +16,7 @@ use crate::files::{read_bounded, without_bom};
 use crate::import::number::finite;
 use crate::import::place::At;
 use crate::import::transform::in_range;
-use crate::scene::{Camera, Projection};
+use crate::scene::{Camera, PixelFilter, Projection};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
@@ -61,7 +61,8 @@ pub fn read(path: &Path) -> Result<(Camera, [usize; 2])> {
     let forward = -matrix.z_axis.normalize();
     let right = forward.cross(matrix.y_axis).normalize();
     let projection = Projection::Perspective { tan_half_width, tan_half_height };
-    let camera = Camera { position, right, up: right.cross(forward), forward, projection };
+    let filter = PixelFilter::default();
+    let camera = Camera { position, right, up: right.cross(forward), forward, projection, filter };
     Ok((camera, screen.map(|side| side as usize)))
 }
 

@@ -9,7 +9,7 @@
 //! | `AttributeBegin`, `TransformBegin`, `WorldBegin` and their ends, `Include`, `Import` | all; file names are relative to the first file |
 //! | `Camera` | `orthographic`, `perspective`, without a lens |
 //! | `Film` | `image`, `rgb`: size and file name |
-//! | `PixelFilter` | `box` of one pixel |
+//! | `PixelFilter` | `box`, `triangle`, `gaussian` |
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
 //! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor`, also by its `reflectance`, on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
@@ -21,6 +21,7 @@
 //! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
 
 mod directives;
+mod filter;
 mod instance;
 mod lexer;
 mod light;

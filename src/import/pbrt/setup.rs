@@ -1,11 +1,12 @@
 //! Camera, film, filter, sampler and integrator, and the request that they amount to.
 
+use super::filter::Filter;
 use super::params::Params;
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::rule::{ANGLE, ANY, POSITIVE, Rule};
 use crate::import::transform::{self, in_range, in_size_range};
-use crate::scene::{Camera, Projection, Request};
+use crate::scene::{Camera, FilterShape, PixelFilter, Projection, Request};
 use glam::DMat4;
 use std::path::PathBuf;
 
@@ -21,7 +22,7 @@ const MAX_DEPTH: u32 = 1 << 16;
 pub struct Setup {
     camera: Option<View>,
     film: Option<Film>,
-    has_filter: bool,
+    filter: Option<Filter>,
     /// Samples per pixel, and whether such numbers are rounded up to powers of two.
     sampler: Option<(u32, bool)>,
     /// Depth, and whether each hit takes as many light samples as the light asks for, or one.
@@ -42,7 +43,7 @@ struct View {
 
 struct Film {
     at: At,
-    /// Whether pbrt-v4 wrote this, whose pixels are not plain means unless the file says so.
+    /// Whether pbrt-v4 wrote this.
     v4: bool,
     width: u32,
     height: u32,
@@ -105,18 +106,10 @@ impl Setup {
         p.finish(&["diagonal", "display", "savefp16"], warnings)
     }
 
-    /// `PixelFilter`: the image is the plain mean over each pixel, so any other filter would change it.
+    /// `PixelFilter`.
     pub fn filter(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
-        if p.kind != "box" {
-            return Err(p
-                .unsupported_kind("box")
-                .with_hint("write PixelFilter \"box\" to have each pixel's plain mean"));
-        }
-        for name in ["xwidth", "ywidth", "xradius", "yradius"] {
-            p.only_float(name, |x| x == 0.5, "0.5 (one pixel)")?;
-        }
-        self.has_filter = true;
-        p.finish(&[], warnings)
+        self.filter = Some(Filter::read(p, warnings)?);
+        Ok(())
     }
 
     /// `Sampler`. The samples are those of this program; the count is the file's, rounded as its sampler would.
@@ -188,9 +181,16 @@ impl Setup {
         let view = self
             .camera
             .ok_or_else(|| file.input("the file sets no camera").with_hint("put a Camera before WorldBegin"))?;
-        if let Some(film) = self.film.as_ref().filter(|film| film.v4 && !self.has_filter) {
-            warnings.push(film.at.warning("no PixelFilter: plain means, where pbrt-v4 would weight with a Gaussian"));
-        }
+        let v4 = self.film.as_ref().filter(|film| film.v4);
+        let filter = match (self.filter, v4) {
+            (Some(filter), _) => filter.finish(v4.is_some())?,
+            (None, None) => PixelFilter::default(),
+            (None, Some(film)) => {
+                let filter = PixelFilter::new(FilterShape::Gaussian { sigma: 0.5 }, [1.5; 2])?;
+                warnings.push(film.at.warning(&format!("no PixelFilter: {filter}, as in pbrt-v4")));
+                filter
+            }
+        };
         let mut missing = |what: &str, instead: &str| warnings.push(file.warning(&format!("no {what}: {instead}")));
         let film = self.film.unwrap_or_else(|| {
             missing("Film", "640 x 480 pixels, as in pbrt-v2 and v3");
@@ -212,7 +212,8 @@ impl Setup {
             light_samples: if all_lights { round(light_samples) } else { 1 },
             max_depth,
         };
-        Ok((view.camera(f64::from(film.width) / f64::from(film.height))?, request, film.filename))
+        let aspect = f64::from(film.width) / f64::from(film.height);
+        Ok((Camera { filter, ..view.camera(aspect)? }, request, film.filename))
     }
 }
 
@@ -272,6 +273,6 @@ impl View {
         if !in_range(position) || !half.into_iter().all(in_size_range) {
             return Err(self.at.input("the camera's place or window is out of range"));
         }
-        Ok(Camera { position, right, up, forward, projection })
+        Ok(Camera { position, right, up, forward, projection, filter: PixelFilter::default() })
     }
 }

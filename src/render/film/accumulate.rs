@@ -12,7 +12,7 @@ use crate::memory;
 use crate::raster::Image;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// All samples of a rectangle of pixels: an image, or some rows of one.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,21 +136,16 @@ impl Film {
     pub fn accumulate(&mut self, fill: impl Fn(&mut Row<'_>) + Sync) {
         let classes = self.classes().map_or(0, PathClasses::count);
         let mut sums = self.paths.as_mut().map_or(&mut [][..], |p| &mut p.sums);
+        let splats = self.splats.as_mut().map(Mutex::new);
         let mut rows = Vec::with_capacity(self.height);
         for (y, pixels) in self.pixels.chunks_exact_mut(self.width).enumerate() {
             let (paths, rest) = std::mem::take(&mut sums).split_at_mut(self.width * classes);
             sums = rest;
-            rows.push(Row::new(self.top + y, pixels, paths));
+            rows.push(Row::new(self.top + y, pixels, paths).with_splats(splats.as_ref()));
         }
-        let splats = self.splats.as_mut().map(Mutex::new);
-        let width = self.width;
         let dropped = rows.into_par_iter().map(|mut row| {
             fill(&mut row);
-            if let Some(splats) = &splats {
-                // Sums without rounding: the order of the rows does not matter.
-                let mut splats = splats.lock().unwrap_or_else(PoisonError::into_inner);
-                splats.add(row.splats(), width);
-            }
+            row.flush();
             row.dropped()
         });
         self.dropped = self.dropped.merge(dropped.reduce(Dropped::default, Dropped::merge));

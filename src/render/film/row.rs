@@ -3,8 +3,9 @@
 use super::dropped::Dropped;
 use super::fixed::{Fixed, LIMIT};
 use super::pixel::Pixel;
-use super::splats::Splat;
+use super::splats::{Splat, Splats};
 use crate::math::Rgb;
+use std::sync::{Mutex, PoisonError};
 
 /// A row of the film, to add samples to.
 #[derive(Debug)]
@@ -14,18 +15,32 @@ pub struct Row<'a> {
     classes: usize,
     paths: &'a mut [[Fixed; 3]],
     dropped: Dropped,
+    /// Contributions that are not on the film yet, and the sums that they are for.
     splats: Vec<Splat>,
+    film: Option<&'a Mutex<&'a mut Splats>>,
 }
+
+/// As many contributions are added to the film at a time.
+const SPLATS: usize = 1 << 14;
 
 impl<'a> Row<'a> {
     /// A row of `pixels`, with as many sums for each as there are path classes.
     pub(crate) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
-        Self { y, classes: paths.len() / pixels.len(), pixels, paths, dropped: Dropped::default(), splats: Vec::new() }
+        let (classes, splats) = (paths.len() / pixels.len(), Vec::new());
+        Self { y, classes, pixels, paths, dropped: Dropped::default(), splats, film: None }
     }
 
-    /// Contributions to pixels of any row that were traced with the samples of this one.
-    pub(super) fn splats(&self) -> &[Splat] {
-        &self.splats
+    /// The same row, whose contributions to any pixel go to these sums.
+    pub(super) fn with_splats(self, film: Option<&'a Mutex<&'a mut Splats>>) -> Self {
+        Self { film, ..self }
+    }
+
+    /// Adds the contributions to the film. The sums do not round: the order of the rows does not matter.
+    pub(super) fn flush(&mut self) {
+        if let Some(film) = self.film {
+            film.lock().unwrap_or_else(PoisonError::into_inner).add(&self.splats, self.pixels.len());
+        }
+        self.splats.clear();
     }
 
     /// The samples that were dropped so far.
@@ -82,6 +97,9 @@ impl<'a> Row<'a> {
     pub fn splat(&mut self, splat: Splat) {
         if is_light(splat.value) {
             self.splats.push(splat);
+            if self.splats.len() >= SPLATS {
+                self.flush();
+            }
         } else {
             let [x, y] = splat.pixel.map(|at| at as usize);
             self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));

@@ -64,16 +64,26 @@ impl Default for Local {
     }
 }
 
+/// Light that reaches the camera at a film position.
+struct Contribution {
+    /// In pixels.
+    film: [f32; 2],
+    /// The number of the path's class.
+    class: usize,
+    /// What it adds to a pixel whose filter has the value 1 there.
+    value: Rgb,
+}
+
 /// Rays to the camera, and what each adds to the image if it is not occluded.
 struct Connections {
-    splats: Vec<Splat>,
+    contributions: Vec<Contribution>,
     rays: Box<Rays>,
     limits: Lane,
 }
 
 impl Default for Connections {
     fn default() -> Self {
-        Self { splats: Vec::new(), rays: Box::default(), limits: [0.0; LANES] }
+        Self { contributions: Vec::new(), rays: Box::default(), limits: [0.0; LANES] }
     }
 }
 
@@ -105,7 +115,7 @@ pub fn trace_light_paths(
             }
             scatter(step, shader, group, local, (paths, rays));
         }
-        connections.splat(scene, splats);
+        connections.splat(scene, lens, splats);
     }
     paths.clear();
 }
@@ -229,8 +239,8 @@ fn connect(
         connections.push(
             [vertex.surface.ray_origin(wi), wi],
             view.distance * SHORT_OF_LIGHT,
-            Splat {
-                pixel: view.pixel,
+            Contribution {
+                film: view.film,
                 class: scene.classes.map_or(0, |classes| classes.index(path_class)),
                 value: vertex.path.power * f * (factor / (1.0 + others)),
             },
@@ -303,18 +313,22 @@ fn scatter(
 
 impl Connections {
     /// Adds a ray to the camera.
-    fn push(&mut self, [origin, direction]: [Vec3; 2], limit: f32, splat: Splat) {
-        let i = self.splats.len();
+    fn push(&mut self, [origin, direction]: [Vec3; 2], limit: f32, contribution: Contribution) {
+        let i = self.contributions.len();
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);
         self.limits[i] = limit;
-        self.splats.push(splat);
+        self.contributions.push(contribution);
     }
 
-    /// Moves what is not occluded to `splats`.
-    fn splat(&mut self, scene: &PreparedScene, splats: &mut Vec<Splat>) {
+    /// Moves what is not occluded to `splats`, weighted by the filters of the pixels around it.
+    fn splat(&mut self, scene: &PreparedScene, lens: &Lens, splats: &mut Vec<Splat>) {
         let mut blocked = [0; LANES];
-        scene.geometry.occluded(&self.rays, self.splats.len(), &self.limits, &mut blocked);
-        splats.extend(self.splats.drain(..).zip(blocked).filter(|(_, blocked)| *blocked == 0).map(|(splat, _)| splat));
+        scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
+        for (Contribution { film, class, value }, blocked) in self.contributions.drain(..).zip(blocked) {
+            if blocked == 0 {
+                lens.pixels_around(film, |pixel, weight| splats.push(Splat { pixel, class, value: value * weight }));
+            }
+        }
     }
 }

@@ -6,9 +6,10 @@ use crate::scene::{Request, builtin};
 
 #[test]
 fn threads_parts_and_specialised_kernels_change_no_bit() {
-    let (scene, request) = builtin::cornell_spheres();
+    let (mut scene, request) = builtin::cornell_spheres();
     let request = Request { width: 24, height: 18, spp: 20, ..request };
-    for sampling in [Sampling::Mis, Sampling::MisLt] {
+    for (sampling, filter) in [(Sampling::Mis, "box"), (Sampling::MisLt, "box"), (Sampling::MisLt, "gaussian")] {
+        scene.camera.filter = filter.parse().unwrap();
         let settings = Settings { sampling, adaptive: true, paths: Some(3), ..Settings::default() };
         let film = |threads: usize, settings: Settings, ends: &[u32]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -6,7 +6,7 @@ use crate::scene::{Conductor, Dielectric, Distribution};
 use etalon_stats::estimate::Estimate;
 
 /// A camera above the middle of a diffuse floor of 4 by 4 with a wall behind it, and an area light to the left.
-fn box_with(objects: Vec<Object>, projection: Projection) -> Scene {
+pub(super) fn box_with(objects: Vec<Object>, projection: Projection) -> Scene {
     let camera = Camera::look_at(DVec3::new(0.0, 3.0, 2.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
     let floor = Rectangle::new(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X).unwrap();
     let light = Rectangle::new(Vec3::new(-1.5, 2.0, 0.0), 0.3 * Vec3::X, 0.3 * Vec3::Z).unwrap();
@@ -25,9 +25,9 @@ fn emission(radiance: f32) -> Emission {
     Emission { radiance: Rgb::splat(radiance), two_sided: false, visibility: EmitterVisibility::Sampled }
 }
 
-const WIDE: Projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
+pub(super) const WIDE: Projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
 
-fn sphere(material: Material) -> Object {
+pub(super) fn sphere(material: Material) -> Object {
     Object::new(Shape::Sphere(Sphere { centre: Vec3::new(0.2, 0.6, 0.0), radius: 0.5 }), material)
 }
 

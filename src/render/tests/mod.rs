@@ -1,6 +1,7 @@
 //! Renders against exact answers, and against each other.
 
 mod adaptive;
+mod filters;
 mod light_tracing;
 mod reference;
 
@@ -11,8 +12,8 @@ use crate::math::Rgb;
 use crate::raster::Image;
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Conductor, Dielectric, Emission, EmitterVisibility, Environment, Falloff, Light, Material, Mesh, Object,
-    Projection, Rectangle, Request, Scene, Shape, Sphere, builtin,
+    Camera, Conductor, Dielectric, Emission, EmitterVisibility, Environment, Falloff, FilterShape, Light, Material,
+    Mesh, Object, PixelFilter, Projection, Rectangle, Request, Scene, Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -101,6 +102,7 @@ fn above(x: f64, z: f64) -> Camera {
         up: DVec3::NEG_Z,
         forward: DVec3::NEG_Y,
         projection: Projection::Orthographic { half_width: 5e-4, half_height: 5e-4 },
+        filter: PixelFilter::default(),
     }
 }
 

@@ -19,7 +19,7 @@ fn all_scenes() -> Vec<Scene> {
 }
 
 /// The scene of many lights with surfaces of every kind of lobe: rough and anisotropic, with multiple scattering, coated, mixed.
-fn many_materials() -> Scene {
+pub(super) fn many_materials() -> Scene {
     let mut scene = many_lights();
     scene.name = "many materials".into();
     scene.objects.retain(|object| object.emission.is_some() || matches!(object.shape, Shape::Rectangle(_)));
@@ -45,27 +45,28 @@ fn many_materials() -> Scene {
     scene
 }
 
+/// How many of 1200 samples differ by more than rounding.
+pub(super) fn different(scene: &Scene, settings: &Settings) -> usize {
+    let request = Request { width: 40, height: 30, spp: 1, light_samples: 2, max_depth: 8 };
+    let image = |kernel| render(scene, &request, &Settings { kernel, ..*settings }, &Silent).unwrap().image;
+    let (lanes, reference) = (image(Kernel::Lanes), image(Kernel::Reference));
+    assert!(lanes.pixels().iter().any(|p| p.max_element() > 0.0), "{}: all black", scene.name);
+    let differ = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element().max(0.01);
+    lanes.pixels().iter().zip(reference.pixels()).filter(differ).count()
+}
+
 /// Both trace the same paths, so that a sample differs by rounding alone. At an edge or in the choice of a lobe rounding may
 /// also turn a path: of 1200 samples at most 6.
 #[test]
 fn the_lanes_agree_with_the_reference_sample_by_sample() {
-    let request = Request { width: 40, height: 30, spp: 1, light_samples: 2, max_depth: 8 };
     for scene in &all_scenes() {
         for sampling in ALL.into_iter().filter(|&sampling| sampling != Sampling::MisLt) {
             let densities = [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED];
             // The last misses part of the light, which BSDF samples find.
             for density in densities.into_iter().filter(|density| density.entry().complete || sampling.is_mis()) {
-                let image = |kernel| {
-                    let settings =
-                        Settings { sampling, density: Some(density), seed: 7, kernel, ..Settings::default() };
-                    render(scene, &request, &settings, &Silent).unwrap().image
-                };
-                let (lanes, reference) = (image(Kernel::Lanes), image(Kernel::Reference));
-                let pairs = lanes.pixels().iter().zip(reference.pixels());
-                let differ = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element().max(0.01);
-                let different = pairs.filter(differ).count();
+                let settings = Settings { sampling, density: Some(density), seed: 7, ..Settings::default() };
+                let different = different(scene, &settings);
                 assert!(different <= 6, "{}, {sampling:?}, {density}: {different} samples", scene.name);
-                assert!(lanes.pixels().iter().any(|p| p.max_element() > 0.0), "{}: all black", scene.name);
                 if scene.environment.is_none() {
                     break;
                 }

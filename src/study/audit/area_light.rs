@@ -5,7 +5,9 @@ use super::erratum::{Erratum, ErratumCurves, Suspect, curve};
 use crate::errata::{Conventions, light::falloff_error};
 use crate::math::Rgb;
 use crate::render::{Sampling, Settings};
-use crate::scene::{Camera, Light, Material, Object, Projection, Rectangle, Request, ScatterModel, Scene, Shape};
+use crate::scene::{
+    Camera, Light, Material, Object, PixelFilter, Projection, Rectangle, Request, ScatterModel, Scene, Shape,
+};
 use crate::study::validation::suite::renders::{RenderTest, Truth};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -44,6 +46,7 @@ fn floor(inverse_distance: bool) -> RenderTest {
         up: DVec3::NEG_Z,
         forward: DVec3::NEG_Y,
         projection: Projection::Orthographic { half_width: 5e-4, half_height: 5e-4 },
+        filter: PixelFilter::default(),
     };
     let scene = Scene {
         name: "floor".into(),

@@ -7,8 +7,8 @@ use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{
-    Camera, Dielectric, Emission, EmitterVisibility, Material, Object, Projection, Rectangle, Request, ScatterModel,
-    Scene, Shape,
+    Camera, Dielectric, Emission, EmitterVisibility, Material, Object, PixelFilter, Projection, Rectangle, Request,
+    ScatterModel, Scene, Shape,
 };
 use glam::{DVec3, Vec3};
 
@@ -75,6 +75,7 @@ fn closed_box() -> Result<Scene> {
         up: DVec3::Y,
         forward: DVec3::NEG_Z,
         projection: Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 },
+        filter: PixelFilter::default(),
     };
     Ok(Scene {
         name: "closed box".into(),

@@ -255,6 +255,28 @@ fn depths_and_samples_mean_what_each_version_means() {
 }
 
 #[test]
+fn filters_have_the_defaults_of_each_version() {
+    for (text, filter) in [
+        ("", "box"),
+        ("Film \"image\"", "box"),
+        ("Film \"rgb\"", "gaussian:1.5,0.5"),
+        ("Film \"rgb\" PixelFilter \"box\"", "box:0.5"),
+        ("PixelFilter \"box\" \"float xwidth\" 1", "box:1x0.5"),
+        ("PixelFilter \"triangle\"", "triangle:2"),
+        ("PixelFilter \"triangle\" \"float xradius\" 1 \"float yradius\" 3", "triangle:1x3"),
+        // Radius 1.5 in pbrt-v4 and 2 before it, in whichever order filter and film come.
+        ("PixelFilter \"gaussian\"", "gaussian:2,0.5"),
+        ("PixelFilter \"gaussian\" Film \"rgb\"", "gaussian:1.5,0.5"),
+        ("Film \"image\" PixelFilter \"gaussian\" \"float alpha\" .5", "gaussian:2,1"),
+        ("PixelFilter \"gaussian\" \"float sigma\" 1", "gaussian:1.5,1"),
+        ("Film \"rgb\" PixelFilter \"gaussian\" \"float ywidth\" 1", "gaussian:2x1,0.5"),
+    ] {
+        let camera = with_options(text).unwrap().scene.camera;
+        assert_eq!(camera.filter, filter.parse().unwrap(), "{text}");
+    }
+}
+
+#[test]
 fn what_a_file_leaves_open_is_said() {
     let warnings = with_options("").unwrap().warnings;
     assert_eq!(warnings.len(), 3, "film, sampler, integrator: {warnings:?}");
@@ -264,7 +286,7 @@ fn what_a_file_leaves_open_is_said() {
     };
     warned("Accelerator \"kdtree\" \"integer intersectcost\" 80", "Accelerator \"kdtree\" cannot change this image");
     warned("\nSampler \"halton\"", "scene.pbrt:2:1: Sampler \"halton\" sets no number of samples: 16 per pixel");
-    warned("Film \"rgb\"", "no PixelFilter");
+    warned("Film \"rgb\"", "no PixelFilter: gaussian:1.5,0.5, as in pbrt-v4");
     warned("Integrator \"bdpt\" \"integer maxdepth\" 7", "Integrator \"bdpt\": read as \"path\"");
     assert_eq!(with_options("Integrator \"sppm\" \"integer maxdepth\" 7").unwrap().request.max_depth, 7);
     assert!(

@@ -3,6 +3,7 @@
 
 mod bsdf;
 mod fault;
+mod filters;
 mod findings;
 mod glass;
 mod hemispheres;
@@ -25,6 +26,7 @@ pub fn all() -> Vec<PlantedFault> {
         hemispheres::faults(),
         lights::faults(),
         light_paths::faults(),
+        filters::faults(),
         tables::faults(),
         maps::faults(),
         normals::faults(),

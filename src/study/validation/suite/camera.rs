@@ -51,7 +51,7 @@ fn camera((name, projection): (&str, Projection)) -> Case {
                     let point = origin + t * direction;
                     // The projection must lead back to the pixel.
                     let inner = |u: f32| (EDGE..1.0 - EDGE).contains(&u);
-                    let seen = lens.project(point.as_vec3()).map(|view| view.pixel);
+                    let seen = lens.project(point.as_vec3()).map(|view| view.film.map(|x| x as u32));
                     let is_back = seen == Some([columns[i], y0]) || !inner(within[0][i]) || !inner(within[1][i]);
                     let to = point - position;
                     let place = [0.5 + 0.5 * to.dot(camera.right) / x, 0.5 + 0.5 * to.dot(camera.up) / y];

@@ -3,6 +3,7 @@
 pub mod adjoint;
 mod bsdfs;
 mod camera;
+pub mod filters;
 mod in_lanes;
 pub(super) mod inputs;
 pub mod light_paths;
@@ -33,6 +34,7 @@ pub fn cases() -> Vec<Case> {
             light_paths::cases(),
             adjoint::cases(),
             camera::cases(),
+            filters::cases(),
             renders::cases(),
             techniques::cases(),
         ])

@@ -21,7 +21,7 @@ use crate::sampling::stream::StreamKind;
 use crate::sampling::{direction_density, hash};
 use crate::scene::{
     Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Object,
-    Projection, Rectangle, Request, Scene, Shape, builtin,
+    PixelFilter, Projection, Rectangle, Request, Scene, Shape, builtin,
 };
 use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
@@ -252,6 +252,7 @@ pub fn metal(settings: Settings) -> RenderTest {
         up: DVec3::new(-cos, sin, 0.0),
         forward: -wo,
         projection: Projection::Orthographic { half_width: 0.1, half_height: 0.1 },
+        filter: PixelFilter::default(),
     };
     let sheet = Rectangle::new(Vec3::ZERO, Vec3::Z, Vec3::X).expect("the sides are perpendicular");
     let distribution = Distribution::Beckmann;

@@ -1,0 +1,212 @@
+//! Pixel filters: renders against convolutions in closed form, light paths against camera paths, at the border, too.
+
+use super::light_tracing::{WIDE, box_with, sphere};
+use super::reference::{different, many_materials};
+use super::*;
+use crate::raster::Metadata;
+use crate::render::Job;
+use crate::render::film::Film;
+use crate::render::lens::Lens;
+use etalon_stats::estimate::Estimate;
+
+/// The integral of exp(−t²/(2σ²)) up to x, but for a constant.
+fn below(x: f64, sigma: f64) -> f64 {
+    sigma * (0.5 * std::f64::consts::PI).sqrt() * libm::erf(x / sigma / 2f64.sqrt())
+}
+
+/// The share of a filter of that radius at distances from its centre up to x.
+fn share(shape: FilterShape, radius: f64, x: f64) -> f64 {
+    let x = x.clamp(-radius, radius);
+    match shape {
+        FilterShape::Box => 0.5 + 0.5 * x / radius,
+        FilterShape::Triangle => 0.5 + x / radius - 0.5 * x * x.abs() / (radius * radius),
+        FilterShape::Gaussian { sigma } => {
+            let edge = (-0.5 * (radius / sigma).powi(2)).exp();
+            let up_to = |x: f64| below(x, sigma) - x * edge;
+            0.5 + 0.5 * up_to(x) / up_to(radius)
+        }
+    }
+}
+
+/// The share of a Gaussian that is cut off at its radius: the planted fault.
+fn share_of_cut_off(radius: f64, x: f64) -> f64 {
+    let FilterShape::Gaussian { sigma } = FILTER.parse::<PixelFilter>().unwrap().shape() else { unreachable!() };
+    0.5 + 0.5 * below(x.clamp(-radius, radius), sigma) / below(radius, sigma)
+}
+
+/// The filter of the planted fault.
+const FILTER: &str = "gaussian:1,0.5";
+const SIZE: usize = 8;
+
+/// An emitter of radiance 1 that begins at a film position and goes on beyond the right and the lower edge of the image.
+fn corner(film: [f64; 2], filter: &str) -> Scene {
+    let half = SIZE as f64 / 2.0;
+    let projection = Projection::Orthographic { half_width: half, half_height: half };
+    let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, projection).unwrap();
+    // A unit of length is a pixel.
+    let [x, y] = [(film[0] - half) as f32, (half - film[1]) as f32];
+    let centre = Vec3::new(x + 20.0, y - 20.0, -1.0);
+    let rectangle = Rectangle::new(centre, 20.0 * Vec3::X, 20.0 * Vec3::Y).unwrap();
+    let black = Material::Diffuse { albedo: Rgb::ZERO };
+    let emission = Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled };
+    let object = Object { emission: Some(emission), ..Object::new(Shape::Rectangle(rectangle), black) };
+    let camera = Camera { filter: filter.parse().unwrap(), ..camera };
+    Scene { name: "corner".into(), camera, objects: vec![object], lights: Vec::new(), environment: None }
+}
+
+/// The largest error of a pixel, in standard errors of its exact distribution: a sample sees the emitter or it does not.
+fn worst(scene: &Scene, film: [f64; 2], share: impl Fn(usize, f64) -> f64) -> f64 {
+    const SPP: u32 = 1 << 16;
+    let request = Request { width: SIZE, height: SIZE, spp: SPP, light_samples: 1, max_depth: 0 };
+    let settings = Settings { stream: StreamKind::Independent, seed: 5, ..Settings::default() };
+    let image = render(scene, &request, &settings, &Silent).unwrap().image;
+    let z = |i: usize| {
+        let centre = [i % SIZE, i / SIZE].map(|at| at as f64 + 0.5);
+        let p = share(0, centre[0] - film[0]) * share(1, centre[1] - film[1]);
+        let found = f64::from(image.pixels()[i].x);
+        // One sample more, because counts of rare events are not normally distributed.
+        let error = (p * (1.0 - p) / f64::from(SPP)).sqrt() + 1.0 / f64::from(SPP);
+        (found - p).abs() / error
+    };
+    (0..SIZE * SIZE).map(z).fold(0.0, f64::max)
+}
+
+/// Of 1024 pixels none is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 %.
+#[test]
+fn the_corner_of_an_emitter_is_its_convolution() {
+    for film in [[3.3, 2.8], [-0.6, 7.7]] {
+        for name in [
+            "box",
+            "box:0.3",
+            "box:1.7x0.5",
+            "triangle:1",
+            "triangle:2x1",
+            FILTER,
+            "gaussian:1.5,0.5",
+            "gaussian:0.5x2,0.8",
+        ] {
+            let scene = corner(film, name);
+            let filter = scene.camera.filter;
+            let z = worst(&scene, film, |axis, x| share(filter.shape(), filter.radius()[axis], x));
+            assert!(z < 6.0, "{name} at {film:?}: {z} standard errors");
+        }
+        let z = worst(&corner(film, FILTER), film, |_, x| share_of_cut_off(1.0, x));
+        assert!(z > 6.0, "the planted fault is found at {film:?}: {z} standard errors");
+    }
+}
+
+/// A difference between means of images, in standard errors, and the smallest relative one that is found with 90 %.
+struct Bias {
+    z: f64,
+    detectable: f64,
+}
+
+/// Standard errors at which a bias is found: with the 256 images of a test, by chance with a probability of 10⁻⁶.
+const FOUND: f64 = 5.0;
+
+/// The bias of `mis+lt` against `mis` in an image of 2 × 2 pixels; and the same if light paths contributed only from inside of the
+/// image, to pixels that have this share of their filter there.
+fn biases_at_the_border(scene: &Scene, inside: f64) -> [Bias; 2] {
+    const ROUNDS: u64 = 256;
+    let request = Request { width: 2, height: 2, spp: 1 << 12, light_samples: 1, max_depth: 4 };
+    let film = |sampling, seed| {
+        let settings = Settings { sampling, stream: StreamKind::Independent, seed, ..Settings::default() };
+        render(scene, &request, &settings, &Silent).unwrap().part.film
+    };
+    let (mut differences, mut mean) = ([Vec::new(), Vec::new()], 0.0);
+    for round in 0..ROUNDS {
+        let (tested, other) = (film(Sampling::MisLt, 2 * round), film(Sampling::Mis, 2 * round + 1));
+        let by_camera = |film: &Film| film.pixels().iter().map(|pixel| f64::from(pixel.mean().x)).sum::<f64>();
+        let whole: f64 = tested.estimates().map(|estimate| f64::from(estimate.mean.x)).sum();
+        let (part, expected) = (by_camera(&tested), by_camera(&other));
+        differences[0].push(whole - expected);
+        differences[1].push(part + inside * (whole - part) - expected);
+        mean += expected / ROUNDS as f64;
+    }
+    differences.map(|differences| {
+        let Estimate { value, standard_error, .. } = Estimate::mean(&differences);
+        Bias { z: value / standard_error, detectable: (FOUND + 1.28) * standard_error / mean }
+    })
+}
+
+/// All pixels are at the border. The planted fault leaves out what comes from outside, in proportion to the filter.
+#[test]
+fn light_paths_from_outside_of_the_image_contribute_to_its_border() {
+    let parallel = Projection::Orthographic { half_width: 0.6, half_height: 0.6 };
+    for (projection, filter) in [(WIDE, "gaussian:1.5,0.5"), (parallel, "box:1"), (parallel, "triangle:2x1")] {
+        let glass = Material::Dielectric(Dielectric::clear(1.5));
+        let mut scene = box_with(vec![sphere(glass)], projection);
+        scene.camera.filter = filter.parse().unwrap();
+        // The image begins ½ before the centre of a pixel and ends 1½ behind it, or the other way round.
+        let within = |radius| {
+            let up_to = |x| share(scene.camera.filter.shape(), radius, x);
+            up_to(1.5) - up_to(-0.5)
+        };
+        let [rx, ry] = scene.camera.filter.radius();
+        let [right, faulty] = biases_at_the_border(&scene, within(rx) * within(ry));
+        println!("{filter}: {} and {} standard errors; {} is found", right.z, faulty.z, right.detectable);
+        assert!(right.detectable < 0.03, "{filter}: {}", right.detectable);
+        assert!(right.z.abs() < FOUND, "{filter}: {} standard errors", right.z);
+        assert!(faulty.z.abs() > FOUND, "{filter}: the planted fault is found: {} standard errors", faulty.z);
+    }
+}
+
+#[test]
+fn the_lanes_and_the_reference_sample_the_same_film_positions() {
+    let mut scene = many_materials();
+    for filter in ["triangle:2x1", "gaussian"] {
+        scene.camera.filter = filter.parse().unwrap();
+        let settings = Settings { sampling: Sampling::Mis, seed: 7, ..Settings::default() };
+        let different = different(&scene, &settings);
+        assert!(different <= 6, "{filter}: {different} samples");
+    }
+}
+
+#[test]
+fn films_of_other_filters_are_others() {
+    let (mut scene, request) = sphere_of_glass();
+    let mut fingerprint = |filter: &str| {
+        scene.camera.filter = filter.parse().unwrap();
+        let job = Job::new(&scene, &request, &Settings::default()).unwrap();
+        job.part(Metadata::default()).unwrap().fingerprint
+    };
+    let plain = fingerprint("box");
+    assert_eq!(plain, fingerprint("box:0.5"));
+    for other in ["box:0.51", "triangle:0.5", "gaussian", "gaussian:1.5,0.51"] {
+        assert_ne!(plain, fingerprint(other), "{other}");
+    }
+    assert_ne!(fingerprint("gaussian"), fingerprint("gaussian:1.5x1.4,0.5"));
+}
+
+fn sphere_of_glass() -> (Scene, Request) {
+    let glass = Material::Dielectric(Dielectric::clear(1.5));
+    let request = Request { width: 4, height: 4, spp: 1, light_samples: 1, max_depth: 2 };
+    (box_with(vec![sphere(glass)], WIDE), request)
+}
+
+/// A contribution is added to the pixels whose filters reach it, with weights of integral 1, also from outside of the image.
+#[test]
+fn the_weights_of_a_pixel_have_integral_1() {
+    for (name, reach) in [("box", 0.0), ("gaussian", 1.0), ("triangle:2", 1.5), ("box:0.2", -0.3)] {
+        let camera = corner([0.0; 2], name).camera;
+        let lens = Lens::new(&camera, SIZE, SIZE);
+        let n = 16;
+        let mut sums = vec![0.0; SIZE * SIZE];
+        let steps = (SIZE + 6) * n;
+        for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+            let at = |i: usize| (i as f32 + 0.5) / n as f32 - 3.0;
+            let film = [at(i), at(j)];
+            let point = Vec3::new(film[0] - 4.0, 4.0 - film[1], -1.0);
+            let view = lens.project(point);
+            let is_reached = |x: f32| x > -reach && x < SIZE as f32 + reach;
+            assert_eq!(view.is_some(), is_reached(film[0]) && is_reached(film[1]), "{name} {film:?}");
+            let Some(view) = view else { continue };
+            lens.pixels_around(view.film, |[x, y], weight| {
+                sums[y as usize * SIZE + x as usize] += f64::from(weight) / (n * n) as f64;
+            });
+        }
+        // A box whose edges are between the nodes has an error of the nodes' distance.
+        let tolerance = if name == "box:0.2" { 0.15 } else { 2e-3 };
+        assert!(sums.iter().all(|sum| (sum - 1.0).abs() < tolerance), "{name}: {sums:?}");
+    }
+}
