@@ -109,13 +109,13 @@ impl Param {
     /// Black bodies have no amount in pbrt-v4, either: they have a luminance of 1.
     fn black_body(&self, owner: &str, warnings: &mut Vec<String>) -> Result<[f64; 3]> {
         match *self.numbers {
-            [kelvin] if (100.0..=1e9).contains(&kelvin) => {
+            [kelvin] if (1e3..=1e9).contains(&kelvin) => {
                 let rgb = light_rgb(|nm| black_body(kelvin, nm));
                 let rgb = rgb.ok_or_else(|| self.at.input(format!("{owner}: {} has no visible light", self.label)))?;
                 Ok(self.in_gamut(rgb, f64::INFINITY, owner, warnings))
             }
             [kelvin] => {
-                let message = format!("{owner}: {} must be from 100 to 1e9 kelvin, not {kelvin}", self.label);
+                let message = format!("{owner}: {} must be from 1000 to 1e9 kelvin, not {kelvin}", self.label);
                 Err(self.at.input(message))
             }
             _ => {

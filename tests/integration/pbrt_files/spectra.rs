@@ -131,7 +131,7 @@ fn damaged_spectra_are_refused_with_their_place() {
         assert!(error.to_string().contains("scene.pbrt:3:21"), "{error}");
     }
     for (text, message) in [
-        ("LightSource \"point\" \"blackbody I\" 0", "from 100 to 1e9 kelvin, not 0"),
+        ("LightSource \"point\" \"blackbody I\" 0", "from 1000 to 1e9 kelvin, not 0"),
         ("LightSource \"point\" \"blackbody I\" [5000 1]", "needs 1 number, not 2"),
         ("Material \"diffuse\" \"spectrum reflectance\" [400 2]", "must be from 0 to 1, not 2 at 400 nm"),
         ("Material \"conductor\" \"spectrum k\" [500 1 700 2]", "does not cover the wavelengths 614, 549, 466 nm"),
