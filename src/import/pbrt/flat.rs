@@ -64,8 +64,8 @@ pub fn parallelograms(p: &Params) -> Result<Flat> {
         let [a, b, c, d] = patch.map(|i| i as u32);
         let [pa, pb, pc, pd] = [a, b, c, d].map(|i| DVec3::from_array(positions[i as usize]));
         let size = (pb - pa).length().max((pc - pa).length());
-        // Written so that NaN fails, too.
-        if !((pb - pa + pc - pd).length() <= 1e-4 * size) {
+        let gap = (pb - pa + pc - pd).length();
+        if gap.is_nan() || gap > 1e-4 * size {
             return Err(p
                 .place("P")
                 .unsupported(format!("{}: a patch that is no parallelogram is not supported", p.owner))

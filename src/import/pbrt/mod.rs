@@ -17,7 +17,8 @@
 //! | `Option` | those without an effect on the expected image |
 //! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
 //! | `MakeNamedMedium`, `MediumInterface` | only media that no surface and no camera is in |
-//! | `LightSource` | one `infinite`, constant, with a lat-long map, or with a square equal-area map, which is resampled; `distant`, `point` |
+//! | `LightSource` | one `infinite`, constant, with a lat-long map, or with a square equal-area map, which is resampled; `distant`, `point`; pbrt-v4's `power` of points and `illuminance` of the others without a map |
+//! | spectra | pbrt-v4's names, samples, files and `blackbody`, as RGB, or as indices of refraction at stated wavelengths (`spectrum.rs`) |
 //!
 //! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
 
