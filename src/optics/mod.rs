@@ -1,10 +1,13 @@
-//! Reflection and refraction at an interface: scalars in, scalars out, generic over the float type.
+//! Reflection and refraction at an interface: scalars in, scalars out, generic over the float type. Beside them, in f64, tables of
+//! metals and glasses, and spectra as colours.
 //!
 //! Cosines are of the angle between the normal and a direction; `eta` is the index on the far side over the
 //! index on the near side (the side of `wo`), `k` the extinction coefficient relative to the near side's index.
 
+pub mod colorimetry;
 pub mod conductor;
 pub mod dielectric;
+pub mod glasses;
 pub mod metals;
 pub mod microfacet;
 pub mod schlick;

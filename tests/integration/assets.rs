@@ -185,3 +185,58 @@ fn the_second_reports_scenes_take_the_place_of_the_built_in_ones() {
     assert_eq!(value["failed"], 0, "{value}");
     assert!(value["passed"].as_u64().unwrap() > 20);
 }
+
+/// Means of real scenes by region against the pictures of another renderer. Two differences are not the scenes': in its
+/// picture of veach-mis, plates have Beckmann microfacets and 0.3 of the reflectance, and there is direct light alone.
+#[test]
+fn real_scenes_agree_with_the_pictures_of_another_renderer() {
+    let Some(scenes) = assets("pbrt-real") else { return };
+    let dir = tempfile::tempdir().unwrap();
+    // The image of the changed scene, and the reference; means over part of the width and the height.
+    let render = |name: &str, changes: &[(&str, &str)], options: &[&str]| {
+        let folder = scenes.join(name).join("pbrt");
+        let mut text = std::fs::read_to_string(folder.join("scene-v4.pbrt")).unwrap();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{name} has no {from}");
+            text = text.replace(from, to);
+        }
+        std::fs::write(dir.path().join("scene.pbrt"), text).unwrap();
+        let ran = etalon(dir.path(), &[&["render", "scene.pbrt", "-s", "64", "-o", "o.exr"], options].concat());
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        [dir.path().join("o.exr"), folder.join("TungstenRender.exr")]
+            .map(|path| read(&path, ReadOptions::default()).unwrap())
+    };
+    let ratio = |[ours, theirs]: &[etalon::raster::Image; 2], [x0, x1, y0, y1]: [f64; 4]| {
+        let [a, b] = [ours, theirs].map(|image| {
+            let place = |t: f64, size: usize| (t * size as f64).round() as usize;
+            let (columns, rows) = (
+                place(x0, image.width())..place(x1, image.width()),
+                place(y0, image.height())..place(y1, image.height()),
+            );
+            rows.flat_map(|y| columns.clone().map(move |x| image.get(x, y).as_dvec3().element_sum())).sum::<f64>()
+                / image.pixels().len() as f64
+        });
+        a / b
+    };
+    let gaussian = "PixelFilter \"gaussian\" \"float xradius\" [ 1.5 ] \"float yradius\" [ 1.5 ]";
+    let images = render("cornell-box", &[(gaussian, "PixelFilter \"box\"")], &["-m", "65", "-r", "128", "128"]);
+    for (x, y) in (0..16).map(|i| (f64::from(i % 4) / 4.0, f64::from(i / 4) / 4.0)) {
+        let ratio = ratio(&images, [x, x + 0.25, y, y + 0.25]);
+        assert!((ratio - 1.0).abs() < 0.02, "cornell-box at {x} {y}: {ratio}");
+    }
+    let triangle = "PixelFilter \"triangle\"\n    \"float xradius\" [ 1 ]\n    \"float yradius\" [ 1 ]";
+    let (smooth, beckmann) = ("[ \"conductor\" ]", "[ \"conductor\" ] \"string distribution\" \"beckmann\"");
+    let changes = [(triangle, "PixelFilter \"box\""), (smooth, beckmann)];
+    let images = render("veach-mis", &changes, &["-m", "1", "-r", "320", "180"]);
+    for (what, region, expected) in [
+        ("wall", [0.125, 0.875, 0.03, 0.11], 1.0),
+        ("floor", [0.125, 0.875, 0.96, 1.0], 1.0),
+        ("plate 1", [0.28, 0.72, 0.37, 0.51], 1.0 / 0.3),
+        ("plate 2", [0.26, 0.75, 0.53, 0.64], 1.0 / 0.3),
+        ("plate 3", [0.21, 0.8, 0.67, 0.77], 1.0 / 0.3),
+        ("plate 4", [0.15, 0.86, 0.81, 0.9], 1.0 / 0.3),
+    ] {
+        let ratio = ratio(&images, region);
+        assert!((ratio / expected - 1.0).abs() < 0.02, "veach-mis, {what}: {ratio}");
+    }
+}

@@ -3,6 +3,7 @@
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::reader::{Reader, Stage};
+use super::spectrum::Meaning;
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::transform;
@@ -10,7 +11,7 @@ use glam::{DMat4, DVec3};
 
 /// Directives that belong before `WorldBegin`, and after it; those of neither list are allowed anywhere.
 const OPTIONS: &str = "Camera Film Sampler PixelFilter SurfaceIntegrator Integrator Accelerator VolumeIntegrator Renderer \
-                       WorldBegin";
+                       Option WorldBegin";
 const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Shape LightSource \
                        AreaLightSource ObjectBegin ObjectEnd ObjectInstance";
 
@@ -70,6 +71,7 @@ impl Reader<'_> {
                 let object = lexer.text(name, &at, "a name")?;
                 self.instance(&object, &at)?;
             }
+            "Option" => option(&Params::single(lexer, name, at)?, &mut self.warnings)?,
             "MediumInterface" => only_vacuum(name, &at, lexer)?,
             "MakeNamedMedium" => {
                 let medium = Params::read(lexer, name, at)?;
@@ -102,19 +104,25 @@ impl Reader<'_> {
             "SurfaceIntegrator" => self.setup.integrator(&params, true, warnings),
             "Integrator" => self.setup.integrator(&params, false, warnings),
             "Renderer" if params.kind != "sampler" => Err(params.unsupported_kind("sampler")),
-            "Material" => self.material(&params).map(|material| self.state.material = material),
+            "Material" => {
+                params.resolve_spectra(Meaning::Material, self.setup.is_v4(), &self.folder, warnings)?;
+                self.material(&params).map(|material| self.state.material = material)
+            }
             "MakeNamedMaterial" => {
                 let kind = params.text("type")?.map(str::to_owned);
                 let kind = kind.ok_or_else(|| params.at.input(format!("{} needs a \"string type\"", params.owner)))?;
                 params.owner = format!("{} of type {}", params.owner, quote(&kind));
                 let material_name = std::mem::replace(&mut params.kind, kind);
+                params.resolve_spectra(Meaning::Material, self.setup.is_v4(), &self.folder, warnings)?;
                 let material = self.material(&params)?;
                 self.materials.insert(material_name, material);
                 Ok(())
             }
             "Shape" => self.shape_or_part(params),
-            "AreaLightSource" => self.area_light(&params),
-            "LightSource" => self.light(&params),
+            "AreaLightSource" | "LightSource" => {
+                params.resolve_spectra(Meaning::Light, self.setup.is_v4(), &self.folder, warnings)?;
+                if name == "LightSource" { self.light(&params) } else { self.area_light(&params) }
+            }
             _ => {
                 warnings.push(params.at.warning(&format!("{} cannot change this image: left out", params.owner)));
                 Ok(())
@@ -155,6 +163,25 @@ impl Reader<'_> {
     }
 }
 
+/// `Option` of pbrt-v4: flags that change what is computed may only be off; the rest has no effect on the expected image.
+fn option(p: &Params, warnings: &mut Vec<String>) -> Result<()> {
+    for name in ["disablepixeljitter", "disablewavelengthjitter", "disabletexturefiltering", "forcediffuse"] {
+        p.only_false(name)?;
+    }
+    p.finish(
+        &[
+            "displacementedgescale",
+            "msereferenceimage",
+            "msereferenceout",
+            "pixelstats",
+            "rendercoordsys",
+            "seed",
+            "wavefront",
+        ],
+        warnings,
+    )
+}
+
 /// `MediumInterface`: the medium inside, and the one outside if it is another. The empty name is vacuum.
 fn only_vacuum(name: &str, at: &At, lexer: &mut Lexer) -> Result<()> {
     let inside = lexer.text(name, at, "a medium")?;
@@ -174,7 +201,7 @@ fn unknown(name: &str, at: &At) -> crate::error::Error {
         "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
         "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",
         "Volume" => "there are no media here: leave it out",
-        "Attribute" | "Option" => "leave it out, or give its parameters where they are needed",
+        "Attribute" => "leave it out, or give its parameters where they are needed",
         _ => return at.input(format!("{} is not a directive of pbrt", quote(name))),
     };
     at.unsupported(format!("{name} is not supported")).with_hint(hint)

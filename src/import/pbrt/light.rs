@@ -36,7 +36,7 @@ impl Reader<'_> {
         if p.kind != "diffuse" && p.kind != "area" {
             return Err(p.unsupported_kind("diffuse"));
         }
-        let (radiance, two_sided) = (scaled(p, "L")?, p.flag("twosided")?.unwrap_or(false));
+        let (radiance, two_sided) = (scaled(p, "L", 1.0)?, p.flag("twosided")?.unwrap_or(false));
         self.state.emission = Some(Emission { radiance, two_sided, visibility: EmitterVisibility::Sampled });
         self.ask_for_samples(p)?;
         p.finish(&[], &mut self.warnings)
@@ -49,9 +49,14 @@ impl Reader<'_> {
         let Some((rotation, _)) = transform::similarity(&self.state.transform) else {
             return Err(p.at.unsupported("a light that its transform distorts is not supported"));
         };
-        let scale = scaled(p, "L")?;
+        let scale = scaled(p, "L", times(p, "illuminance", std::f64::consts::PI)?)?;
         self.ask_for_samples(p)?;
-        let (map, source) = match (map_name(p)?, &self.options.environment) {
+        let map_name = map_name(p)?;
+        if map_name.is_some() && p.has_type("illuminance", "float") {
+            let message = format!("{}: the illuminance of a light with a map is not supported", p.owner);
+            return Err(p.place("illuminance").unsupported(message));
+        }
+        let (map, source) = match (map_name, &self.options.environment) {
             (Some(_), Some((map, source))) => (map.clone(), source.clone()),
             (Some((parameter, name)), None) => {
                 (Arc::new(EnvMap::new(self.map(name, parameter, p.place(parameter))?)), name.into())
@@ -129,7 +134,7 @@ fn map_name(p: &Params) -> Result<Option<(&'static str, &str)>> {
 
 /// Light along `from` → `to`. What pbrt calls its radiance L is the irradiance of a surface that faces it.
 fn distant(p: &Params, to_world: &DMat4) -> Result<Light> {
-    let irradiance = scaled(p, "L")?;
+    let irradiance = scaled(p, "L", times(p, "illuminance", 1.0)?)?;
     let [from, to] = [corner(p, "from")?.unwrap_or(DVec3::ZERO), corner(p, "to")?.unwrap_or(DVec3::Z)];
     let direction = to_world.transform_vector3(to - from).try_normalize();
     let direction = direction.ok_or_else(|| p.at.input(format!("{} needs from and to apart", p.owner)))?;
@@ -137,7 +142,7 @@ fn distant(p: &Params, to_world: &DMat4) -> Result<Light> {
 }
 
 fn point(p: &Params, to_world: &DMat4) -> Result<Light> {
-    let intensity = scaled(p, "I")?;
+    let intensity = scaled(p, "I", times(p, "power", 4.0 * std::f64::consts::PI)?)?;
     let from = corner(p, "from")?.unwrap_or(DVec3::ZERO);
     // pbrt-v2 and v3 add the point to the transform's place in the world; v4 transforms it.
     let (added, transformed) = (to_world.w_axis.truncate() + from, to_world.transform_point3(from));
@@ -158,14 +163,21 @@ fn corner(p: &Params, name: &'static str) -> Result<Option<DVec3>> {
     Ok(p.numbers::<3>(name, &["point", "point3"], &ANY)?.map(DVec3::from_array))
 }
 
-/// A colour of light, white unless the file says otherwise, times `scale`: a colour in pbrt-v2 and v3, a number in v4.
-fn scaled(p: &Params, name: &'static str) -> Result<Rgb> {
+/// What pbrt-v4's `power` or `illuminance` multiplies the light by: its amount over that of a light of radiance or intensity 1.
+/// Like pbrt, it leaves L, I and scale in effect. Without it, or with a value of 0: 1.
+fn times(p: &Params, name: &'static str, of_one: f64) -> Result<f32> {
+    Ok(p.float(name, &LIGHT)?.filter(|&amount| amount > 0.0).map_or(1.0, |amount| (amount / of_one) as f32))
+}
+
+/// A colour of light, white unless the file says otherwise, times `scale` (a colour in pbrt-v2 and v3, a number in v4) and
+/// `times`.
+fn scaled(p: &Params, name: &'static str, times: f32) -> Result<Rgb> {
     let colour = p.rgb(name, &LIGHT)?.unwrap_or(Rgb::ONE);
     let scale = if p.has_type("scale", "float") {
         p.float("scale", &LIGHT)?.map(|x| Rgb::splat(x as f32))
     } else {
         p.rgb("scale", &LIGHT)?
     };
-    let product = colour * scale.unwrap_or(Rgb::ONE);
+    let product = colour * scale.unwrap_or(Rgb::ONE) * times;
     if product.is_finite() { Ok(product) } else { Err(p.at.input(format!("{name} times scale is out of range"))) }
 }

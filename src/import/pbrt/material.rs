@@ -134,8 +134,8 @@ fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
         // With a reflectance, `eta` and `k` are parameters that are not known.
         Some(reflectance) => (Rgb::ONE, extinction(reflectance)),
         None => (
-            index_spectrum(p, "eta", metals::Metal::eta_rgb, warnings)?,
-            index_spectrum(p, "k", metals::Metal::k_rgb, warnings)?,
+            index(p, "eta", metals::COPPER.eta_rgb(), warnings)?,
+            index(p, "k", metals::COPPER.k_rgb(), warnings)?,
         ),
     };
     let alpha = if p.kind == "metal" { roughness(p, 0.01, remapped_v3)? } else { roughness(p, 0.0, f64::sqrt)? };
@@ -153,32 +153,14 @@ fn remapped_v3(roughness: f64) -> f64 {
     1.62142 + x * (0.819_955 + x * (0.1734 + x * (0.017_120_1 + x * 0.000_640_711)))
 }
 
-/// `eta` or `k`: three numbers, or a metal's spectrum by name, like `metal-Au-eta`. Without it: copper's, as in pbrt.
-fn index_spectrum(
-    p: &Params,
-    name: &'static str,
-    of: impl Fn(&metals::Metal) -> Rgb,
-    warnings: &mut Vec<String>,
-) -> Result<Rgb> {
+/// `eta` or `k` in the three channels. Without it: copper's, as in pbrt.
+fn index(p: &Params, name: &'static str, copper: Rgb, warnings: &mut Vec<String>) -> Result<Rgb> {
     const INDEX: Rule = Rule(|x| (0.0..=1000.0).contains(&x), "from 0 to 1000");
-    let (at, spectrum) = (p.place(name), p.spectrum(name)?);
-    if spectrum.is_none()
-        && let Some(rgb) = p.rgb(name, &INDEX)?
-    {
-        return Ok(rgb);
+    let given = p.rgb(name, &INDEX)?;
+    if given.is_none() {
+        warnings.push(p.at.warning(&format!("{}: no {name}: copper's", p.owner)));
     }
-    let spectrum = spectrum.map_or_else(|| format!("metal-Cu-{name}"), str::to_owned);
-    let symbol = spectrum.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(name)?.strip_suffix('-'));
-    let metal = symbol.and_then(|symbol| metals::METALS.iter().find(|metal| metal.symbol == symbol));
-    let Some(metal) = metal else {
-        let known: Vec<String> = metals::METALS.iter().map(|m| format!("metal-{}-{name}", m.symbol)).collect();
-        return Err(at
-            .unsupported(format!("{}: the spectrum {} is not known", p.owner, quote(&spectrum)))
-            .with_hint(format!("give it as rgb, or as one of {}", known.join(", "))));
-    };
-    let [r, g, b] = metals::WAVELENGTHS_NM;
-    warnings.push(at.warning(&format!("{}: {name} is {}'s at {r}, {g} and {b} nm", p.owner, metal.name)));
-    Ok(of(metal))
+    Ok(given.unwrap_or(copper))
 }
 
 #[cfg(test)]

@@ -13,14 +13,17 @@
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
 //! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor`, also by its `reflectance`, on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
-//! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh` |
+//! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh`; `bilinearmesh` of parallelograms; whole `disk`, as a polygon of the same area |
+//! | `Option` | those without an effect on the expected image |
 //! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
 //! | `MakeNamedMedium`, `MediumInterface` | only media that no surface and no camera is in |
-//! | `LightSource` | one `infinite`, constant, with a lat-long map, or with a square equal-area map, which is resampled; `distant`, `point` |
+//! | `LightSource` | one `infinite`, constant, with a lat-long map, or with a square equal-area map, which is resampled; `distant`, `point`; pbrt-v4's `power` of points and `illuminance` of the others without a map |
+//! | spectra | pbrt-v4's names, samples, files and `blackbody`, as RGB, or as indices of refraction at stated wavelengths (`spectrum.rs`) |
 //!
 //! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
 
 mod directives;
+mod flat;
 mod filter;
 mod instance;
 mod lexer;
@@ -30,6 +33,7 @@ mod params;
 mod reader;
 mod setup;
 mod shape;
+mod spectrum;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Result};

@@ -17,20 +17,20 @@ pub struct Params {
     pub kind: String,
     /// Position of the directive.
     pub at: At,
-    given: BTreeMap<String, Param>,
+    pub(super) given: BTreeMap<String, Param>,
     /// The names that were asked for: what the directive understands.
     known: RefCell<Vec<&'static str>>,
 }
 
-struct Param {
+pub(super) struct Param {
     /// The declaration as written, quoted.
-    label: String,
-    type_name: String,
-    at: At,
+    pub(super) label: String,
+    pub(super) type_name: String,
+    pub(super) at: At,
     /// Values, if they are numbers.
-    numbers: Vec<f64>,
+    pub(super) numbers: Vec<f64>,
     /// Values, if they are strings or flags.
-    texts: Vec<String>,
+    pub(super) texts: Vec<String>,
 }
 
 /// Types of numbers, and of what else there is.
@@ -52,6 +52,12 @@ impl Params {
             given.insert(name, param);
         }
         Ok(Self { owner, kind, at, given, known: RefCell::default() })
+    }
+
+    /// Reads the one parameter of a directive without a kind.
+    pub fn single(lexer: &mut Lexer, directive: &str, at: At) -> Result<Self> {
+        let given = BTreeMap::from([Param::read(lexer, directive, &at)?]);
+        Ok(Self { owner: directive.into(), kind: String::new(), at, given, known: RefCell::default() })
     }
 
     /// Memory of the values, in bytes, and some for the directive itself.
@@ -144,21 +150,6 @@ impl Params {
     /// A list of strings.
     pub fn texts(&self, name: &'static str) -> Result<Option<&[String]>> {
         Ok(self.find(name, &["string"])?.map(|param| param.texts.as_slice()))
-    }
-
-    /// The name of a spectrum, if the parameter is given as one.
-    pub fn spectrum(&self, name: &'static str) -> Result<Option<&str>> {
-        if !self.has_type(name, "spectrum") {
-            return Ok(None);
-        }
-        let Some(param) = self.find(name, &["spectrum"])? else { return Ok(None) };
-        match (param.texts.as_slice(), param.numbers.is_empty()) {
-            ([text], true) => Ok(Some(text)),
-            _ => Err(param
-                .at
-                .unsupported(format!("{}: {} is not supported by its samples", self.owner, param.label))
-                .with_hint("give it as rgb")),
-        }
     }
 
     /// A number that may only be what it would be anyway.

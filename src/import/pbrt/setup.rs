@@ -73,6 +73,11 @@ impl Setup {
         p.finish(&["focaldistance", "shutteropen", "shutterclose"], warnings)
     }
 
+    /// Whether pbrt-v4 wrote the file, as far as its film says.
+    pub fn is_v4(&self) -> bool {
+        self.film.as_ref().is_some_and(|film| film.v4)
+    }
+
     pub fn film(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         let (v4, width, height) = match p.kind.as_str() {
             "image" => (false, 640, 480),

@@ -1,5 +1,6 @@
 //! Shapes: spheres and triangle meshes, in the world and with their outside where pbrt has it.
 
+use super::flat::{Flat, disk, parallelograms};
 use super::params::Params;
 use super::reader::{MAX_MESH_BYTES, Reader};
 use crate::error::{Error, Result};
@@ -35,7 +36,9 @@ impl Reader<'_> {
             "sphere" => Shape::Sphere(whole_sphere(p, setting)?),
             "trianglemesh" => triangles(triangle_mesh(p, setting, &mut self.warnings)?, setting),
             "plymesh" => triangles(self.ply_mesh(p, setting)?, setting),
-            _ => return Err(p.unsupported_kind("sphere, trianglemesh, plymesh")),
+            "disk" => triangles(placed(disk(p, &mut self.warnings)?, setting, &p.at)?, setting),
+            "bilinearmesh" => triangles(placed(parallelograms(p)?, setting, &p.at)?, setting),
+            _ => return Err(p.unsupported_kind("sphere, disk, trianglemesh, bilinearmesh (parallelograms), plymesh")),
         };
         if anisotropic && p.groups::<3>("S", &["vector", "vector3"])?.is_some() {
             return Err(p
@@ -119,6 +122,10 @@ fn triangle_mesh(p: &Params, setting: Setting, warnings: &mut Vec<String>) -> Re
     let triangles: Vec<_> = triangles.into_iter().map(|triangle| triangle.map(|i| i as u32)).collect();
     let uv = corner_uv(&triangles, |i| uv.get(i as usize).map(|&[u, v]| Vec2::new(u as f32, v as f32)));
     place(&positions, &normals, triangles, uv, setting, &p.at)
+}
+
+fn placed(flat: Flat, setting: Setting, at: &At) -> Result<Mesh> {
+    place(&flat.positions, &[], flat.triangles, flat.uv, setting, at)
 }
 
 /// Transforms a mesh to the world. Its outside is where its normals point; without normals, where its corners run

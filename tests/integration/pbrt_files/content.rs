@@ -196,8 +196,8 @@ fn materials_in_the_spelling_of_every_version() {
     // Copper where nothing is said, and metals by name; both are noted.
     let named = in_world("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\"");
     let warnings = read(&named).unwrap().warnings;
-    assert!(warnings[0].contains("eta is gold's at 614, 549 and 466 nm"), "{warnings:?}");
-    assert!(warnings[1].contains("k is copper's"), "{warnings:?}");
+    assert!(warnings[0].contains("\"spectrum eta\" is taken at 614, 549, 466 nm"), "{warnings:?}");
+    assert!(warnings[1].contains("no k: copper's"), "{warnings:?}");
     assert_eq!(conductor("\"conductor\" \"spectrum k\" \"metal-Ag-k\"").k, Rgb::new(4.1283, 3.5892, 2.8132));
 }
 

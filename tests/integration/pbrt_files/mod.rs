@@ -2,6 +2,7 @@
 
 mod content;
 mod refusals;
+mod spectra;
 
 use etalon::envmap::EnvMap;
 use etalon::import::{Imported, SceneOptions, pbrt};
