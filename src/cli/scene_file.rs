@@ -60,8 +60,8 @@ pub struct Loaded {
 impl SceneArgs {
     /// A built-in scene as it is, under its own map or another.
     pub fn built_in(scene: OsString, envmap: Option<OsString>, map_options: MapOptions) -> Self {
-        let (resolution, camera, mesh, alpha) = (None, None, None, None);
-        Self { scene, resolution, envmap, map_options, camera, mesh, alpha, multiple_scattering: false }
+        let (resolution, camera, mesh, alpha, filter) = (None, None, None, None, None);
+        Self { scene, resolution, envmap, map_options, camera, mesh, alpha, filter, multiple_scattering: false }
     }
 
     /// Loads the scene; its camera fits the request's size.

@@ -19,7 +19,7 @@ mod ply;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::raster::{self, Image, Metadata};
-use crate::scene::{Emission, EmitterVisibility, Mesh, Request, Scene};
+use crate::scene::{Emission, EmitterVisibility, Mesh, PixelFilter, Request, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -89,6 +89,9 @@ impl Aside {
         }
         if !scene.lights.is_empty() {
             return Err(unsupported(scene, "a light without a surface"));
+        }
+        if scene.camera.filter != PixelFilter::default() {
+            return Err(unsupported(scene, "a pixel filter other than the box of one pixel"));
         }
         let only_seen = |e: Emission| e.visibility == EmitterVisibility::CameraOnly;
         if scene.objects.iter().any(|object| object.emission.is_some_and(only_seen)) {

@@ -98,11 +98,13 @@ fn what_a_format_lacks_is_refused_by_name() {
     assert!(export("sphere-env", "dae").unwrap_err().contains("extension"));
     // Nothing is left behind.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-    let (scene, request) = made("cornell-spheres");
+    let (mut scene, request) = made("cornell-spheres");
     let quoted = write(&folder.path().join("a\"b.pbrt"), &scene, &request);
     assert!(matches!(quoted, Err(Error::Parameter(_))));
     let unwritable = write(&folder.path().join("missing.pbrt/a.xml"), &scene, &request);
     assert!(unwritable.is_ok(), "folders are made");
+    scene.camera.filter = "gaussian".parse().unwrap();
+    assert!(matches!(write(&folder.path().join("a.xml"), &scene, &request), Err(Error::Unsupported(_))));
 }
 
 #[test]
