@@ -23,7 +23,8 @@ import mitsuba as mi
 mi.set_variant(options.variant)
 import drjit as dr
 
-dr.set_thread_count(options.threads)
+# The reader and the writer of OpenEXR files wait for a second thread.
+dr.set_thread_count(max(2, options.threads))
 # Merged shapes lose their bounding box, without which shadow rays to the environment end too early.
 scene = mi.load_file(options.scene, parallel=False, optimize=False)
 sensor = scene.sensors()[0]
@@ -31,7 +32,9 @@ if options.size:
     parameters = mi.traverse(sensor)
     parameters["film.size"] = options.size
     parameters.update()
+dr.set_thread_count(options.threads)
 image = mi.render(scene, sensor=sensor, spp=options.spp, seed=options.seed)
-# The writer of OpenEXR files waits for a second thread. Alpha and arbitrary output variables are left out.
+dr.eval(image), dr.sync_thread()
+# Alpha and arbitrary output variables are left out.
 dr.set_thread_count(max(2, options.threads))
 mi.Bitmap(mi.TensorXf(image)[:, :, :3]).write(options.out)

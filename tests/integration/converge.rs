@@ -191,6 +191,21 @@ fn faults_of_renderers_are_found_and_named() {
     }
 }
 
+/// A renderer that hangs takes a third of the budget, whatever its own limit is.
+#[cfg(unix)]
+#[test]
+fn a_renderer_that_hangs_leaves_time_for_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut args =
+        vec!["converge", "cornell-lambert", "-r", "20", "16", "--strategies", "mis", "--budget", "12", "-o", "out"];
+    args.extend(["--json", "--renderer", "hang=sh -c \"sleep 1000\" {spp} {seed} {out}"]);
+    let ran = etalon(folder.path(), &args);
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(value["curves"][0]["strategy"], "mis", "{}", ran.stderr);
+    assert!(value["faults"][0]["message"].as_str().unwrap().contains("did not end within"), "{}", ran.stderr);
+}
+
 /// Images that are 1 % brighter than the reference.
 #[test]
 fn one_per_cent_of_light_is_bias() {

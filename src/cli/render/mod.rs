@@ -177,7 +177,8 @@ impl Render {
             settings.sampling == usual.sampling && (!has_map || settings.map_sampling() == usual.map_sampling())
         };
         summary.default_strategy = (settings.kernel == usual.kernel && !is_usual(&settings)).then(|| {
-            let density = if has_map { format!(" with light density {}", usual.map_sampling().density()) } else { String::new() };
+            let density =
+                if has_map { format!(" with light density {}", usual.map_sampling().density()) } else { String::new() };
             usual.sampling.name().to_owned() + &density
         });
         summary.interrupted = interrupted;

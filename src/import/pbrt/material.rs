@@ -133,10 +133,9 @@ fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
     let (eta, k) = match p.rgb("reflectance", &FRACTION)? {
         // With a reflectance, `eta` and `k` are parameters that are not known.
         Some(reflectance) => (Rgb::ONE, extinction(reflectance)),
-        None => (
-            index(p, "eta", metals::COPPER.eta_rgb(), warnings)?,
-            index(p, "k", metals::COPPER.k_rgb(), warnings)?,
-        ),
+        None => {
+            (index(p, "eta", metals::COPPER.eta_rgb(), warnings)?, index(p, "k", metals::COPPER.k_rgb(), warnings)?)
+        }
     };
     let alpha = if p.kind == "metal" { roughness(p, 0.01, remapped_v3)? } else { roughness(p, 0.0, f64::sqrt)? };
     Ok(Conductor { alpha, two_sided: true, ..Conductor::new(eta, k, 0.0, distribution(p)?) })

@@ -125,6 +125,9 @@ enum Source<'a> {
     Recorded { recorded: &'a Recorded, size: [usize; 2] },
 }
 
+/// The most that a renderer may take of the time that is left, for the first image of a replicate.
+const FIRST_IMAGE: f64 = 1.0 / 3.0;
+
 /// A replicate while it is rendered.
 pub struct Replicate<'a> {
     source: Source<'a>,
@@ -201,7 +204,9 @@ impl<'a> Replicate<'a> {
                 if left <= 0.0 {
                     return Step::Stopped;
                 }
-                let run = renderer.run(spp, self.seed, *size, Duration::from_secs_f64(left));
+                // A first image that takes longer leaves no time for a curve, or its program hangs.
+                let most = if self.spp == 0 { left * FIRST_IMAGE } else { left };
+                let run = renderer.run(spp, self.seed, *size, Duration::from_secs_f64(most));
                 // What the end of the budget stops is no fault of the program.
                 match run {
                     Err(_) if deadline.is_over() => return Step::Stopped,
