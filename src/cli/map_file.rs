@@ -36,7 +36,8 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
                 .with_hint(format!("built-in maps: {}", known.join(", "))));
         }
         None => {
-            let (image, notes) = raster::read_lat_long(path, ReadOptions { allow_ldr: options.ldr })?;
+            let (image, notes) =
+                raster::read_lat_long(path, ReadOptions { allow_ldr: options.ldr, ..ReadOptions::default() })?;
             notes.iter().for_each(|note| console.warn(note));
             check_range(path, &image)?;
             image

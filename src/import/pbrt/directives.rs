@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3};
 /// Directives that belong before `WorldBegin`, and after it; those of neither list are allowed anywhere.
 const OPTIONS: &str = "Camera Film Sampler PixelFilter SurfaceIntegrator Integrator Accelerator VolumeIntegrator Renderer \
                        WorldBegin";
-const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Shape LightSource \
+const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Texture Shape LightSource \
                        AreaLightSource ObjectBegin ObjectEnd ObjectInstance";
 
 impl Reader<'_> {
@@ -70,6 +70,7 @@ impl Reader<'_> {
                 let object = lexer.text(name, &at, "a name")?;
                 self.instance(&object, &at)?;
             }
+            "Texture" => self.texture(at, lexer)?,
             "MediumInterface" => only_vacuum(name, &at, lexer)?,
             "MakeNamedMedium" => {
                 let medium = Params::read(lexer, name, at)?;
@@ -171,7 +172,6 @@ fn only_vacuum(name: &str, at: &At, lexer: &mut Lexer) -> Result<()> {
 /// A directive of pbrt that is not supported, or no directive at all.
 fn unknown(name: &str, at: &At) -> crate::error::Error {
     let hint = match name {
-        "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
         "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",
         "Volume" => "there are no media here: leave it out",
         "Attribute" | "Option" => "leave it out, or give its parameters where they are needed",

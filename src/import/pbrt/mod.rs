@@ -13,6 +13,7 @@
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
 //! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor` on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
+//! | `Texture` | `constant`, `imagemap`, `checkerboard` (in two dimensions), `scale`, `mix`, with the mapping `uv`; for reflectance, transmittance and roughness |
 //! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh` |
 //! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
 //! | `MakeNamedMedium`, `MediumInterface` | only media that no surface and no camera is in |
@@ -30,6 +31,7 @@ mod params;
 mod reader;
 mod setup;
 mod shape;
+mod texture;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Result};

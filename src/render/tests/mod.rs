@@ -3,6 +3,7 @@
 mod adaptive;
 mod light_tracing;
 mod reference;
+mod textures;
 
 use super::*;
 use crate::envmap::EnvMap;

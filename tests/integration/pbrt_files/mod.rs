@@ -2,6 +2,7 @@
 
 mod content;
 mod refusals;
+mod textures;
 
 use etalon::envmap::EnvMap;
 use etalon::import::{Imported, SceneOptions, pbrt};
