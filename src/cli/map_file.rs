@@ -20,7 +20,7 @@ pub struct MapOptions {
     /// Turn the map upside-down: for files that store the floor in row 0
     #[arg(long)]
     pub flip: bool,
-    /// Accept 8-bit images (PNG, JPEG, PPM) although their lights are clipped
+    /// Accept 8-bit images (PNG, JPEG, TGA, PPM) although their lights are clipped
     #[arg(long)]
     pub ldr: bool,
 }

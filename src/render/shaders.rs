@@ -55,7 +55,7 @@ impl SurfaceShader {
     /// The records of all objects; `lights` are those that are sampled.
     pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
         let kind = |material: &Material, bsdf: &Bsdf| match *plain(material) {
-            Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
+            Material::Diffuse { albedo: Rgb::ZERO } if !material.is_textured() => Kind::Black,
             Material::Diffuse { .. } => Kind::Diffuse,
             _ if bsdf.is_delta() => Kind::Delta,
             _ if bsdf.lobes().iter().any(|lobe| lobe.is_transmission()) => Kind::Transmitting,

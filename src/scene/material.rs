@@ -168,7 +168,8 @@ impl Conductor {
 /// A material whose parameters vary over the surface. Textures change no lobe: a rough surface is rough everywhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Textured {
-    /// The material, with its constant parameters, and any values of the others. Not a mixture: its parts may have textures.
+    /// The material, with its constant parameters, and values of the others that give it the same lobes: an α of a rough
+    /// surface, if there are textures of α. Not a mixture: its parts may have textures.
     pub base: Material,
     /// In place of an albedo or a reflectance, from 0 to 1.
     pub reflectance: Option<Texture>,

@@ -6,7 +6,7 @@ use super::reader::Reader;
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::rule::{FRACTION, Rule};
-use crate::math::Rgb;
+use crate::math::{Rgb, mean_rgb};
 use crate::raster::{ReadOptions, read_with_notes};
 use crate::scene::{ImageTexture, Texels, Texture, UvMapping, Wrap};
 use glam::DVec2;
@@ -33,8 +33,8 @@ pub enum Values {
     Float,
 }
 
-/// What identifies the texels of an image: its file, and whether its codes are linear.
-pub type TexelsKey = (PathBuf, bool);
+/// What identifies the texels of an image: its file, what they are, and whether its codes are linear.
+pub type TexelsKey = (PathBuf, Values, bool);
 
 const VALUE: Rule = Rule(|x| (0.0..=1e9).contains(&x), "from 0 to 1e9");
 const COORDINATE: Rule = Rule(|x| (-1e9..=1e9).contains(&x), "from -1e9 to 1e9");
@@ -52,7 +52,7 @@ impl Reader<'_> {
         let p = Params::read(lexer, &owner, at)?;
         let named = match p.kind.as_str() {
             "constant" => self.operand(&p, "value", values, 1.0)?,
-            "imagemap" => Named { texture: Texture::Image(self.image_texture(&p)?), parts: 1 },
+            "imagemap" => Named { texture: Texture::Image(self.image_texture(&p, values)?), parts: 1 },
             "checkerboard" => {
                 if p.integer("dimension", 2..=3)? == Some(3) {
                     return Err(p
@@ -130,7 +130,7 @@ impl Reader<'_> {
         })
     }
 
-    fn image_texture(&mut self, p: &Params) -> Result<ImageTexture> {
+    fn image_texture(&mut self, p: &Params, values: Values) -> Result<ImageTexture> {
         let one_of = |name: &'static str, known: &str| {
             let given = p.text(name)?.unwrap_or_default().to_ascii_lowercase();
             if given.is_empty() || known.split(' ').any(|known| known == given) {
@@ -155,7 +155,7 @@ impl Reader<'_> {
         let mapping = mapping(p)?;
         let at = p.place("filename");
         let name = p.text("filename")?.ok_or_else(|| at.input(format!("{} needs a \"string filename\"", p.owner)))?;
-        let key = (self.folder.join(name), is_linear);
+        let key = (self.folder.join(name), values, is_linear);
         let texels = match self.texels.get(&key) {
             Some(known) => Arc::clone(known),
             None => self.read_texels(key, at)?,
@@ -165,7 +165,7 @@ impl Reader<'_> {
 
     /// The texels of an image that has not been read before.
     fn read_texels(&mut self, key: TexelsKey, at: &At) -> Result<Arc<Texels>> {
-        let (path, is_linear) = &key;
+        let (path, values, is_linear) = &key;
         let options = ReadOptions { allow_ldr: true, is_linear: *is_linear };
         let (image, notes) = read_with_notes(path, options).map_err(|e| at.cannot_read(e))?;
         self.warnings.extend(notes);
@@ -179,6 +179,11 @@ impl Reader<'_> {
             let message = format!("the pixel ({x}, {y}) is {}", image.pixels()[bad]);
             return Err(Error::input(path, message).with_hint("textures need finite values that are not negative"));
         }
+        // A number is the mean of the channels, as in pbrt-v4.
+        let image = match values {
+            Values::Spectrum => image,
+            Values::Float => image.map(|texel| Rgb::splat(mean_rgb(texel) as f32)),
+        };
         let texels = Arc::new(Texels::new(image));
         self.texels.insert(key, Arc::clone(&texels));
         Ok(texels)

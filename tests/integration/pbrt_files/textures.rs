@@ -105,6 +105,12 @@ fn images_are_read_once_and_as_they_say() {
     ] {
         assert_eq!(red(parameters).0, expected, "{parameters}");
     }
+    // A number is the mean of the channels.
+    let float = "Texture \"f\" \"float\" \"imagemap\" \"string filename\" \"t.ppm\" \"string encoding\" \"linear\"
+                 Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [1 1 1] \"texture scale\" \"f\"
+                 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+    let value = image_of(&with_image("t.ppm", &ppm(), float).unwrap()).at(Vec2::new(0.25, 0.5));
+    assert!((value - Rgb::splat(0.2 / 3.0)).abs().max_element() < 1e-6, "{value}");
     assert_eq!(red("\"string wrap\" \"clamp\"").1, Wrap::Clamp);
     assert_eq!(red("\"string wrap\" \"black\" \"string filter\" \"trilinear\"").1, Wrap::Black);
     assert_eq!(red("\"string filter\" \"trilinear\"").2, 1, "a warning");
