@@ -14,7 +14,7 @@ pub enum Texture {
     Constant(Rgb),
     /// An image.
     Image(ImageTexture),
-    /// Squares of side 1 in (s, t), by turns of the first and the second texture; the one from (0, 0) to (1, 1) is of the first.
+    /// Squares of side 1 in (s, t), alternating between the first and the second texture; the one from (0, 0) to (1, 1) is of the first.
     Checkerboard {
         /// From (u, v) to (s, t).
         mapping: UvMapping,

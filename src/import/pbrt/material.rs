@@ -2,7 +2,7 @@
 
 use super::params::Params;
 use super::reader::{GREY, Reader};
-use super::texture::Values;
+use super::textures::Values;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};

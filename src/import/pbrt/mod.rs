@@ -32,6 +32,7 @@ mod reader;
 mod setup;
 mod shape;
 mod texture;
+mod textures;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Result};

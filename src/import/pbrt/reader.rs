@@ -3,18 +3,17 @@
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::setup::Setup;
-use super::texture::{MAX_TEXTURE_PIXELS, Named, TexelsKey, Values};
+use super::textures::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::place::At;
 use crate::import::{Imported, SceneOptions};
 use crate::math::Rgb;
-use crate::scene::{Emission, Environment, Light, Material, Object, Scene, Texels};
+use crate::scene::{Emission, Environment, Light, Material, Object, Scene};
 use glam::DMat4;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// Most bytes of text in a scene, all its files together (a file counts each time it is included).
 const MAX_BYTES: u64 = 64 << 20;
@@ -40,11 +39,7 @@ pub struct Reader<'a> {
     blocks: Vec<Block>,
     pub(super) systems: HashMap<String, DMat4>,
     pub(super) materials: HashMap<String, Material>,
-    pub(super) textures: HashMap<(Values, String), Named>,
-    /// The images of textures that have been read.
-    pub(super) texels: HashMap<TexelsKey, Arc<Texels>>,
-    /// How many more pixels of such images may be read.
-    pub(super) texture_pixels: u64,
+    pub(super) textures: Textures,
     pub(super) setup: Setup,
     pub(super) objects: Vec<Object>,
     /// Lights so far, without those at infinity.
@@ -109,9 +104,7 @@ impl<'a> Reader<'a> {
             blocks: Vec::new(),
             systems: HashMap::new(),
             materials: HashMap::new(),
-            textures: HashMap::new(),
-            texels: HashMap::new(),
-            texture_pixels: MAX_TEXTURE_PIXELS,
+            textures: Textures::default(),
             setup: Setup::default(),
             objects: Vec::new(),
             lights: Vec::new(),

@@ -3,6 +3,7 @@
 use super::lexer::Lexer;
 use super::params::Params;
 use super::reader::Reader;
+use super::textures::{MAX_TEXTURE_PIXELS, Named, TexelsKey, Values};
 use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::rule::{FRACTION, Rule};
@@ -10,31 +11,10 @@ use crate::math::{Rgb, mean_rgb};
 use crate::raster::{ReadOptions, read_with_notes};
 use crate::scene::{ImageTexture, Texels, Texture, UvMapping, Wrap};
 use glam::DVec2;
-use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Most pixels in a scene's images for textures, all together: 3 GiB.
-pub const MAX_TEXTURE_PIXELS: u64 = 1 << 28;
 
 /// Most textures inside a texture, each counted as often as it is named.
 const MAX_PARTS: usize = 64;
-
-/// A texture, and how many textures it is made of.
-#[derive(Clone)]
-pub struct Named {
-    texture: Texture,
-    parts: usize,
-}
-
-/// Whether a texture is of colours or of numbers; a name may stand for one of each.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Values {
-    Spectrum,
-    Float,
-}
-
-/// What identifies the texels of an image: its file, what they are, and whether its codes are linear.
-pub type TexelsKey = (PathBuf, Values, bool);
 
 const VALUE: Rule = Rule(|x| (0.0..=1e9).contains(&x), "from 0 to 1e9");
 const COORDINATE: Rule = Rule(|x| (-1e9..=1e9).contains(&x), "from -1e9 to 1e9");
@@ -85,7 +65,7 @@ impl Reader<'_> {
         };
         // Filters other than the bilinear one: mip maps.
         p.finish(&["maxanisotropy", "trilinear", "aamode"], &mut self.warnings)?;
-        self.textures.insert((values, name), named);
+        self.textures.named.insert((values, name), named);
         Ok(())
     }
 
@@ -104,7 +84,7 @@ impl Reader<'_> {
     /// The texture that a parameter names, if it does.
     fn named(&self, p: &Params, name: &'static str, values: Values) -> Result<Option<Named>> {
         let Some(texture) = p.texture(name)? else { return Ok(None) };
-        if let Some(known) = self.textures.get(&(values, texture.to_owned())) {
+        if let Some(known) = self.textures.named.get(&(values, texture.to_owned())) {
             return Ok(Some(known.clone()));
         }
         let what = if values == Values::Float { "float" } else { "spectrum" };
@@ -156,7 +136,7 @@ impl Reader<'_> {
         let at = p.place("filename");
         let name = p.text("filename")?.ok_or_else(|| at.input(format!("{} needs a \"string filename\"", p.owner)))?;
         let key = (self.folder.join(name), values, is_linear);
-        let texels = match self.texels.get(&key) {
+        let texels = match self.textures.texels.get(&key) {
             Some(known) => Arc::clone(known),
             None => self.read_texels(key, at)?,
         };
@@ -170,7 +150,7 @@ impl Reader<'_> {
         let (image, notes) = read_with_notes(path, options).map_err(|e| at.cannot_read(e))?;
         self.warnings.extend(notes);
         let pixels = image.pixels().len() as u64;
-        self.texture_pixels = self.texture_pixels.checked_sub(pixels).ok_or_else(|| {
+        self.textures.pixels = self.textures.pixels.checked_sub(pixels).ok_or_else(|| {
             Error::limit(path, format!("with this, the scene's textures exceed {MAX_TEXTURE_PIXELS} pixels"))
         })?;
         let is_usable = |texel: &Rgb| texel.is_finite() && texel.min_element() >= 0.0;
@@ -185,7 +165,7 @@ impl Reader<'_> {
             Values::Float => image.map(|texel| Rgb::splat(mean_rgb(texel) as f32)),
         };
         let texels = Arc::new(Texels::new(image));
-        self.texels.insert(key, Arc::clone(&texels));
+        self.textures.texels.insert(key, Arc::clone(&texels));
         Ok(texels)
     }
 }
