@@ -28,6 +28,8 @@ pub struct CoatedDiffuse {
     strength: Rgb,
     /// The largest albedo of the base under light that has entered the coat.
     entered: f32,
+    /// F̄_out.
+    outside: f64,
 }
 
 impl CoatedDiffuse {
@@ -40,6 +42,13 @@ impl CoatedDiffuse {
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
         let term = |v: f64| fresnel(v * v, wide).unpolarized() * 4.0 * v.powi(3);
         let outside: f64 = (0..STEPS).map(|i| term(place(i))).sum::<f64>() / f64::from(STEPS);
+        Self { eta, strength: Rgb::ZERO, entered: 0.0, outside }.with_albedo(albedo)
+    }
+
+    /// The same coat over a base of another albedo.
+    #[must_use]
+    pub fn with_albedo(self, albedo: Rgb) -> Self {
+        let (wide, outside) = (f64::from(self.eta), self.outside);
         let leaves = (1.0 - outside) / (wide * wide);
         let channel = |rho: f32| {
             let rho = f64::from(rho);
@@ -48,7 +57,7 @@ impl CoatedDiffuse {
         let diffuse = [albedo.x, albedo.y, albedo.z].map(channel);
         let strength = diffuse.map(|diffuse| (diffuse * std::f64::consts::FRAC_1_PI) as f32);
         let entered = diffuse.into_iter().fold(0.0, f64::max) * (1.0 - outside);
-        Self { eta, strength: Rgb::from_array(strength), entered: entered as f32 }
+        Self { strength: Rgb::from_array(strength), entered: entered as f32, ..self }
     }
 
     /// The reflected share F at `w`, and the probability with which the mirror direction is sampled.

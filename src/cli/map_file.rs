@@ -20,7 +20,7 @@ pub struct MapOptions {
     /// Turn the map upside-down: for files that store the floor in row 0
     #[arg(long)]
     pub flip: bool,
-    /// Accept 8-bit images (PNG, JPEG, PPM) although their lights are clipped
+    /// Accept 8-bit images (PNG, JPEG, TGA, PPM) although their lights are clipped
     #[arg(long)]
     pub ldr: bool,
 }
@@ -36,7 +36,8 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
                 .with_hint(format!("built-in maps: {}", known.join(", "))));
         }
         None => {
-            let (image, notes) = raster::read_lat_long(path, ReadOptions { allow_ldr: options.ldr })?;
+            let (image, notes) =
+                raster::read_lat_long(path, ReadOptions { allow_ldr: options.ldr, ..ReadOptions::default() })?;
             notes.iter().for_each(|note| console.warn(note));
             check_range(path, &image)?;
             image

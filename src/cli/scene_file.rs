@@ -200,8 +200,15 @@ fn change(scene: &mut Scene, parameter: &str, what: &str, set: impl Fn(&mut Mate
     fn count(material: &mut Material, set: impl Fn(&mut Material) -> bool + Copy) -> usize {
         match material {
             Material::Mixture(parts) => Arc::make_mut(parts).iter_mut().map(|(_, part)| count(part, set)).sum(),
+            Material::Textured(textured) => count(&mut Arc::make_mut(textured).base, set),
             plain => usize::from(set(plain)),
         }
+    }
+    if scene.objects.iter().any(|object| object.material.has_textured_alpha()) {
+        return Err(Error::parameter(
+            parameter,
+            format!("a texture sets the roughness of a surface in {}", scene.name),
+        ));
     }
     let changed: usize = scene.objects.iter_mut().map(|object| count(&mut object.material, set)).sum();
     if changed > 0 {

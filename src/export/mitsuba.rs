@@ -136,6 +136,7 @@ fn material(scene: &Scene, material: &Material, aside: &mut Aside) -> Result<Str
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
         Material::CoatedDiffuse { .. } => return refuse("a coated diffuse surface"),
         Material::Mixture(_) => return refuse("a mixture of materials"),
+        Material::Textured(_) => return refuse("a textured material"),
     })
 }
 

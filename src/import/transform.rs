@@ -2,7 +2,7 @@
 
 use super::place::At;
 use crate::error::Result;
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec3};
 
 /// Tolerance of cosines between columns, and of relative differences of scales: files have about six digits.
 const TOLERANCE: f64 = 1e-4;
@@ -83,9 +83,10 @@ pub fn similarity(matrix: &DMat4) -> Option<(DMat3, f64)> {
     (scales.max_element() - scales.min_element() < TOLERANCE * scales.max_element()).then_some((rotation, scales.x))
 }
 
-/// The unit direction of the object's z axis in the world; +z where a transform leaves none of it.
-pub fn axis(to_world: &DMat4) -> Vec3 {
-    to_world.z_axis.truncate().try_normalize().map_or(Vec3::Z, DVec3::as_vec3)
+/// The unit directions of the object's axes in the world; those of the world where a transform leaves none.
+pub fn directions(to_world: &DMat4) -> [Vec3; 3] {
+    let unit = |axis: DVec4, instead| axis.truncate().try_normalize().map_or(instead, DVec3::as_vec3);
+    [unit(to_world.x_axis, Vec3::X), unit(to_world.y_axis, Vec3::Y), unit(to_world.z_axis, Vec3::Z)]
 }
 
 /// Coordinates must stay where their squares fit single precision.

@@ -1,4 +1,4 @@
-//! Clipped images: PNG, JPEG, PPM/PGM to linear light, and 8-bit PNG and PPM back.
+//! Clipped images: PNG, JPEG, TGA, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
 use super::Image;
 use super::decoded::{blank, check_size};
@@ -18,8 +18,8 @@ pub(super) struct Format {
     pixels_per_byte: u64,
 }
 
-/// Detects a clipped format by its first bytes.
-pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
+/// Detects a clipped format by its first bytes; TGA, which has no mark of its own, also by the file's name.
+pub(super) fn recognise(path: &Path, bytes: &[u8]) -> Option<Format> {
     let (kind, name, pixels_per_byte) = match bytes {
         // 1 bit a pixel, deflated 1032 to 1.
         [0x89, b'P', b'N', b'G', ..] => (ImageFormat::Png, "PNG", 8 * 1032),
@@ -29,13 +29,19 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<Format> {
         [b'P', b'1'..=b'6', space, ..] if space.is_ascii_whitespace() || *space == b'#' => {
             (ImageFormat::Pnm, "PPM/PGM", 8)
         }
+        // Runs of 128 pixels in two bytes.
+        [_, 0 | 1, 1..=3 | 9..=11, ..] if has_tga_name(path) => (ImageFormat::Tga, "TGA", 64),
         _ => return None,
     };
     Some(Format { kind, name, pixels_per_byte })
 }
 
-/// Reads a clipped image; values are taken to be sRGB-encoded and come out linear, in [0, 1].
-pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image> {
+fn has_tga_name(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"))
+}
+
+/// Reads a clipped image; values are taken to be sRGB-encoded, unless they are linear, and come out linear, in [0, 1].
+pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool) -> Result<Image> {
     let damaged = |e: ImageError| match e {
         ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
         ImageError::Limits(e) => Error::limit(path, e.to_string()),
@@ -47,7 +53,7 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format) -> Result<Image>
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
     for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {
-        *to = Rgb::from_array(from.0.map(linear_from_srgb));
+        *to = Rgb::from_array(if is_linear { from.0 } else { from.0.map(linear_from_srgb) });
     }
     Ok(image)
 }
@@ -74,7 +80,8 @@ mod tests {
     use super::*;
 
     fn parse(bytes: &[u8]) -> Result<Image> {
-        decode(Path::new("a"), bytes, recognise(bytes).expect("a known format"))
+        let path = Path::new("a.tga");
+        decode(path, bytes, recognise(path, bytes).expect("a known format"), false)
     }
 
     #[test]
@@ -96,6 +103,37 @@ mod tests {
         assert_eq!(grey.pixels(), [Rgb::ZERO, Rgb::ONE]);
         let deep = parse(b"P5 1 1 65535 \x80\x00").unwrap();
         assert!((deep.get(0, 0).x - linear_from_srgb(32768.0 / 65535.0)).abs() < 1e-7);
+    }
+
+    /// A TGA file of true colour: a header of 18 bytes, then pixels as blue, green, red from the lower left.
+    fn tga(kind: u8, [width, height]: [u16; 2], pixels: &[u8]) -> Vec<u8> {
+        let [w, h] = [width, height].map(u16::to_le_bytes);
+        let mut bytes = vec![0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0, w[0], w[1], h[0], h[1], 24, 0];
+        bytes.extend(pixels);
+        bytes
+    }
+
+    #[test]
+    fn tga_files_plain_and_in_runs() {
+        let red = Rgb::new(1.0, 0.0, 0.0);
+        let plain = parse(&tga(2, [1, 2], &[0, 0, 255, 255, 0, 0])).unwrap();
+        assert_eq!(plain.pixels(), [Rgb::new(0.0, 0.0, 1.0), red], "the lower row comes first");
+        // A run of 4 pixels.
+        assert_eq!(parse(&tga(10, [4, 1], &[0x83, 0, 0, 255])).unwrap().pixels(), [red; 4]);
+        assert!(recognise(Path::new("a.png"), &tga(2, [1, 1], &[0; 3])).is_none(), "by its name");
+        for (kind, size, pixels, message) in [
+            (2, [60000, 4000], &[0; 3][..], "cannot hold"),
+            (2, [0, 1], &[0; 3], "a.tga"),
+            (2, [2, 2], &[0; 3], "a.tga"),
+            (10, [4, 1], &[0x83, 0], "a.tga"),
+            (1, [1, 1], &[0; 3], "a.tga"),
+        ] {
+            let error = parse(&tga(kind, size, pixels)).unwrap_err().to_string();
+            assert!(error.contains(message), "{kind} {size:?}: {error}");
+        }
+        let path = Path::new("a.tga");
+        let linear = decode(path, &tga(2, [1, 1], &[0, 51, 255]), recognise(path, &tga(2, [1, 1], &[])).unwrap(), true);
+        assert_eq!(linear.unwrap().pixels(), [Rgb::new(1.0, 0.2, 0.0)]);
     }
 
     #[test]

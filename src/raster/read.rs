@@ -11,9 +11,11 @@ const MAX_FILE_BYTES: u64 = 1 << 31;
 /// What [`read`] accepts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// Accept PNG, JPEG and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so
+    /// Accept PNG, JPEG, TGA and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so
     /// that the sun is as bright as a white wall, and every measurement made with them is wrong.
     pub allow_ldr: bool,
+    /// Take the values of such files as linear, from 0 to 1, instead.
+    pub is_linear: bool,
 }
 
 /// Reads an image file into linear RGB, row 0 at the top.
@@ -23,7 +25,7 @@ pub struct ReadOptions {
 /// | OpenEXR | half, float and unsigned channels; scan lines, tiles, mip maps (the full resolution); no, RLE, ZIP, PIZ, PXR24, B44, DWA compression | RGB, or one channel as grey, of the unnamed layer or of the only one that suits; alpha ignored; the display window, black where no data is |
 /// | Radiance HDR | new and old run lengths, flat; all eight orientations | mantissa/256 · 2^(exponent-128), divided by `EXPOSURE` and `COLORCORR` |
 /// | PFM | `PF` and `Pf` (not `PF4`), both byte orders | multiplied by the absolute value of the header's scale |
-/// | PNG, JPEG, PPM/PGM | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone; alpha ignored |
+/// | PNG, JPEG, PPM/PGM; TGA, known by its name, too | only with [`ReadOptions::allow_ldr`] | sRGB transfer function undone, unless [`ReadOptions::is_linear`]; alpha ignored |
 ///
 /// Negative and non-finite values are returned unchanged. Some OpenEXR maps are stored upside-down without a mark in the
 /// file; they are returned upside-down. [`read_with_notes`] also returns what had to be guessed.
@@ -87,9 +89,9 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
     } else if bytes.starts_with(b"PF4") {
         Err(Error::unsupported(path, "this is a PFM file of four channels (PF4, RGBA), a variant without a standard")
             .with_hint("save it without alpha, as PF"))
-    } else if let Some(format) = ldr::recognise(&bytes) {
+    } else if let Some(format) = ldr::recognise(path, &bytes) {
         if options.allow_ldr {
-            return ldr::decode(path, &bytes, format).map(Decoded::from);
+            return ldr::decode(path, &bytes, format, options.is_linear).map(Decoded::from);
         }
         Err(Error::unsupported(path, format!("a {} file holds no radiance: its values are clipped at 1", format.name))
             .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one all the same"))
@@ -114,7 +116,7 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
         let is_text = !start.contains(|c: char| c == '\u{fffd}' || (c.is_control() && !c.is_whitespace()));
         let what = if is_text { "this is a text file, not an image" } else { "not an image format known here" };
         Error::input(path, what)
-            .with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG and PPM/PGM with `allow_ldr`")
+            .with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG, TGA and PPM/PGM with `allow_ldr`")
     }
 }
 

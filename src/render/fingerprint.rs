@@ -15,7 +15,11 @@ pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
     let request = Request { spp: 0, ..*request };
     hash.text(&format!("{settings:?} {request:?} {:?} {:?}", scene.camera, scene.lights));
     for object in &scene.objects {
+        // Texels print a hash of themselves.
         hash.text(&format!("{:?} {:?} {:?}", object.material, object.emission, object.axis));
+        if object.material.is_textured() {
+            hash.text(&format!("{:?}", object.meridians));
+        }
         match &object.shape {
             Shape::Mesh(mesh) => {
                 hash.words(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array().map(f32::to_bits)));

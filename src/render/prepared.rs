@@ -4,7 +4,7 @@ use super::cut_lights;
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
-use super::lanes::NOTHING;
+use super::lanes::{Hits, NOTHING};
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights::Sampled;
@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::math::Rgb;
 use crate::memory;
 use crate::scene::{Bvh, Request, Scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use pulp::Arch;
 
 /// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
@@ -116,6 +116,13 @@ impl<'a> PreparedScene<'a> {
     pub fn environment_density(&self, wi: Vec3, normal: Vec3) -> f32 {
         let pdf = self.environment.as_ref().map_or(0.0, |environment| environment.pdf(wi, normal));
         self.request.light_samples as f32 * pdf as f32
+    }
+
+    /// The texture coordinates of the surface that ray `i` has hit; 0 if its material has no textures.
+    #[inline]
+    pub fn uv(&self, hits: &Hits, i: usize, position: Vec3) -> Vec2 {
+        let is_textured = self.shaders[hits.object[i] as usize].varying.is_some();
+        if is_textured { self.geometry.uv(hits, i, position) } else { Vec2::ZERO }
     }
 
     /// The random numbers of a scattering.

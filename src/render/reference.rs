@@ -16,9 +16,10 @@ use super::mis::power_heuristic;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::sample_lanes::SampleLanes;
 use super::shaders::{Kind, SurfaceShader};
-use crate::bsdf::{BsdfSample, Scatter};
+use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// The path tracer, with room for the ray that it traces.
 pub struct Reference<'a> {
@@ -32,6 +33,7 @@ pub struct Reference<'a> {
 struct Vertex<'a> {
     surface: Surface,
     shader: &'a SurfaceShader,
+    bsdf: Cow<'a, Bsdf>,
     frame: Frame,
     /// To the viewer, in the shading frame.
     wo: Vec3,
@@ -41,7 +43,7 @@ impl Vertex<'_> {
     /// The BSDF times the cosine, and the pdf of BSDF sampling, for a direction in the world.
     fn eval(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.frame.to_local(wi);
-        let (f, pdf) = self.shader.bsdf.eval_pdf(self.wo, local);
+        let (f, pdf) = self.bsdf.eval_pdf(self.wo, local);
         // Black where the normals disagree on the side.
         let agree = self.surface.normal.dot(wi) * local.z > 0.0;
         if agree { (f * local.z.abs(), pdf) } else { (Rgb::ZERO, pdf) }
@@ -49,7 +51,7 @@ impl Vertex<'_> {
 
     /// Samples the BSDF, and a direction in the world.
     fn sample(&self, uc: f32, u: [f32; 2]) -> Option<(BsdfSample, Vec3)> {
-        let sample = self.shader.bsdf.sample(self.wo, uc, u)?;
+        let sample = self.bsdf.sample(self.wo, uc, u)?;
         let wi = self.frame.to_world(sample.wi);
         let agree = sample.is_delta() || self.surface.normal.dot(wi) * sample.wi.z > 0.0;
         (agree && sample.weight != Rgb::ZERO).then_some((sample, wi))
@@ -189,7 +191,8 @@ impl<'a> Reference<'a> {
         let surface = shader.facing(self.scene.geometry.surface(&self.rays, &self.hits, 0), -ray[1]);
         let tangent = || self.scene.geometry.tangent(&self.hits, 0, surface.normal);
         let frame = shader.frame(&surface, -ray[1], tangent);
-        Some(Vertex { surface, shader, frame, wo: frame.to_local(-ray[1]) })
+        let bsdf = shader.bsdf_at(|| self.scene.geometry.uv(&self.hits, 0, surface.position));
+        Some(Vertex { surface, shader, bsdf, frame, wo: frame.to_local(-ray[1]) })
     }
 
     fn set_ray(&mut self, [origin, direction]: [Vec3; 2]) {

@@ -6,13 +6,16 @@ use super::lights::Sampled;
 use super::settings::Settings;
 use crate::bsdf::{Bsdf, Scatter};
 use crate::math::{Frame, Rgb};
-use crate::scene::{Emission, Material, Object, Scene};
-use glam::Vec3;
+use crate::scene::{Emission, Material, Object, Scene, VaryingBsdf};
+use glam::{Vec2, Vec3};
+use std::borrow::Cow;
 
 /// The BSDF and the emission of an object's surface.
 pub struct SurfaceShader {
-    /// How the surface scatters.
+    /// How the surface scatters; with textures, a BSDF of the same lobes: see [`bsdf_at`](Self::bsdf_at).
     pub bsdf: Bsdf,
+    /// The BSDF at each point, if the material has textures.
+    pub varying: Option<VaryingBsdf>,
     /// Its class.
     pub kind: Kind,
     /// Whether the material is the same on both sides: its normal is then turned towards the viewer.
@@ -51,8 +54,8 @@ impl Kind {
 impl SurfaceShader {
     /// The records of all objects; `lights` are those that are sampled.
     pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
-        let kind = |material: &Material, bsdf: &Bsdf| match *material {
-            Material::Diffuse { albedo: Rgb::ZERO } => Kind::Black,
+        let kind = |material: &Material, bsdf: &Bsdf| match *plain(material) {
+            Material::Diffuse { albedo: Rgb::ZERO } if !material.is_textured() => Kind::Black,
             Material::Diffuse { .. } => Kind::Diffuse,
             _ if bsdf.is_delta() => Kind::Delta,
             _ if bsdf.lobes().iter().any(|lobe| lobe.is_transmission()) => Kind::Transmitting,
@@ -65,17 +68,28 @@ impl SurfaceShader {
             }
         }
         let shader = |(i, object): (usize, &Object)| {
-            let bsdf = object.material.bsdf(settings.model);
+            let material = &object.material;
+            let bsdf = material.bsdf(settings.model);
             Self {
-                kind: kind(&object.material, &bsdf),
+                kind: kind(material, &bsdf),
                 bsdf,
-                two_sided: object.material.is_two_sided(),
-                is_anisotropic: object.material.is_anisotropic(),
+                varying: material.is_textured().then(|| VaryingBsdf::new(material, settings.model)),
+                two_sided: material.is_two_sided(),
+                is_anisotropic: material.is_anisotropic(),
                 emission: object.emission,
                 light: first[i],
             }
         };
         scene.objects.iter().enumerate().map(shader).collect()
+    }
+
+    /// The BSDF where the texture coordinates are `uv`, which only a material with textures asks for.
+    #[inline]
+    pub fn bsdf_at(&self, uv: impl FnOnce() -> Vec2) -> Cow<'_, Bsdf> {
+        match &self.varying {
+            None => Cow::Borrowed(&self.bsdf),
+            Some(varying) => Cow::Owned(varying.at(uv())),
+        }
     }
 
     /// A hit on the surface; that of a two-sided material faces `wo`.
@@ -99,5 +113,13 @@ impl SurfaceShader {
     pub fn emitted(&self, normal: Vec3, direction: Vec3) -> Rgb {
         let emission = self.emission.filter(|emission| emission.is_emitted(normal, direction));
         emission.map_or(Rgb::ZERO, |emission| emission.radiance)
+    }
+}
+
+/// The material, or what textures vary.
+fn plain(material: &Material) -> &Material {
+    match material {
+        Material::Textured(textured) => &textured.base,
+        plain => plain,
     }
 }

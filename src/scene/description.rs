@@ -49,13 +49,16 @@ pub struct Object {
     /// tangents of a rectangle run along its first edge, those of a mesh are [`Mesh::tangent`]. Only anisotropic
     /// materials depend on tangents.
     pub axis: Vec3,
+    /// The unit directions, in the world, of azimuth 0° and 90° around [`axis`](Self::axis): +x and +y of object space. Only
+    /// textures on spheres depend on them.
+    pub meridians: [Vec3; 2],
 }
 
 impl Object {
-    /// An object that emits no light, its axis along +z.
+    /// An object that emits no light, its axis along +z, its meridians along +x and +y.
     #[must_use]
     pub fn new(shape: Shape, material: Material) -> Self {
-        Self { shape, material, emission: None, axis: Vec3::Z }
+        Self { shape, material, emission: None, axis: Vec3::Z, meridians: [Vec3::X, Vec3::Y] }
     }
 }
 

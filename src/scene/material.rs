@@ -1,8 +1,10 @@
 //! How surfaces scatter light, and what light they emit.
 
+use super::texture::Texture;
+use crate::bsdf::LEAST_DEVIATION;
 use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// How a surface scatters light.
@@ -38,6 +40,8 @@ pub enum Material {
     },
     /// A weighted sum of materials: each with its weight, at most 1 together.
     Mixture(Arc<[(f32, Material)]>),
+    /// One that varies over the surface.
+    Textured(Arc<Textured>),
 }
 
 impl Material {
@@ -50,6 +54,7 @@ impl Material {
             Self::Conductor(conductor) => conductor.two_sided,
             Self::Mirror { .. } | Self::Refraction { .. } | Self::Dielectric(_) => false,
             Self::Mixture(_) => !self.is_transmitting(),
+            Self::Textured(textured) => textured.base.is_two_sided(),
         }
     }
 
@@ -58,6 +63,7 @@ impl Material {
         match self {
             Self::Refraction { .. } | Self::Dielectric(_) => true,
             Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_transmitting()),
+            Self::Textured(textured) => textured.base.is_transmitting(),
             _ => false,
         }
     }
@@ -71,6 +77,30 @@ impl Material {
                 alpha[0] != alpha[1]
             }
             Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_anisotropic()),
+            Self::Textured(textured) => match &textured.alpha {
+                Some([x, y]) => x != y,
+                None => textured.base.is_anisotropic(),
+            },
+            _ => false,
+        }
+    }
+
+    /// Whether the width of a distribution of its normals varies over the surface.
+    #[must_use]
+    pub fn has_textured_alpha(&self) -> bool {
+        match self {
+            Self::Textured(textured) => textured.alpha.is_some(),
+            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.has_textured_alpha()),
+            _ => false,
+        }
+    }
+
+    /// Whether it varies over the surface, so that it needs texture coordinates.
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        match self {
+            Self::Textured(_) => true,
+            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_textured()),
             _ => false,
         }
     }
@@ -133,6 +163,70 @@ impl Conductor {
     pub const fn new(eta: Rgb, k: Rgb, alpha: f32, distribution: Distribution) -> Self {
         Self { eta, k, alpha: [alpha; 2], distribution, two_sided: false, multiple_scattering: false }
     }
+}
+
+/// A material whose parameters vary over the surface. Textures change no lobe: a rough surface is rough everywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Textured {
+    /// The material, with its constant parameters, and values of the others that give it the same lobes: an α of a rough
+    /// surface, if there are textures of α. Not a mixture: its parts may have textures.
+    pub base: Material,
+    /// In place of an albedo or a reflectance, from 0 to 1.
+    pub reflectance: Option<Texture>,
+    /// In place of a transmittance, from 0 to 1.
+    pub transmittance: Option<Texture>,
+    /// In place of the widths α along x and y. Where it is less, α is that of the smoothest rough surface: see
+    /// [`least_alpha`].
+    pub alpha: Option<[Texture; 2]>,
+}
+
+impl Textured {
+    /// The material at a point.
+    #[must_use]
+    pub fn at(&self, uv: Vec2) -> Material {
+        let mut material = self.base.clone();
+        match &mut material {
+            Material::Diffuse { albedo: reflectance }
+            | Material::CoatedDiffuse { albedo: reflectance, .. }
+            | Material::Mirror { reflectance } => look_up(&self.reflectance, uv, reflectance),
+            Material::Refraction { transmittance, .. } => look_up(&self.transmittance, uv, transmittance),
+            Material::Dielectric(dielectric) => {
+                look_up(&self.reflectance, uv, &mut dielectric.reflectance);
+                look_up(&self.transmittance, uv, &mut dielectric.transmittance);
+                if let Some(alpha) = self.alpha_at(uv) {
+                    let least = least_alpha(dielectric);
+                    dielectric.alpha = alpha.map(|alpha| alpha.max(least));
+                }
+            }
+            Material::Conductor(conductor) => {
+                if let Some(alpha) = self.alpha_at(uv) {
+                    conductor.alpha = alpha.map(|alpha| alpha.max(SMOOTH_ALPHA));
+                }
+            }
+            Material::Mixture(_) | Material::Textured(_) => {}
+        }
+        material
+    }
+
+    fn alpha_at(&self, uv: Vec2) -> Option<[f32; 2]> {
+        self.alpha.as_ref().map(|alpha| alpha.each_ref().map(|alpha| alpha.at(uv).x))
+    }
+}
+
+/// Sets `value` to that of a texture, if there is one.
+fn look_up(texture: &Option<Texture>, uv: Vec2, value: &mut Rgb) {
+    if let Some(texture) = texture {
+        *value = texture.at(uv);
+    }
+}
+
+/// The least α of a dielectric that counts as rough: [`SMOOTH_ALPHA`], or what f32 directions resolve
+/// ([`LEAST_DEVIATION`]), which for an index next to 1 may be more than 1.
+#[must_use]
+pub fn least_alpha(dielectric: &Dielectric) -> f32 {
+    let resolved = LEAST_DEVIATION * dielectric.eta.max(1.0) / (dielectric.eta - 1.0).abs();
+    // Rounded up.
+    SMOOTH_ALPHA.max(resolved * (1.0 + 4.0 * f32::EPSILON))
 }
 
 /// Emission of a surface, the same in every direction.

@@ -45,6 +45,9 @@ impl Mesh {
     /// Largest coordinate, of either sign: sums of products of two coordinates stay finite by far.
     pub const FARTHEST: f32 = 1e15;
 
+    /// The texture coordinates of a triangle without any.
+    pub const DEFAULT_UV: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::ONE];
+
     /// A mesh as described at the fields.
     ///
     /// # Errors
@@ -130,6 +133,14 @@ impl Mesh {
         let determinant = uv_ab.perp_dot(uv_ac);
         let tangent = (uv_ac.y * p_ab - uv_ab.y * p_ac) * determinant.signum();
         if determinant == 0.0 { None } else { Some(tangent.try_normalize()?.as_vec3()) }
+    }
+
+    /// The texture coordinates of the point of `triangle` with the barycentric weights 1 − u − v, u, v. Without texture
+    /// coordinates those of the corners are (0, 0), (1, 0) and (1, 1), as in pbrt.
+    #[must_use]
+    pub fn uv_at(&self, triangle: u32, u: f32, v: f32) -> Vec2 {
+        let [a, b, c] = self.uv.get(triangle as usize).copied().unwrap_or(Self::DEFAULT_UV);
+        a * (1.0 - u - v) + b * u + c * v
     }
 
     /// How far, per axis, the point of any [`Surface`] may be off its triangle, with a margin for the rounding of the ray

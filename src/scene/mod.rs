@@ -13,6 +13,8 @@ pub mod rectangle;
 pub mod scattering;
 pub mod sphere;
 pub mod statue;
+pub mod texture;
+pub mod varying;
 
 pub use crate::sampling::filter::{FilterShape, PixelFilter};
 pub use bvh::{Bvh, Hit, Rays};
@@ -21,8 +23,12 @@ pub use description::{Object, Request, Scene, Shape};
 pub use environment::Environment;
 pub use first_hit::FirstHit;
 pub use light::{Falloff, Light};
-pub use material::{Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA};
+pub use material::{
+    Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA, Textured, least_alpha,
+};
 pub use mesh::{Mesh, Surface};
 pub use rectangle::Rectangle;
 pub use scattering::ScatterModel;
 pub use sphere::Sphere;
+pub use texture::{ImageTexture, RoughnessScale, Texels, Texture, UvMapping, Wrap};
+pub use varying::VaryingBsdf;

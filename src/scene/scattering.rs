@@ -22,7 +22,7 @@ pub struct ScatterModel {
 }
 
 impl Material {
-    /// The scattering functions of the material.
+    /// The scattering functions of the material; with textures, those of its base: see [`super::VaryingBsdf`].
     #[must_use]
     pub fn bsdf(&self, model: ScatterModel) -> Bsdf {
         match self {
@@ -35,6 +35,7 @@ impl Material {
             Self::Mixture(parts) => {
                 Bsdf::Mixture(Mixture::new(parts.iter().map(|(weight, part)| (*weight, part.bsdf(model)))))
             }
+            Self::Textured(textured) => textured.base.bsdf(model),
         }
     }
 }

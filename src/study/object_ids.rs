@@ -34,12 +34,16 @@ impl Kind {
     }
 
     fn of(object: &Object) -> Self {
-        match object.material {
-            _ if object.emission.is_some() => Self::AreaLight,
+        if object.emission.is_some() { Self::AreaLight } else { Self::of_material(&object.material) }
+    }
+
+    fn of_material(material: &Material) -> Self {
+        match material {
             Material::Mirror { .. } => Self::Mirror,
             Material::Dielectric(_) | Material::Refraction { .. } => Self::Glass,
             Material::Conductor(_) => Self::Metal,
             Material::Diffuse { .. } | Material::CoatedDiffuse { .. } | Material::Mixture(_) => Self::Diffuse,
+            Material::Textured(textured) => Self::of_material(&textured.base),
         }
     }
 }

@@ -46,7 +46,7 @@ impl Target {
         std::fs::create_dir_all(&folder).unwrap();
         let all = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds");
         // Scenes name other seeds, which therefore lie beside the input.
-        for other in ["ply", "pbrt", "collada", "samples", "grid"] {
+        for other in ["tga", "ply", "pbrt", "collada", "samples", "grid"] {
             for file in files(&all.join(other)) {
                 std::fs::copy(&file, folder.join(file.file_name().unwrap())).unwrap();
             }
@@ -128,6 +128,7 @@ targets! {
     pnm "ppm" readers::image;
     png "png" readers::png;
     jpeg "jpg" readers::image;
+    tga "tga" readers::image;
     part "exr" readers::part;
     ply "ply" readers::mesh;
     obj "obj" readers::mesh;

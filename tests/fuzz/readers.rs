@@ -22,7 +22,7 @@ const SIZE: [usize; 2] = [4, 3];
 
 /// Any image file, as an environment map.
 pub fn image(path: &Path) -> Result<()> {
-    let map = EnvMap::new(etalon::raster::read(path, ReadOptions { allow_ldr: true })?);
+    let map = EnvMap::new(etalon::raster::read(path, ReadOptions { allow_ldr: true, ..ReadOptions::default() })?);
     let _ = Info::of(&map);
     Ok(())
 }

@@ -86,7 +86,7 @@ fn assert_whole(folder: &Path) {
         let bytes = std::fs::read(&path).unwrap();
         let whole = match path.extension().and_then(|e| e.to_str()) {
             Some("exr" | "pfm") => read(&path, ReadOptions::default()).is_ok(),
-            Some("png" | "ppm") => read(&path, ReadOptions { allow_ldr: true }).is_ok(),
+            Some("png" | "ppm") => read(&path, ReadOptions { allow_ldr: true, ..ReadOptions::default() }).is_ok(),
             Some("csv") => bytes.ends_with(b"\n"),
             Some("json") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
             Some("html") => bytes.trim_ascii_end().ends_with(b"</html>"),

@@ -72,7 +72,9 @@ impl Compare {
             let linear = raster::read_with_notes(path, ReadOptions::default());
             let is_clipped = matches!(linear, Err(Error::Unsupported { .. }));
             let (image, notes) = match linear {
-                Err(_) if is_clipped => raster::read_with_notes(path, ReadOptions { allow_ldr: true }),
+                Err(_) if is_clipped => {
+                    raster::read_with_notes(path, ReadOptions { allow_ldr: true, ..ReadOptions::default() })
+                }
                 linear => linear,
             }?;
             notes.iter().for_each(|note| console.warn(note));

@@ -4,7 +4,7 @@ use super::camera::View;
 use super::document::{Document, Element, elements, is};
 use super::{geometry, light, material, transform};
 use crate::error::{Error, Result};
-use crate::import::transform::{affine, axis};
+use crate::import::transform::{affine, directions};
 use crate::scene::{Light, Object};
 use glam::{DMat4, DVec3};
 
@@ -105,7 +105,8 @@ impl<'a> Walker<'a, '_> {
             let geometry = document.follow(instance, "url", "geometry")?;
             let shape = geometry::shape(document, geometry, to_world, &mut self.budget)?;
             let (material, emission) = material::surface(document, instance)?;
-            self.found.objects.push(Object { emission, axis: axis(to_world), ..Object::new(shape, material) });
+            let [_, _, axis] = directions(to_world);
+            self.found.objects.push(Object { emission, axis, ..Object::new(shape, material) });
         }
         Ok(())
     }

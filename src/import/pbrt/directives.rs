@@ -12,7 +12,7 @@ use glam::{DMat4, DVec3};
 /// Directives that belong before `WorldBegin`, and after it; those of neither list are allowed anywhere.
 const OPTIONS: &str = "Camera Film Sampler PixelFilter SurfaceIntegrator Integrator Accelerator VolumeIntegrator Renderer \
                        Option WorldBegin";
-const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Shape LightSource \
+const CONTENT: &str = "WorldEnd AttributeBegin AttributeEnd Material MakeNamedMaterial NamedMaterial Texture Shape LightSource \
                        AreaLightSource ObjectBegin ObjectEnd ObjectInstance";
 
 impl Reader<'_> {
@@ -72,6 +72,7 @@ impl Reader<'_> {
                 self.instance(&object, &at)?;
             }
             "Option" => option(&Params::single(lexer, name, at)?, &mut self.warnings)?,
+            "Texture" => self.texture(at, lexer)?,
             "MediumInterface" => only_vacuum(name, &at, lexer)?,
             "MakeNamedMedium" => {
                 let medium = Params::read(lexer, name, at)?;
@@ -198,7 +199,6 @@ fn only_vacuum(name: &str, at: &At, lexer: &mut Lexer) -> Result<()> {
 /// A directive of pbrt that is not supported, or no directive at all.
 fn unknown(name: &str, at: &At) -> crate::error::Error {
     let hint = match name {
-        "Texture" => "give colours as numbers, like \"rgb Kd\" [.5 .5 .5]",
         "ActiveTransform" | "TransformTimes" => "nothing moves here: leave it out",
         "Volume" => "there are no media here: leave it out",
         "Attribute" => "leave it out, or give its parameters where they are needed",

@@ -82,7 +82,7 @@ impl Reader<'_> {
     fn map(&mut self, name: &str, parameter: &str, at: &At) -> Result<Image> {
         let path = self.folder.join(name);
         let reader = if parameter == EQUAL_AREA { read_with_notes } else { read_lat_long };
-        let read = reader(&path, ReadOptions { allow_ldr: self.options.allow_ldr });
+        let read = reader(&path, ReadOptions { allow_ldr: self.options.allow_ldr, ..ReadOptions::default() });
         let (mut image, notes) =
             read.map_err(|e| at.cannot_read(e).with_hint("`environment` stands in for the map that the scene names"))?;
         self.warnings.extend(notes);

@@ -1,39 +1,46 @@
-//! Materials: diffuse surfaces, plain or coated, mirrors, glass, metals and mixtures.
+//! Materials: diffuse surfaces, plain or coated, mirrors, glass, metals and mixtures, with or without textures.
 
 use super::params::Params;
 use super::reader::{GREY, Reader};
+use super::textures::Values;
 use crate::error::{Error, Result};
 use crate::import::place::quote;
 use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::math::Rgb;
 use crate::optics::metals;
-use crate::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA};
+use crate::scene::{
+    Conductor, Dielectric, Distribution, Material, RoughnessScale, SMOOTH_ALPHA, Texture, Textured, least_alpha,
+};
 use std::sync::Arc;
 
 impl Reader<'_> {
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
-        let reflectance = |name, missing| Ok::<_, Error>(p.rgb(name, &FRACTION)?.unwrap_or(missing));
         let material = match p.kind.as_str() {
             "matte" => {
                 p.only_float("sigma", |x| x == 0.0, "0 (Lambert's law)")?;
-                Material::Diffuse { albedo: reflectance("Kd", GREY)? }
+                self.diffuse(p, "Kd")?
             }
-            "diffuse" => Material::Diffuse { albedo: reflectance("reflectance", GREY)? },
-            "coateddiffuse" => coated_diffuse(p, &mut self.warnings)?,
-            "mirror" => Material::Mirror { reflectance: reflectance("Kr", Rgb::splat(0.9))? },
+            "diffuse" => self.diffuse(p, "reflectance")?,
+            "coateddiffuse" => self.coated_diffuse(p)?,
+            "mirror" => {
+                let (reflectance, texture) = self.colour(p, "Kr", Rgb::splat(0.9))?;
+                with_textures(Material::Mirror { reflectance }, [texture, None], None)
+            }
             "glass" => {
-                let (reflectance, transmittance) = (reflectance("Kr", Rgb::ONE)?, reflectance("Kt", Rgb::ONE)?);
                 let index = p.float("index", &DIELECTRIC_INDEX)?;
-                Material::Dielectric(Dielectric { reflectance, transmittance, ..dielectric(p, index, remapped_v3)? })
+                let (reflected, transmitted) = (self.colour(p, "Kr", Rgb::ONE)?, self.colour(p, "Kt", Rgb::ONE)?);
+                self.dielectric(p, [reflected, transmitted], index, RoughnessScale::Logarithmic)?
             }
-            "dielectric" => Material::Dielectric(dielectric(p, None, f64::sqrt)?),
+            "dielectric" => {
+                self.dielectric(p, [(Rgb::ONE, None), (Rgb::ONE, None)], None, RoughnessScale::SquareRoot)?
+            }
             "metal" if self.setup.v2 => {
                 return Err(p
                     .at
                     .unsupported("Material \"metal\" of pbrt-v2 is not supported: its microfacets are Blinn's")
                     .with_hint("write Integrator in place of SurfaceIntegrator to have it read as pbrt-v3's"));
             }
-            "metal" | "conductor" => Material::Conductor(conductor(p, &mut self.warnings)?),
+            "metal" | "conductor" => self.conductor(p)?,
             "mix" => self.mixture(p)?,
             _ => {
                 let kinds = "matte, diffuse, coateddiffuse, mirror, glass, dielectric, metal, conductor, mix";
@@ -59,60 +66,135 @@ impl Reader<'_> {
         };
         Ok(Material::Mixture(Arc::new([part(first, 1.0 - amount)?, part(second, amount)?])))
     }
+    fn diffuse(&self, p: &Params, name: &'static str) -> Result<Material> {
+        let (albedo, texture) = self.colour(p, name, GREY)?;
+        Ok(with_textures(Material::Diffuse { albedo }, [texture, None], None))
+    }
+
+    /// A Lambertian surface under a smooth coat, whose light between coat and base is summed exactly. pbrt follows it at random,
+    /// through a coat that may be rough and that absorbs.
+    fn coated_diffuse(&mut self, p: &Params) -> Result<Material> {
+        let (albedo, texture) = self.colour(p, "reflectance", GREY)?;
+        let eta = p.float("eta", &DIELECTRIC_INDEX)?.unwrap_or(1.5) as f32;
+        if p.rgb("albedo", &FRACTION)?.is_some_and(|albedo| albedo != Rgb::ZERO) {
+            let message = format!("{}: a coat that scatters light is not supported", p.owner);
+            return Err(p.place("albedo").unsupported(message));
+        }
+        if self.roughness(p, 0.0, RoughnessScale::SquareRoot)? != ([0.0; 2], None) {
+            let place = ROUGHNESSES.into_iter().find(|&name| p.has(name));
+            let message = format!("{}: the coat is taken as smooth", p.owner);
+            self.warnings.push(p.place(place.unwrap_or_default()).warning(&message));
+        }
+        // pbrt's medium has an extinction coefficient of 1.
+        let thickness = p.float("thickness", &LENGTH)?.unwrap_or(0.01);
+        if thickness > 0.0 {
+            let share = 100.0 * (1.0 - (-2.0 * thickness).exp());
+            let message =
+                format!("{}: the coat's absorption is left out: {share:.2} % straight through it and back", p.owner);
+            self.warnings.push(p.place("thickness").warning(&message));
+        }
+        // Settings of pbrt's random walk, without effect on its mean but for the longest paths.
+        p.float("g", &ANY)?;
+        p.integer("maxdepth", 0..=u32::MAX)?;
+        p.integer("nsamples", 0..=u32::MAX)?;
+        Ok(with_textures(Material::CoatedDiffuse { albedo, eta }, [texture, None], None))
+    }
+
+    /// pbrt's `dielectric` and pbrt-v3's `glass`, whose index may have another name; `colours` are those of reflection and
+    /// transmission.
+    fn dielectric(
+        &self,
+        p: &Params,
+        colours: [(Rgb, Option<Texture>); 2],
+        index: Option<f64>,
+        scale: RoughnessScale,
+    ) -> Result<Material> {
+        let eta = p.float("eta", &DIELECTRIC_INDEX)?.or(index).unwrap_or(1.5) as f32;
+        let ((alpha, alpha_texture), distribution) = (self.roughness(p, 0.0, scale)?, distribution(p)?);
+        let [(reflectance, reflected), (transmittance, transmitted)] = colours;
+        let dielectric = Dielectric { reflectance, transmittance, eta, alpha, distribution };
+        if alpha_texture.is_some() && least_alpha(&dielectric) > ROUGH_ALPHA {
+            return Err(p.at.unsupported(format!("{}: a texture of roughness needs an index apart from 1", p.owner)));
+        }
+        Ok(with_textures(Material::Dielectric(dielectric), [reflected, transmitted], alpha_texture))
+    }
+
+    /// pbrt-v3's `metal` and pbrt-v4's `conductor`.
+    fn conductor(&mut self, p: &Params) -> Result<Material> {
+        let (eta, k) = match p.rgb("reflectance", &FRACTION)? {
+            // With a reflectance, `eta` and `k` are parameters that are not known.
+            Some(reflectance) => (Rgb::ONE, extinction(reflectance)),
+            None => (
+                index(p, "eta", metals::COPPER.eta_rgb(), &mut self.warnings)?,
+                index(p, "k", metals::COPPER.k_rgb(), &mut self.warnings)?,
+            ),
+        };
+        let (missing, scale) = match p.kind.as_str() {
+            "metal" => (0.01, RoughnessScale::Logarithmic),
+            _ => (0.0, RoughnessScale::SquareRoot),
+        };
+        let (alpha, texture) = self.roughness(p, missing, scale)?;
+        let conductor = Conductor { alpha, two_sided: true, ..Conductor::new(eta, k, 0.0, distribution(p)?) };
+        Ok(with_textures(Material::Conductor(conductor), [None, None], texture))
+    }
+
+    /// α along u and v, or textures of it with an α that stands for them.
+    fn roughness(&self, p: &Params, missing: f64, scale: RoughnessScale) -> Result<([f32; 2], Option<[Texture; 2]>)> {
+        let is_remapped = p.flag("remaproughness")?.unwrap_or(true);
+        let scale = if is_remapped { scale } else { RoughnessScale::Alpha };
+        let [both, u, v] = ROUGHNESSES.map(|name| self.fraction(p, name, Values::Float));
+        let (both, u, v) = (both?, u?, v?);
+        let number = |name, texture: &Option<Texture>| match texture {
+            Some(Texture::Constant(value)) => Ok(Some(f64::from(value.x))),
+            Some(_) => Ok(None),
+            None => p.float(name, &FRACTION),
+        };
+        let one = |name, own: Option<Texture>| {
+            // A texture or a number of its own, or those of both.
+            let number_of_both = number("roughness", &both)?.unwrap_or(missing);
+            let texture = if p.has(name) { own.clone() } else { both.clone() };
+            let texture = texture.filter(|texture| !matches!(texture, Texture::Constant(_)));
+            Ok::<_, Error>((number(name, &own)?.unwrap_or(number_of_both), texture))
+        };
+        let [(u, u_texture), (v, v_texture)] = [one("uroughness", u)?, one("vroughness", v)?];
+        if u_texture.is_none() && v_texture.is_none() {
+            return Ok((widths([u, v], scale, p.kind != "metal"), None));
+        }
+        let texture = |texture: Option<Texture>, number: f64| {
+            let roughness = texture.unwrap_or(Texture::Constant(Rgb::splat(number as f32)));
+            Texture::Alpha(scale, Arc::new(roughness))
+        };
+        Ok(([ROUGH_ALPHA; 2], Some([texture(u_texture, u), texture(v_texture, v)])))
+    }
 }
 
-/// A Lambertian surface under a smooth coat, whose light between coat and base is summed exactly. pbrt follows it at random,
-/// through a coat that may be rough and that absorbs.
-fn coated_diffuse(p: &Params, warnings: &mut Vec<String>) -> Result<Material> {
-    let albedo = p.rgb("reflectance", &FRACTION)?.unwrap_or(GREY);
-    let eta = p.float("eta", &DIELECTRIC_INDEX)?.unwrap_or(1.5) as f32;
-    if p.rgb("albedo", &FRACTION)?.is_some_and(|albedo| albedo != Rgb::ZERO) {
-        let message = format!("{}: a coat that scatters light is not supported", p.owner);
-        return Err(p.place("albedo").unsupported(message));
-    }
-    if roughness(p, 0.0, f64::sqrt)? != [0.0; 2] {
-        let place = ["uroughness", "vroughness", "roughness"].into_iter().find(|&name| p.has_type(name, "float"));
-        let message = format!("{}: the coat is taken as smooth", p.owner);
-        warnings.push(p.place(place.unwrap_or_default()).warning(&message));
-    }
-    // pbrt's medium has an extinction coefficient of 1.
-    let thickness = p.float("thickness", &LENGTH)?.unwrap_or(0.01);
-    if thickness > 0.0 {
-        let share = 100.0 * (1.0 - (-2.0 * thickness).exp());
-        let message =
-            format!("{}: the coat's absorption is left out: {share:.2} % straight through it and back", p.owner);
-        warnings.push(p.place("thickness").warning(&message));
-    }
-    // Settings of pbrt's random walk, without effect on its mean but for the longest paths.
-    p.float("g", &ANY)?;
-    p.integer("maxdepth", 0..=u32::MAX)?;
-    p.integer("nsamples", 0..=u32::MAX)?;
-    Ok(Material::CoatedDiffuse { albedo, eta })
-}
+/// The parameters of roughness: of both axes, along u, along v.
+const ROUGHNESSES: [&str; 3] = ["roughness", "uroughness", "vroughness"];
+
+/// The α that stands for textures: of a surface that is rough.
+const ROUGH_ALPHA: f32 = 0.5;
 
 /// A length that may be 0.
 const LENGTH: Rule = Rule(|x| x >= 0.0, "not negative");
 
-/// pbrt's `dielectric` and pbrt-v3's `glass`, whose index may have another name.
-fn dielectric(p: &Params, index: Option<f64>, remapped: fn(f64) -> f64) -> Result<Dielectric> {
-    let eta = p.float("eta", &DIELECTRIC_INDEX)?.or(index).unwrap_or(1.5) as f32;
-    let (alpha, distribution) = (roughness(p, 0.0, remapped)?, distribution(p)?);
-    Ok(Dielectric { alpha, distribution, ..Dielectric::clear(eta) })
+/// α along u and v for two roughnesses. Two of 0 are a smooth surface, but for pbrt-v3's metal. Where only one α is below
+/// [`SMOOTH_ALPHA`], it is raised to that, as in pbrt.
+fn widths([u, v]: [f64; 2], scale: RoughnessScale, is_smooth_at_0: bool) -> [f32; 2] {
+    if [u, v] == [0.0; 2] && is_smooth_at_0 {
+        return [0.0; 2];
+    }
+    let alpha = [u, v].map(|roughness| scale.alpha(roughness) as f32);
+    let is_rough = alpha[0].max(alpha[1]) >= SMOOTH_ALPHA;
+    if is_rough { alpha.map(|alpha| alpha.max(SMOOTH_ALPHA)) } else { alpha }
 }
 
-/// α along u and v. Two roughnesses of 0 are a smooth surface, but for pbrt-v3's metal. Where only one α is below
-/// [`SMOOTH_ALPHA`], it is raised to that, as in pbrt.
-fn roughness(p: &Params, missing: f64, remapped: fn(f64) -> f64) -> Result<[f32; 2]> {
-    let both = p.float("roughness", &FRACTION)?.unwrap_or(missing);
-    let u = p.float("uroughness", &FRACTION)?.unwrap_or(both);
-    let v = p.float("vroughness", &FRACTION)?.unwrap_or(both);
-    let is_remapped = p.flag("remaproughness")?.unwrap_or(true);
-    if [u, v] == [0.0; 2] && p.kind != "metal" {
-        return Ok([0.0; 2]);
+/// The material with textures of reflectance and transmittance, and of α; without any it is plain.
+fn with_textures(base: Material, colours: [Option<Texture>; 2], alpha: Option<[Texture; 2]>) -> Material {
+    let [reflectance, transmittance] = colours;
+    if reflectance.is_none() && transmittance.is_none() && alpha.is_none() {
+        return base;
     }
-    let alpha = [u, v].map(|roughness| if is_remapped { remapped(roughness) } else { roughness } as f32);
-    let is_rough = alpha[0].max(alpha[1]) >= SMOOTH_ALPHA;
-    Ok(if is_rough { alpha.map(|alpha| alpha.max(SMOOTH_ALPHA)) } else { alpha })
+    Material::Textured(Arc::new(Textured { base, reflectance, transmittance, alpha }))
 }
 
 /// The microfacets are GGX's (Trowbridge and Reitz), as in pbrt; `"string distribution" "beckmann"` is this program's own
@@ -128,28 +210,9 @@ fn distribution(p: &Params) -> Result<Distribution> {
     }
 }
 
-/// pbrt-v3's `metal` and pbrt-v4's `conductor`.
-fn conductor(p: &Params, warnings: &mut Vec<String>) -> Result<Conductor> {
-    let (eta, k) = match p.rgb("reflectance", &FRACTION)? {
-        // With a reflectance, `eta` and `k` are parameters that are not known.
-        Some(reflectance) => (Rgb::ONE, extinction(reflectance)),
-        None => {
-            (index(p, "eta", metals::COPPER.eta_rgb(), warnings)?, index(p, "k", metals::COPPER.k_rgb(), warnings)?)
-        }
-    };
-    let alpha = if p.kind == "metal" { roughness(p, 0.01, remapped_v3)? } else { roughness(p, 0.0, f64::sqrt)? };
-    Ok(Conductor { alpha, two_sided: true, ..Conductor::new(eta, k, 0.0, distribution(p)?) })
-}
-
 /// k of a conductor with η = 1 that reflects r = k²/(4 + k²) head-on, r at most 0.9999, as in pbrt-v4.
 fn extinction(reflectance: Rgb) -> Rgb {
     Rgb::from_array(reflectance.min(Rgb::splat(0.9999)).to_array().map(|r| 2.0 * (r / (1.0 - r)).sqrt()))
-}
-
-/// What pbrt-v3 makes of a roughness from 0 to 1: a polynomial in its logarithm.
-fn remapped_v3(roughness: f64) -> f64 {
-    let x = roughness.max(1e-3).ln();
-    1.62142 + x * (0.819_955 + x * (0.1734 + x * (0.017_120_1 + x * 0.000_640_711)))
 }
 
 /// `eta` or `k` in the three channels. Without it: copper's, as in pbrt.
@@ -173,15 +236,5 @@ mod tests {
         for (k, r) in k.into_iter().zip(expected) {
             assert!((crate::optics::conductor::normal_reflectance(1.0, f64::from(k)) - r).abs() < 1e-6, "{k} {r}");
         }
-    }
-
-    #[test]
-    fn the_third_versions_roughness_has_its_known_values() {
-        // The polynomial at 1 is its constant; below 0.001 it stays.
-        assert_eq!(remapped_v3(1.0), 1.62142);
-        assert_eq!(remapped_v3(0.0), remapped_v3(1e-3));
-        // 1.62142 − 0.819955·2.302585 + 0.1734·5.301898 − 0.0171201·12.20807 + 0.000640711·28.11012
-        assert!((remapped_v3(0.1) - 0.461_760).abs() < 1e-6, "{}", remapped_v3(0.1));
-        assert!((1..1000).all(|i| remapped_v3(f64::from(i) / 1e3) < remapped_v3(f64::from(i + 1) / 1e3)));
     }
 }

@@ -13,6 +13,7 @@
 //! | `Sampler` | the number of samples |
 //! | `SurfaceIntegrator`, `Integrator` | `directlighting`, `path`, `volpath`; as `path` with a warning: `whitted`, `simplepath`, `simplevolpath`, `randomwalk`, `lightpath`, `bdpt`, `mlt`, `sppm` |
 //! | `Material`, `MakeNamedMaterial`, `NamedMaterial` | `matte`, `diffuse`; `mirror`; `glass`, `dielectric`; `metal` (not pbrt-v2's), `conductor`, also by its `reflectance`, on both sides; rough ones, also anisotropic, with GGX or, as `"string distribution" "beckmann"`, Beckmann microfacets; `coateddiffuse` with a smooth coat that absorbs nothing, others as that with a warning; `mix` of two named materials |
+//! | `Texture` | `constant`, `imagemap`, `checkerboard` (in two dimensions), `scale`, `mix`, with the mapping `uv`; for reflectance, transmittance and roughness |
 //! | `Shape` | `sphere`, whole and round; `trianglemesh`, `plymesh`; `bilinearmesh` of parallelograms; whole `disk`, as a polygon of the same area |
 //! | `Option` | those without an effect on the expected image |
 //! | `ObjectBegin`, `ObjectEnd`, `ObjectInstance` | shapes that emit no light; each instance is a copy |
@@ -34,6 +35,8 @@ mod reader;
 mod setup;
 mod shape;
 mod spectrum;
+mod texture;
+mod textures;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Result};

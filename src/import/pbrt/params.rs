@@ -81,6 +81,23 @@ impl Params {
         self.given.get(name).is_some_and(|param| param.type_name == type_name)
     }
 
+    /// Whether the file gives this parameter.
+    pub fn has(&self, name: &str) -> bool {
+        self.given.contains_key(name)
+    }
+
+    /// The name of a texture, if the parameter is given as one.
+    pub fn texture(&self, name: &'static str) -> Result<Option<&str>> {
+        if !self.has_type(name, "texture") {
+            return Ok(None);
+        }
+        let Some(param) = self.find(name, &["texture"])? else { return Ok(None) };
+        match param.texts.as_slice() {
+            [texture] => Ok(Some(texture)),
+            _ => Err(self.wrong(param, "needs one name".into())),
+        }
+    }
+
     /// The parameter, if it is given; an error if it is of none of the types.
     fn find(&self, name: &'static str, types: &[&str]) -> Result<Option<&Param>> {
         if !self.known.borrow().contains(&name) {

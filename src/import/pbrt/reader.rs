@@ -3,6 +3,7 @@
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::setup::Setup;
+use super::textures::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::place::At;
@@ -38,6 +39,7 @@ pub struct Reader<'a> {
     blocks: Vec<Block>,
     pub(super) systems: HashMap<String, DMat4>,
     pub(super) materials: HashMap<String, Material>,
+    pub(super) textures: Textures,
     pub(super) setup: Setup,
     pub(super) objects: Vec<Object>,
     /// Lights so far, without those at infinity.
@@ -102,6 +104,7 @@ impl<'a> Reader<'a> {
             blocks: Vec::new(),
             systems: HashMap::new(),
             materials: HashMap::new(),
+            textures: Textures::default(),
             setup: Setup::default(),
             objects: Vec::new(),
             lights: Vec::new(),

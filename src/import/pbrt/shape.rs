@@ -8,7 +8,7 @@ use crate::import::mesh;
 use crate::import::place::At;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{corner_uv, simplest, sphere};
-use crate::import::transform::{axis, in_range};
+use crate::import::transform::{directions, in_range};
 use crate::scene::{Material, Mesh, Object, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -19,11 +19,8 @@ struct Setting<'a> {
     /// Whether the orientation is reversed with an effect on the image.
     reversed: bool,
     /// Whether triangles need texture coordinates.
-    anisotropic: bool,
+    needs_uv: bool,
 }
-
-/// pbrt's texture coordinates of a triangle without any.
-const DEFAULT_UV: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::ONE];
 
 impl Reader<'_> {
     pub(super) fn shape(&mut self, p: &Params) -> Result<()> {
@@ -31,7 +28,8 @@ impl Reader<'_> {
         // Only emission and glass depend on the orientation.
         let depends = emission.is_some() || has_inside(&material);
         let anisotropic = material.is_anisotropic();
-        let setting = Setting { to_world: &to_world, reversed: self.state.reversed && depends, anisotropic };
+        let needs_uv = anisotropic || material.is_textured();
+        let setting = Setting { to_world: &to_world, reversed: self.state.reversed && depends, needs_uv };
         let shape = match p.kind.as_str() {
             "sphere" => Shape::Sphere(whole_sphere(p, setting)?),
             "trianglemesh" => triangles(triangle_mesh(p, setting, &mut self.warnings)?, setting),
@@ -45,8 +43,9 @@ impl Reader<'_> {
                 .place("S")
                 .unsupported(format!("{}: tangents are those of the texture coordinates", p.owner)));
         }
-        p.finish(if p.kind == "trianglemesh" { &["st", "S", "faceIndices"] } else { &[] }, &mut self.warnings)?;
-        self.objects.push(Object { emission, axis: axis(&to_world), ..Object::new(shape, material) });
+        p.finish(if p.kind == "trianglemesh" { &["S", "faceIndices"] } else { &[] }, &mut self.warnings)?;
+        let [x, y, axis] = directions(&to_world);
+        self.objects.push(Object { emission, axis, meridians: [x, y], ..Object::new(shape, material) });
         Ok(())
     }
 
@@ -74,10 +73,10 @@ fn has_inside(material: &Material) -> bool {
     }
 }
 
-/// The simplest shape of the triangles. Those of an anisotropic surface stay a mesh, whose texture coordinates have its
-/// tangents.
+/// The simplest shape of the triangles. Those of a surface that is anisotropic or has textures stay a mesh, which has
+/// texture coordinates.
 fn triangles(mesh: Mesh, setting: Setting) -> Shape {
-    if setting.anisotropic { mesh.into() } else { simplest(mesh) }
+    if setting.needs_uv { mesh.into() } else { simplest(mesh) }
 }
 
 /// A whole sphere. A mirror image changes nothing.
@@ -105,7 +104,12 @@ fn triangle_mesh(p: &Params, setting: Setting, warnings: &mut Vec<String>) -> Re
         None if positions.len() == 3 => vec![[0.0, 1.0, 2.0]],
         None => return Err(missing("\"integer indices\"")),
     };
-    let mut uv = p.groups::<2>("uv", &["point2", "float"])?.unwrap_or_default();
+    let mut uv = p.groups::<2>("uv", &["point2", "float"])?;
+    // The older name.
+    if uv.is_none() {
+        uv = p.groups::<2>("st", &["point2", "float"])?;
+    }
+    let mut uv = uv.unwrap_or_default();
     if !normals.is_empty() && normals.len() != positions.len() {
         return Err(p.place("N").input(format!("{owner} has {} P, but {} N", positions.len(), normals.len())));
     }
@@ -135,11 +139,11 @@ fn place(
     normals: &[[f64; 3]],
     mut triangles: Vec<[u32; 3]>,
     mut uv: Vec<[Vec2; 3]>,
-    Setting { to_world, reversed, anisotropic }: Setting,
+    Setting { to_world, reversed, needs_uv }: Setting,
     at: &At,
 ) -> Result<Mesh> {
-    if anisotropic && uv.is_empty() {
-        uv = vec![DEFAULT_UV; triangles.len()];
+    if needs_uv && uv.is_empty() {
+        uv = vec![Mesh::DEFAULT_UV; triangles.len()];
     }
     let point = |&p: &[f64; 3]| {
         let p = to_world.transform_point3(DVec3::from_array(p));

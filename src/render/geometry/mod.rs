@@ -14,9 +14,10 @@ use super::wide::wide;
 use crate::math::Frame;
 use crate::scene::bvh::{self, Bvh};
 use crate::scene::{Object, Scene, Shape, Sphere};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use loops::{Blocked, Nearest, Reach};
 use pulp::Arch;
+use std::f32::consts::{PI, TAU};
 
 /// A surface where a ray has met it.
 #[derive(Debug, Clone, Copy)]
@@ -276,6 +277,27 @@ impl<'a> Geometry<'a> {
             Shape::Sphere(_) => object.axis.cross(normal),
             Shape::Rectangle(rectangle) => rectangle.half_sides()[0],
             Shape::Mesh(mesh) => mesh.tangent(self.triangle(hits, i)).unwrap_or(Vec3::ZERO),
+        }
+    }
+
+    /// The texture coordinates (u, v) of the surface that ray `i` has hit, at `position`. On a sphere u is the angle around
+    /// [`Object::axis`] over 2π and v rises from 0 to 1 along the axis with the angle; on a rectangle both run from 0 to 1 along its
+    /// sides; on a mesh see [`Mesh::uv_at`](crate::scene::Mesh::uv_at).
+    #[inline]
+    pub fn uv(&self, hits: &Hits, i: usize, position: Vec3) -> Vec2 {
+        let object = &self.objects[hits.object[i] as usize];
+        match &object.shape {
+            Shape::Sphere(sphere) => {
+                let d = (position - sphere.centre) / sphere.radius;
+                let [x, y] = object.meridians.map(|axis| axis.dot(d));
+                let z = object.axis.dot(d).clamp(-1.0, 1.0);
+                Vec2::new((y.atan2(x) / TAU).rem_euclid(1.0), 1.0 - z.acos() / PI)
+            }
+            Shape::Rectangle(rectangle) => {
+                let d = position - rectangle.centre();
+                Vec2::from(rectangle.half_sides().map(|half| 0.5 + 0.5 * d.dot(half) / half.length_squared()))
+            }
+            Shape::Mesh(mesh) => mesh.uv_at(self.triangle(hits, i), hits.u[i], hits.v[i]),
         }
     }
 

@@ -198,3 +198,42 @@ fn tangents_follow_the_parametrization_of_the_shape() {
         assert_eq!(tangent(3), Vec3::ZERO);
     }
 }
+
+#[test]
+fn surfaces_have_the_texture_coordinates_of_their_parametrization() {
+    let rectangle = Rectangle::new(Vec3::new(0.0, 0.0, -3.0), 2.0 * Vec3::X, Vec3::Y).unwrap();
+    let corners = vec![Vec3::new(-1.0, -1.0, -3.0), Vec3::new(3.0, -1.0, -3.0), Vec3::new(3.0, 3.0, -3.0)];
+    let mesh = Mesh::new(corners, Vec::new(), vec![[0, 1, 2]]).unwrap();
+    let uv = vec![[glam::Vec2::new(2.0, 0.0), glam::Vec2::new(2.0, 4.0), glam::Vec2::new(6.0, 4.0)]];
+    let sphere = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 2.0 });
+    let found = |shape: Shape, origin: Vec3, direction: Vec3| {
+        let mut scene = scene([shape]);
+        // z of object space is y of the world, x is z, and y is x.
+        (scene.objects[0].axis, scene.objects[0].meridians) = (Vec3::Y, [Vec3::Z, Vec3::X]);
+        let geometry = Geometry::new(&scene, true);
+        let (mut rays, mut hits) = (Rays::default(), Hits::default());
+        set(&mut rays.origin, 0, origin);
+        set(&mut rays.direction, 0, direction.normalize());
+        geometry.nearest(&rays, 1, &mut hits);
+        assert_eq!(hits.object[0], 0);
+        geometry.uv(&hits, 0, geometry.surface(&rays, &hits, 0).position)
+    };
+    let near = |found: glam::Vec2, u: f32, v: f32| {
+        assert!((found - glam::Vec2::new(u, v)).abs().max_element() < 1e-5, "{found}, not {u} {v}");
+    };
+    near(found(Shape::Rectangle(rectangle), Vec3::new(1.0, 0.5, 0.0), Vec3::NEG_Z), 0.75, 0.75);
+    near(found(mesh.clone().into(), Vec3::new(2.0, 0.0, 0.0), Vec3::NEG_Z), 0.75, 0.25);
+    near(found(Mesh { uv, ..mesh }.into(), Vec3::new(2.0, 0.0, 0.0), Vec3::NEG_Z), 3.0, 3.0);
+    for (from, u, v) in [
+        (Vec3::Z, 0.0, 0.5),
+        (Vec3::X, 0.25, 0.5),
+        (Vec3::NEG_Z, 0.5, 0.5),
+        (Vec3::NEG_X, 0.75, 0.5),
+        (Vec3::new(1.0, 1.0, 0.0).normalize(), 0.25, 0.75),
+        (Vec3::new(0.0, -(0.75f32.sqrt()), -0.5), 0.5, 1.0 / 6.0),
+    ] {
+        near(found(sphere.clone(), 5.0 * from, -from), u, v);
+        // The same from inside.
+        near(found(sphere.clone(), Vec3::ZERO, from), u, v);
+    }
+}

@@ -11,7 +11,7 @@ use crate::render::lanes::{LANES, Lane, Lane3, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
 use crate::render::light_tracing::projected;
 use crate::render::mis::power_heuristic;
-use crate::render::shaders::{Kind, SurfaceShader};
+use crate::render::shaders::Kind;
 use crate::render::wide::{Wide, wide};
 use glam::Vec3;
 use pulp::Arch;
@@ -19,8 +19,8 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Adds a diffuse hit to the batch.
 #[inline]
-pub fn collect(surface: Surface, is_first: bool, paths: &Paths, i: usize, shader: &SurfaceShader, points: &mut Points) {
-    let Bsdf::Diffuse(diffuse) = &shader.bsdf else { return };
+pub fn collect(surface: Surface, is_first: bool, paths: &Paths, i: usize, bsdf: &Bsdf, points: &mut Points) {
+    let Bsdf::Diffuse(diffuse) = bsdf else { return };
     let j = points.count;
     let wo = -at(&paths.rays.direction, i);
     set(&mut points.position, j, surface.ray_origin(wo));

@@ -2,7 +2,7 @@
 
 use super::light_samples::{Choice, Places, Source, sample, sources};
 use super::paths::{Points, Radiance, Shadows, Vertex};
-use super::rough::{self, Scattered};
+use super::rough::{self, Bsdfs, Scattered};
 use super::step::Step;
 use super::{diffuse, general};
 use crate::render::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
@@ -63,7 +63,7 @@ pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, rad
 pub fn light_general(
     step: Step,
     vertices: &[Vertex],
-    shader: &SurfaceShader,
+    (shader, bsdfs): (&SurfaceShader, Bsdfs),
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
@@ -83,9 +83,9 @@ pub fn light_general(
             for (i, vertex) in vertices.iter().enumerate() {
                 set(&mut scattered.wi, i, vertex.frame.to_local(at(&samples.wi, i)));
             }
-            rough::eval_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+            rough::eval_many(step.scene.arch, bsdfs, wo, vertices.len(), scattered);
             if step.needs_reverse_pdf(&shader.bsdf) {
-                rough::reverse_pdf_many(step.scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+                rough::reverse_pdf_many(step.scene.arch, bsdfs, wo, vertices.len(), scattered);
             }
             shadows.count = 0;
             for (i, vertex) in vertices.iter().enumerate() {

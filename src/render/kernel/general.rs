@@ -1,7 +1,7 @@
 //! Surfaces that are not diffuse: how paths continue at delta lobes, and at any other BSDF.
 
 use super::paths::{Paths, Vertex};
-use super::rough::{self, Scattered};
+use super::rough::{self, Bsdfs, Scattered};
 use super::step::Step;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::Rgb;
@@ -29,6 +29,7 @@ pub fn collect(scene: &PreparedScene, paths: &Paths, hits: &Hits, i: usize) -> O
     Some(Vertex {
         surface,
         frame,
+        uv: scene.uv(hits, i, surface.position),
         wo: frame.to_local(wo),
         throughput: at(&paths.throughput, i),
         light_tracing,
@@ -67,9 +68,9 @@ pub fn extend_delta(step: Step, paths: &Paths, hits: &Hits, delta: &[u32], next:
         let i = i as usize;
         let object = hits.object[i];
         let shader = &scene.shaders[object as usize];
-        let bsdf = &shader.bsdf;
         let wo = -at(&paths.rays.direction, i);
         let surface = shader.facing(scene.geometry.surface(&paths.rays, hits, i), wo);
+        let bsdf = &*shader.bsdf_at(|| scene.geometry.uv(hits, i, surface.position));
         let frame = surface.frame(wo);
         let slot = paths.slot[i];
         let [uc, _] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
@@ -99,7 +100,13 @@ fn delta_departure(
 }
 
 /// Extends the paths that have hit one object with any other BSDF.
-pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered: &mut Scattered, next: &mut Paths) {
+pub fn extend(
+    step: Step,
+    vertices: &[Vertex],
+    (shader, bsdfs): (&SurfaceShader, Bsdfs),
+    scattered: &mut Scattered,
+    next: &mut Paths,
+) {
     let Step { scene, numbers, scatterings } = step;
     if !scene.goes_on(scatterings) && !scene.finds_light(&scene.light_samples(1.0, Vec3::Z, shader.kind)) {
         return;
@@ -117,16 +124,14 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
         numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
     }
     let random = (&choice[0], &u);
-    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, &wo, random, vertices.len(), scattered);
+    let is_sampled = rough::sample_many(scene.arch, bsdfs, &wo, random, vertices.len(), scattered);
     if is_sampled && step.needs_reverse_pdf(&shader.bsdf) {
-        rough::reverse_pdf_many(scene.arch, &shader.bsdf, &wo, vertices.len(), scattered);
+        rough::reverse_pdf_many(scene.arch, bsdfs, &wo, vertices.len(), scattered);
     }
     for (i, vertex) in vertices.iter().enumerate() {
-        let sample = if is_sampled {
-            scattered.sample(i)
-        } else {
-            shader.bsdf.sample(vertex.wo, choice[0][i], [u[0][i], u[1][i]])
-        };
+        let bsdf = bsdfs.at(i);
+        let sample =
+            if is_sampled { scattered.sample(i) } else { bsdf.sample(vertex.wo, choice[0][i], [u[0][i], u[1][i]]) };
         let Some(sample) = sample else { continue };
         let wi = vertex.frame.to_world(sample.wi);
         // The normals must agree on the side.
@@ -137,10 +142,9 @@ pub fn extend(step: Step, vertices: &[Vertex], shader: &SurfaceShader, scattered
             let directions = [vertex.frame.to_world(vertex.wo), wi];
             // Light tracing cannot connect a delta lobe to the camera.
             let light_tracing = if scatterings == 0 { 0.0 } else { vertex.light_tracing };
-            delta_departure(&shader.bsdf, &vertex.surface, light_tracing, directions, &sample)
+            delta_departure(bsdf, &vertex.surface, light_tracing, directions, &sample)
         } else {
-            let reverse_pdf =
-                || if is_sampled { scattered.reverse_pdf[i] } else { shader.bsdf.pdf(sample.wi, vertex.wo) };
+            let reverse_pdf = || if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, vertex.wo) };
             Departure {
                 light_samples: scene.light_samples(sample.pdf, vertex.frame.z, shader.kind),
                 light_tracing: light_tracing_ratio(step, vertex, sample.wi, sample.pdf, reverse_pdf),

@@ -3,9 +3,9 @@
 //! The MIS weights mirror those of the camera paths: see [`crate::render::light_tracing`].
 
 use super::general::groups;
-use super::rough::{self, Scattered};
+use super::rough::{self, Bsdfs, Scattered};
 use super::step::Step;
-use crate::bsdf::{BsdfSample, Scatter};
+use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
 use crate::render::film::{PathClass, Splat};
 use crate::render::geometry::Surface;
@@ -16,7 +16,7 @@ use crate::render::prepared::{Dimensions, PreparedScene, SHORT_OF_LIGHT};
 use crate::render::sample_lanes::SampleLanes;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::render::shading_normal::{adjoint_factor, is_sound};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A light path in flight. Its ray is in [`LightPathBuffers`].
 #[derive(Clone, Copy)]
@@ -49,6 +49,8 @@ pub struct LightPathBuffers {
     views: Vec<(usize, View)>,
     local: Box<Local>,
     connections: Connections,
+    /// The BSDFs of vertices on an object with textures.
+    varying: Vec<Bsdf>,
 }
 
 /// Directions at the vertices on one object, in their shading frames.
@@ -97,7 +99,7 @@ pub fn trace_light_paths(
     splats: &mut Vec<Splat>,
 ) {
     let Some(tracing) = &scene.light_tracing else { return };
-    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections } = buffers;
+    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections, varying } = buffers;
     start(scene, tracing, (numbers, count), paths, rays);
     for scatterings in 0..scene.request.max_depth {
         if paths.is_empty() {
@@ -111,9 +113,10 @@ pub fn trace_light_paths(
         for group in groups(vertices, |vertex| vertex.object) {
             let shader = &scene.shaders[group[0].object as usize];
             if scatterings > 0 && shader.kind != Kind::Delta {
-                connect(scene, lens, shader, group, (views, local), connections);
+                connect(scene, lens, shader, group, (views, local, varying), connections);
             }
-            scatter(step, shader, group, local, (paths, rays));
+            let bsdfs = Bsdfs::of(shader, group.iter().map(|vertex| vertex.uv), varying);
+            scatter(step, (shader, bsdfs), group, local, (paths, rays));
         }
         connections.splat(scene, lens, splats);
     }
@@ -154,6 +157,8 @@ struct Vertex {
     object: u32,
     surface: Surface,
     frame: Frame,
+    /// Texture coordinates, if the material has textures.
+    uv: Vec2,
     /// To the last vertex.
     wo: Vec3,
 }
@@ -172,7 +177,8 @@ impl Vertex {
         let surface = scene.geometry.surface(rays, hits, i);
         let surface = shader.facing(surface, wo);
         let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
-        is_sound([surface.normal, surface.shading], wo).then_some(Self { path, object, surface, frame, wo })
+        let uv = scene.uv(hits, i, surface.position);
+        is_sound([surface.normal, surface.shading], wo).then_some(Self { path, object, surface, frame, uv, wo })
     }
 
     /// The pdf per projected solid angle of a direction.
@@ -211,7 +217,7 @@ fn connect(
     lens: &Lens,
     shader: &SurfaceShader,
     vertices: &[Vertex],
-    (views, local): (&mut Vec<(usize, View)>, &mut Local),
+    (views, local, varying): (&mut Vec<(usize, View)>, &mut Local, &mut Vec<Bsdf>),
     connections: &mut Connections,
 ) {
     let Local { wo, scattered } = local;
@@ -224,7 +230,8 @@ fn connect(
             views.push((number, view));
         }
     }
-    rough::eval_many(scene.arch, &shader.bsdf, wo, views.len(), scattered);
+    let bsdfs = Bsdfs::of(shader, views.iter().map(|&(number, _)| vertices[number].uv), varying);
+    rough::eval_many(scene.arch, bsdfs, wo, views.len(), scattered);
     for (i, (number, view)) in views.drain(..).enumerate() {
         let (f, reverse_pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
         if f == Rgb::ZERO {
@@ -251,7 +258,7 @@ fn connect(
 /// Samples the directions in which the paths continue at vertices on one object.
 fn scatter(
     step: Step,
-    shader: &SurfaceShader,
+    (shader, bsdfs): (&SurfaceShader, Bsdfs),
     vertices: &[Vertex],
     local: &mut Local,
     (paths, rays): (&mut Vec<LightPath>, &mut Rays),
@@ -267,17 +274,17 @@ fn scatter(
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
     let random = (&choice[0], &u);
-    let is_sampled = rough::sample_many(scene.arch, &shader.bsdf, wo, random, vertices.len(), scattered);
+    let is_sampled = rough::sample_many(scene.arch, bsdfs, wo, random, vertices.len(), scattered);
     if is_sampled {
-        rough::reverse_pdf_many(scene.arch, &shader.bsdf, wo, vertices.len(), scattered);
+        rough::reverse_pdf_many(scene.arch, bsdfs, wo, vertices.len(), scattered);
     }
     for (i, vertex) in vertices.iter().enumerate() {
-        let slot = vertex.path.slot;
+        let (slot, bsdf) = (vertex.path.slot, bsdfs.at(i));
         let [uc, roulette] = [choice[0][i], choice[1][i]];
         let sample = if is_sampled {
             scattered.sample(i).map(BsdfSample::adjoint)
         } else {
-            shader.bsdf.sample_adjoint(at(wo, i), uc, [u[0][i], u[1][i]])
+            bsdf.sample_adjoint(at(wo, i), uc, [u[0][i], u[1][i]])
         };
         let Some(sample) = sample else { continue };
         let wi = vertex.frame.to_world(sample.wi);
@@ -285,13 +292,13 @@ fn scatter(
             continue;
         }
         let others = if sample.is_delta() {
-            let ratio = delta_ratio(&shader.bsdf, &sample).powi(2);
+            let ratio = delta_ratio(bsdf, &sample).powi(2);
             match vertex.path.last {
                 LastVertex::Scattering { others } => others * ratio,
                 LastVertex::Light { density, .. } => ratio / (density * density),
             }
         } else {
-            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { shader.bsdf.pdf(sample.wi, at(wo, i)) };
+            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, at(wo, i)) };
             vertex.others(scene, shader.kind, wi, sample.pdf, reverse_pdf)
         };
         let power = vertex.path.power * sample.weight * adjoint_factor(&vertex.surface, vertex.wo, wi);

@@ -18,7 +18,7 @@ pub(crate) use diffuse::ExtendPaths;
 pub use light_paths::{LightPathBuffers, trace_light_paths};
 pub use paths::Radiance;
 pub(crate) use paths::{Paths, Points};
-pub(crate) use rough::{Scattered, eval_many, reverse_pdf_many, sample_many};
+pub(crate) use rough::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 
 use super::departure::{Departure, EmitterHit};
 use super::film::PathClass;
@@ -28,6 +28,7 @@ use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::sample_lanes::SampleLanes;
 use super::shaders::Kind;
+use crate::bsdf::Bsdf;
 use direct::DirectLight;
 use paths::Vertex;
 use step::Step;
@@ -41,6 +42,8 @@ pub struct Buffers {
     sorted: Sorted,
     scattered: Box<Scattered>,
     direct: DirectLight,
+    /// The BSDFs of hits on an object with textures.
+    varying: Vec<Bsdf>,
 }
 
 /// The hits of a step by the kind of their BSDF.
@@ -61,7 +64,7 @@ pub fn trace(
     buffers: &mut Buffers,
     radiance: &mut Radiance,
 ) {
-    let Buffers { paths, next, hits, sorted, scattered, direct } = buffers;
+    let Buffers { paths, next, hits, sorted, scattered, direct, varying } = buffers;
     radiance.clear(count);
     start(scene, lens, (columns, y, count), numbers, paths);
     for scatterings in 0..=scene.request.max_depth {
@@ -89,8 +92,9 @@ pub fn trace(
         }
         for group in general::groups(&mut sorted.general, |vertex| vertex.object) {
             let shader = &scene.shaders[group[0].object as usize];
-            direct::light_general(step, group, shader, direct, radiance);
-            general::extend(step, group, shader, scattered, next);
+            let bsdfs = Bsdfs::of(shader, group.iter().map(|vertex| vertex.uv), varying);
+            direct::light_general(step, group, (shader, bsdfs), direct, radiance);
+            general::extend(step, group, (shader, bsdfs), scattered, next);
         }
         roulette(step, next);
         std::mem::swap(paths, next);
@@ -176,7 +180,8 @@ fn sort(scene: &PreparedScene, is_first: bool, paths: &Paths, hits: &Hits, sorte
             Kind::Diffuse => {
                 let surface =
                     shader.facing(scene.geometry.surface(&paths.rays, hits, i), -at(&paths.rays.direction, i));
-                diffuse::collect(surface, is_first, paths, i, shader, diffuse);
+                let bsdf = shader.bsdf_at(|| scene.geometry.uv(hits, i, surface.position));
+                diffuse::collect(surface, is_first, paths, i, &bsdf, diffuse);
             }
             Kind::Delta => delta.push(i as u32),
             Kind::Reflecting | Kind::Transmitting => {

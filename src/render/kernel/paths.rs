@@ -5,7 +5,7 @@ use crate::render::departure::Departure;
 use crate::render::film::{PathClass, PathClasses};
 use crate::render::geometry::Surface;
 use crate::render::lanes::{LANES, Lane, Lane3, Rays, ZERO3, set};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Camera paths in flight.
 pub struct Paths {
@@ -52,6 +52,8 @@ pub struct Vertex {
     pub frame: Frame,
     /// Direction to the viewer, in the shading frame.
     pub wo: Vec3,
+    /// Texture coordinates, if the material has textures.
+    pub uv: Vec2,
     /// Of the path up to here.
     pub throughput: Rgb,
     /// [`Departure::light_tracing`] of the path up to here.

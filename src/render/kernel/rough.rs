@@ -2,9 +2,39 @@
 
 use crate::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
 use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
+use crate::render::shaders::SurfaceShader;
 use crate::render::wide::{Wide, wide};
+use glam::Vec2;
 use pulp::Arch;
 use std::array::from_mut;
+
+/// The BSDFs of hits on one object: one for all or, with textures, one for each.
+#[derive(Clone, Copy)]
+pub enum Bsdfs<'a> {
+    /// The same for all.
+    Same(&'a Bsdf),
+    /// In the order of the hits.
+    Each(&'a [Bsdf]),
+}
+
+impl<'a> Bsdfs<'a> {
+    /// Those of an object where the hits have these texture coordinates; `varying` has room for them.
+    pub fn of(shader: &'a SurfaceShader, uv: impl Iterator<Item = Vec2>, varying: &'a mut Vec<Bsdf>) -> Self {
+        let Some(bsdf) = &shader.varying else { return Self::Same(&shader.bsdf) };
+        varying.clear();
+        varying.extend(uv.map(|uv| bsdf.at(uv)));
+        Self::Each(varying)
+    }
+
+    /// That of a hit.
+    #[inline]
+    pub fn at(self, i: usize) -> &'a Bsdf {
+        match self {
+            Self::Same(bsdf) => bsdf,
+            Self::Each(bsdfs) => &bsdfs[i],
+        }
+    }
+}
 
 /// For each hit a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
 pub struct Scattered {
@@ -45,8 +75,9 @@ impl Scattered {
     }
 }
 
-/// Runs a loop over a BSDF if it vectorizes; returns whether it does.
-fn run(arch: Arch, bsdf: &Bsdf, work: impl Loop) -> bool {
+/// Runs a loop over a BSDF if it is the same for all hits and vectorizes; returns whether it does.
+fn run(arch: Arch, bsdfs: Bsdfs, work: impl Loop) -> bool {
+    let Bsdfs::Same(bsdf) = bsdfs else { return false };
     match bsdf {
         Bsdf::Beckmann(metal) if metal.normals == NormalSampling::Vndf => {
             work.run(arch, ByVisibleNormals::<_, false>(*metal));
@@ -87,35 +118,35 @@ trait Loop {
 /// there is. `u` are the random numbers that choose a lobe, and those of the direction.
 pub fn sample_many(
     arch: Arch,
-    bsdf: &Bsdf,
+    bsdfs: Bsdfs,
     wo: &Lane3,
     (choice, u): (&Lane, &[Lane; 2]),
     count: usize,
     out: &mut Scattered,
 ) -> bool {
-    run(arch, bsdf, SampleLoop { wo, choice, u, count, out })
+    run(arch, bsdfs, SampleLoop { wo, choice, u, count, out })
 }
 
 /// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
-pub fn eval_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(arch, bsdf, EvalLoop { wo, count, out }) {
+pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(arch, bsdfs, EvalLoop { wo, count, out }) {
         return;
     }
     for i in 0..count {
-        let (f, pdf) = bsdf.eval_pdf(at(wo, i), at(&out.wi, i));
+        let (f, pdf) = bsdfs.at(i).eval_pdf(at(wo, i), at(&out.wi, i));
         set(&mut out.weight, i, f);
         out.pdf[i] = pdf;
     }
 }
 
 /// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
-pub fn reverse_pdf_many(arch: Arch, bsdf: &Bsdf, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(arch, bsdf, ReversePdfLoop { wo, count, out }) {
+pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(arch, bsdfs, ReversePdfLoop { wo, count, out }) {
         return;
     }
     for i in 0..count {
-        out.reverse_pdf[i] = bsdf.pdf(at(&out.wi, i), at(wo, i));
+        out.reverse_pdf[i] = bsdfs.at(i).pdf(at(&out.wi, i), at(wo, i));
     }
 }
 

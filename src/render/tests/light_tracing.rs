@@ -103,12 +103,19 @@ fn mis_has_the_same_mean_without_light_tracing() {
     let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
     let multiple = Conductor { multiple_scattering: true, ..Conductor::new(eta, k, 0.8, Distribution::Ggx) };
     let parts = [(0.5, glass.clone()), (0.4, white.clone())];
+    let [_, textured_mirror, textured_coat, textured_metal, textured_glass, ..] = &textures::materials()[..] else {
+        unreachable!()
+    };
     for (name, objects, projection, spp) in [
         ("rough glass", vec![sphere(rough)], WIDE, 1 << 14),
         ("coated", vec![sphere(coated)], WIDE, 1 << 13),
         ("multiple scattering", vec![sphere(Material::Conductor(multiple))], WIDE, 1 << 12),
         ("mixture", vec![sphere(Material::Mixture(parts.into_iter().collect()))], WIDE, 1 << 14),
         ("glass", vec![sphere(glass)], WIDE, 1 << 14),
+        ("textured mirror", vec![sphere(textured_mirror.clone())], WIDE, 1 << 13),
+        ("textured coat", vec![sphere(textured_coat.clone())], WIDE, 1 << 13),
+        ("textured metal", vec![sphere(textured_metal.clone())], WIDE, 1 << 13),
+        ("textured rough glass", vec![sphere(textured_glass.clone())], WIDE, 1 << 14),
         ("mirror", vec![sphere(mirror.clone())], WIDE, 1 << 14),
         ("flat mirror", vec![Object::new(Shape::Rectangle(upright), mirror)], WIDE, 1 << 12),
         ("broad metal", vec![sphere(metal(0.4))], WIDE, 1 << 12),

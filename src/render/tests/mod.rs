@@ -4,6 +4,7 @@ mod adaptive;
 mod filters;
 mod light_tracing;
 mod reference;
+mod textures;
 
 use super::*;
 use crate::envmap::EnvMap;

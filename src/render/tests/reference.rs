@@ -15,6 +15,7 @@ fn all_scenes() -> Vec<Scene> {
     scenes.push(outdoors);
     scenes.push(many_lights());
     scenes.push(many_materials());
+    scenes.push(textures::many_textures());
     scenes
 }
 

@@ -3,6 +3,7 @@
 mod content;
 mod refusals;
 mod spectra;
+mod textures;
 
 use etalon::envmap::EnvMap;
 use etalon::import::{Imported, SceneOptions, pbrt};

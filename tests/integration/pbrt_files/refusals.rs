@@ -87,10 +87,9 @@ fn what_cannot_be_honoured_is_refused_with_its_place() {
         ("Material \"conductor\" \"spectrum k\" \"metal-Au-eta\"", "\"metal-Au-eta\" is not known"),
         ("Material \"conductor\" \"string distribution\" \"blinn\"", "the distribution \"blinn\""),
         ("ReverseOrientation Material \"glass\" Shape \"sphere\"", "ReverseOrientation of a sphere"),
-        ("Material \"matte\" \"texture Kd\" \"checks\"", "\"texture Kd\""),
+        ("Material \"matte\" \"texture sigma\" \"checks\"", "\"texture sigma\""),
         ("Material \"matte\" \"float sigma\" 20", "sigma 20"),
         ("MakeNamedMaterial \"a\" \"string type\" \"hair\"", "MakeNamedMaterial \"a\" of type \"hair\""),
-        ("Texture \"checks\" \"color\" \"checkerboard\"", "Texture"),
         (
             "ObjectBegin \"a\" AreaLightSource \"diffuse\" Shape \"sphere\" ObjectEnd",
             "an area light in an object for ObjectInstance",

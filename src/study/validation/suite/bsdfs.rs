@@ -13,7 +13,7 @@ use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
-use crate::render::kernel::{ExtendPaths, Paths, Points, Scattered, eval_many, reverse_pdf_many, sample_many};
+use crate::render::kernel::{Bsdfs, ExtendPaths, Paths, Points, Scattered, eval_many, reverse_pdf_many, sample_many};
 use crate::render::lanes::{LANES, Lane, at, set};
 use crate::render::wide::wide;
 use crate::sampling::direction_density;
@@ -249,7 +249,7 @@ fn made_when_run(
         let views = wo.to_array().map(|x| [x; LANES]);
         let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
-            let vectorized = sample_many(Arch::new(), &bsdf, &views, (&choice[0], u), count, &mut out);
+            let vectorized = sample_many(Arch::new(), Bsdfs::Same(&bsdf), &views, (&choice[0], u), count, &mut out);
             let of_lane = |i| {
                 if vectorized && i % COMPARED > 0 {
                     return out.sample(i).map(|sample| (sample, true));
@@ -265,8 +265,8 @@ fn made_when_run(
             for (i, (sample, _)) in samples.iter().enumerate().filter_map(|(i, s)| Some((i, s.as_ref()?))) {
                 set(&mut out.wi, i, sample.wi);
             }
-            eval_many(Arch::new(), &bsdf, &views, count, &mut out);
-            reverse_pdf_many(Arch::new(), &bsdf, &views, count, &mut out);
+            eval_many(Arch::new(), Bsdfs::Same(&bsdf), &views, count, &mut out);
+            reverse_pdf_many(Arch::new(), Bsdfs::Same(&bsdf), &views, count, &mut out);
             let tested = |(i, found): (usize, Option<(BsdfSample, bool)>)| {
                 let (sample, mut agrees) = found?;
                 if i % COMPARED == 0 {
