@@ -46,7 +46,7 @@ enum Fault {
     Scaled(usize),
     /// Some paths end early, so that the mean falls.
     Short(usize),
-    /// Samples are clamped at the level that lets the mean fall.
+    /// Scattered light is clamped, sample by sample, at the level that lets the mean fall.
     Clamped(usize),
     /// The image is half a pixel too far to the left.
     Shifted,
@@ -130,13 +130,23 @@ fn settings(seed: u64) -> Settings {
     Settings { sampling: Sampling::Mis, seed, stream: StreamKind::Independent, ..Settings::default() }
 }
 
-/// Gives `each` the samples of all pixels, one image after the other.
-fn for_samples(scene: &Scene, request: &Request, seed: u64, mut each: impl FnMut(&Image)) -> etalon::Result<()> {
-    let job = Job::new(scene, request, &settings(seed))?;
+/// Gives `each` the samples of all pixels, one image after the other: what the camera sees directly, and what was scattered.
+fn for_samples(
+    scene: &Scene,
+    request: &Request,
+    seed: u64,
+    mut each: impl FnMut(&Image, &Image),
+) -> etalon::Result<()> {
+    let job = |max_depth| Job::new(scene, &Request { max_depth, ..*request }, &settings(seed));
+    let jobs = [job(0)?, job(request.max_depth)?];
     for sample in 0..request.spp {
-        let mut part = job.part(Metadata::default())?;
-        job.run(&mut part, sample..sample + 1, &Silent);
-        each(&part.film.image());
+        let image = |job: &Job<'_>| {
+            let mut part = job.part(Metadata::default())?;
+            job.run(&mut part, sample..sample + 1, &Silent);
+            etalon::Result::Ok(part.film.image())
+        };
+        let (direct, all) = (image(&jobs[0])?, image(&jobs[1])?);
+        each(&direct, &Image::from_fn(request.width, request.height, |x, y| all.get(x, y) - direct.get(x, y)));
     }
     Ok(())
 }
@@ -157,18 +167,20 @@ impl Setup {
             short = (max_depth, 1.0 - left / whole);
         }
         let mut values: Vec<f32> = Vec::new();
-        for_samples(&scene, &request, 1, |image| values.extend(image.pixels().iter().flat_map(|p| p.to_array())))?;
+        let each = |_: &Image, image: &Image| values.extend(image.pixels().iter().flat_map(|p| p.to_array()));
+        for_samples(&scene, &request, 1, each)?;
         values.sort_unstable_by(|a, b| b.total_cmp(a));
-        let total: f64 = values.iter().map(|v| f64::from(*v)).sum();
-        // Clamped at the (n + 1)th largest value, the n largest lose their sum less n times that value.
+        let total = whole * values.len() as f64;
+        // Clamped at c, the n values above it lose their sum less n c.
         let clamped = SIZES.map(|size| {
             let mut sum = 0.0;
-            let lost = values.iter().enumerate().find(|(n, value)| {
-                let lost = sum - *n as f64 * f64::from(**value);
-                sum += f64::from(**value);
-                lost >= size * total
-            });
-            lost.map_or(0.0, |(_, value)| *value)
+            for (n, value) in values.iter().map(|v| f64::from(*v)).enumerate() {
+                if sum - n as f64 * value >= size * total {
+                    return ((sum - size * total) / n as f64) as f32;
+                }
+                sum += value;
+            }
+            0.0
         });
         Ok(Self { scene, request, short, clamped })
     }
@@ -178,11 +190,11 @@ impl Setup {
         let request = Request { spp, ..self.request };
         let size = [request.width, request.height];
         let mut sums = [(); 1 + SIZES.len()].map(|()| Image::new(size[0], size[1]));
-        for_samples(&self.scene, &request, seed, |sample| {
-            let levels = [f32::INFINITY].into_iter().chain(self.clamped);
+        for_samples(&self.scene, &request, seed, |direct, scattered| {
+            let levels = [f32::INFINITY].into_iter().chain(self.clamped).map(Rgb::splat);
             for (sum, level) in sums.iter_mut().zip(levels) {
-                let added = sum.pixels().iter().zip(sample.pixels()).map(|(s, p)| *s + p.min(Rgb::splat(level)));
-                *sum = Image::from_pixels(size[0], size[1], added.collect());
+                let added = |x, y| sum.get(x, y) + direct.get(x, y) + scattered.get(x, y).min(level);
+                *sum = Image::from_fn(size[0], size[1], added);
             }
         })?;
         let [plain, a, b, c] = sums.map(|sum| sum.map(|p| p / spp as f32));
@@ -277,7 +289,8 @@ fn repetition(setup: &Setup, spp: u32, repetition: u64, keep: Option<&Path>) -> 
     for fault in Fault::all() {
         let images = setup.plant(fault, &a, &b);
         if let Some(folder) = keep {
-            write(&folder.join(fault.to_string().replace([' ', '%', ','], "-")), "a", &images)?;
+            let name = fault.to_string().replace(" %", "").replace(", ", "-").replace(' ', "-");
+            write(&folder.join(name), "a", &images)?;
         }
         // Images of a seed that is used twice are refused.
         let compared = compare(Side::replicates(images), Side::replicates(b.clone()), PLAN).ok();
@@ -345,7 +358,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut file = csv::Writer::from_path(folder.join("planted-biases.csv"))?;
     let map = Arc::new(EnvMap::new(Synthetic::Nave.make()));
     let environment = Environment::upright(map, "nave", builtin::SPHERE_ENV_SCALE);
-    for (scene, size) in [(builtin::cornell_spheres(), [64, 48]), (builtin::sphere_env(environment), [48, 48])] {
+    for (scene, size) in [(builtin::cornell_spheres(), [48, 36]), (builtin::sphere_env(environment), [36, 36])] {
         let setup = Setup::new(scene, size)?;
         let name = &setup.scene.name;
         let (depth, lost) = (setup.short.0, 100.0 * setup.short.1);
