@@ -12,6 +12,7 @@ use etalon::envmap::EnvMap;
 use etalon::envmap::synthetic::Synthetic;
 use etalon::math::Rgb;
 use etalon::raster::{self, Image, Metadata, srgb_from_linear};
+use etalon::render::film::{Film, Part};
 use etalon::render::{Job, Sampling, Settings, Silent};
 use etalon::sampling::stream::StreamKind;
 use etalon::scene::{Environment, Request, Scene, builtin};
@@ -141,7 +142,9 @@ fn for_samples(
     let jobs = [job(0)?, job(request.max_depth)?];
     for sample in 0..request.spp {
         let image = |job: &Job<'_>| {
-            let mut part = job.part(Metadata::default())?;
+            // Not `job.part`, which reads the whole scene for a fingerprint.
+            let film = Film::new(request.width, request.height, None)?;
+            let mut part = Part::new(film, request.spp, "", Metadata::default());
             job.run(&mut part, sample..sample + 1, &Silent);
             etalon::Result::Ok(part.film.image())
         };
