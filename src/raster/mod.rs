@@ -25,6 +25,7 @@ pub use self::metrics::{Comparison, compare, compare_with_halves, hdr_flip};
 
 pub(crate) use self::read::decode_exr;
 pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};
+pub(crate) use self::tone::linear_from_srgb;
+pub use self::tone::srgb_from_linear;
 pub use self::tone::{ToneMap, auto_exposure, to_rgb8};
-pub(crate) use self::tone::{linear_from_srgb, srgb_from_linear};
 pub use self::write::{WriteOptions, write, write_with};

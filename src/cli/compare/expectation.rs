@@ -81,6 +81,13 @@ impl Compare {
             files.push(path.clone());
         }
         let written = target.written(files);
+        for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {
+            console.warn(&format!(
+                "{} to the last bit in all images of {side}, though not on the other side: if there is noise, the seed does \
+                          not reach it",
+                if tiles == 1 { "one tile is equal".into() } else { format!("{tiles} tiles are equal") }
+            ));
+        }
         if compared.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
         }

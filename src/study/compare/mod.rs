@@ -100,6 +100,9 @@ pub struct Compared {
     pub tile_side: usize,
     /// Images on each side.
     pub images: [usize; 2],
+    /// Tiles of each side that are equal in all replicates, and not black, though they vary on the other side: their noise is
+    /// the same in all images, unless the side has none there.
+    pub constant_tiles: [usize; 2],
     /// Pixels left out because they are not finite in an image.
     pub non_finite: usize,
     /// Mean images of both sides.
@@ -128,6 +131,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     // [side][functional][channel]
     let mut observed: Vec<Vec<[Observed; 3]>> =
         sides.iter().map(|side| observe(side, &layout, plan.level)).collect::<Result<_>>()?;
+    let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
     observed.iter_mut().for_each(|side| widen(side, &layout));
     let scales = layout.scales(&side::mean_image(&sides[1]));
     let families: Vec<FamilyResult> = Family::ALL
@@ -182,6 +186,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         size: sides[0].size(),
         tile_side: layout.side(),
         images: sides.each_ref().map(|side| side.images.len()),
+        constant_tiles,
         non_finite: valid.iter().filter(|v| !**v).count(),
         means: sides.each_ref().map(side::mean_image),
     })
@@ -226,7 +231,8 @@ fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]
         match (side.noise, &spread) {
             (_, Some(spread)) => {
                 let (variance, dof, share) = spread[i][channel].parts();
-                // One pixel with most of the variance: its error is as uncertain as its one sample.
+                // A pixel that outweighs all others together: their sum is as uncertain, and as skewed, as the one sample
+                // that may be behind it, whatever the number of pixels.
                 Observed { mean: Mean { value: replicates[0], variance, dof }, dominated: share > 0.5 }
             }
             (Noise::Replicates, None) => Observed {
@@ -239,12 +245,22 @@ fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]
     Ok((0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect())
 }
 
+/// How many tiles of a side are equal in all replicates, and not black, though they vary on the other side.
+fn constant_tiles(sides: &[Side; 2], observed: &[Vec<[Observed; 3]>], layout: &Layout, side: usize) -> usize {
+    let varies = |side: usize, i: usize| observed[side][i].iter().any(|channel| channel.mean.variance > 0.0);
+    let is_black = |i: usize| observed[side][i].iter().all(|channel| channel.mean.value == 0.0);
+    let is_constant = |i: &usize| !varies(side, *i) && varies(1 - side, *i) && !is_black(*i);
+    let tiles = layout.of(Family::Tiles).filter(is_constant);
+    if sides[side].noise == Noise::Replicates { tiles.count() } else { 0 }
+}
+
 /// Gives each tile at least the mean variance of its neighbourhood of 3 by 3 tiles.
 ///
 /// Light is skewed to the right: a few replicates, or the samples of a few pixels, without a rare bright path have a low mean
 /// *and* a low variance, and t is far out on the negative side. With the right variance, that side's tail is thinner than the
 /// normal one; on the other side the bright path is there, and in the variance. So what must not happen is a variance that is
-/// too low; neighbours have seen the same paths. A larger variance can only lower the probability of a false alarm.
+/// too low; neighbours have seen the same paths. 3 by 3 is the smallest neighbourhood that prefers no direction. A larger
+/// variance can only lower the probability of a false alarm.
 fn widen(observed: &mut [[Observed; 3]], layout: &Layout) {
     let tiles: Vec<usize> = layout.of(Family::Tiles).collect();
     let pooled = |i: usize, channel: usize| {

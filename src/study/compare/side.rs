@@ -35,13 +35,23 @@ pub struct Side {
     xyz: bool,
     /// The seed that a file names.
     seeds: Vec<String>,
+    /// Where the images come from; empty for images that are no files.
+    files: Vec<PathBuf>,
 }
 
 impl Side {
     /// Independent images, at least two.
     #[must_use]
     pub fn replicates(images: Vec<Image>) -> Self {
-        Self { images, noise: Noise::Replicates, notes: Vec::new(), error: None, xyz: false, seeds: Vec::new() }
+        Self {
+            images,
+            noise: Noise::Replicates,
+            notes: Vec::new(),
+            error: None,
+            xyz: false,
+            seeds: Vec::new(),
+            files: Vec::new(),
+        }
     }
 
     /// An image whose independent pixels have these standard errors.
@@ -66,7 +76,7 @@ impl Side {
         if let [path] = paths {
             return Self::read_one(path, spp);
         }
-        let mut side = Self::replicates(Vec::new());
+        let mut side = Self { files: paths.to_vec(), ..Self::replicates(Vec::new()) };
         for path in paths {
             let (image, notes) = read_with_notes(path, ReadOptions::default())?;
             side.images.push(image);
@@ -86,7 +96,7 @@ impl Side {
     /// Those of [`read`](crate::raster::read()).
     pub fn read_exact(path: &Path) -> Result<Self> {
         let (image, notes) = read_with_notes(path, ReadOptions::default())?;
-        Ok(Self { notes, ..Self::exact(image) })
+        Ok(Self { notes, files: vec![path.to_path_buf()], ..Self::exact(image) })
     }
 
     fn read_one(path: &Path, spp: Option<u32>) -> Result<Self> {
@@ -118,6 +128,7 @@ impl Side {
             Self { xyz, ..Self::with_error(mean.clone(), error_of_moments(&mean, &square, spp)) }
         };
         side.notes = notes;
+        side.files = vec![path.to_path_buf()];
         if attributes.get("sampling").is_some_and(|name| name.ends_with("+lt")) {
             side.notes.push(format!(
                 "{}: rendered with light tracing, whose paths reach many pixels: their errors are not independent, and the \
@@ -196,19 +207,29 @@ pub(super) fn finite(sides: &[Side; 2]) -> Vec<bool> {
     valid
 }
 
-/// Refuses an image that occurs twice: it is no independent replicate.
+/// Refuses an image that occurs twice, on one side or on both: it is no independent replicate.
 pub(super) fn check_distinct(sides: &[Side; 2]) -> Result<()> {
-    let mut seen: HashMap<Vec<u32>, Vec<&Image>> = HashMap::new();
-    for (place, image) in sides.iter().enumerate().flat_map(|(s, side)| side.images.iter().map(move |i| (s, i))) {
+    let name = |[side, i]: [usize; 2]| match sides[side].files.get(i) {
+        Some(path) => path.display().to_string(),
+        None => format!("image {} of {}", i + 1, ["A", "B"][side]),
+    };
+    let mut seen: HashMap<Vec<u32>, Vec<[usize; 2]>> = HashMap::new();
+    for place in (0..2).flat_map(|side| (0..sides[side].images.len()).map(move |i| [side, i])) {
+        let image = |[side, i]: [usize; 2]| &sides[side].images[i];
         // A few pixels tell most images apart.
-        let key = image.pixels().iter().step_by(image.pixels().len().div_ceil(64).max(1));
+        let pixels = image(place).pixels();
+        let key = pixels.iter().step_by(pixels.len().div_ceil(64).max(1));
         let same = seen.entry(key.flat_map(|p| p.to_array().map(f32::to_bits)).collect()).or_default();
-        if same.iter().any(|other| bits(other).eq(bits(image))) {
-            let name = if place == 0 { "a" } else { "against" };
-            return Err(Error::parameter(name, "the same image is given twice: it is no independent replicate")
+        if let Some(other) = same.iter().find(|other| bits(image(**other)).eq(bits(image(place)))) {
+            let message = format!(
+                "{} and {} are the same image to the last bit: no independent replicates",
+                name(*other),
+                name(place)
+            );
+            return Err(Error::parameter(["a", "against"][place[0]], message)
                 .with_hint("render each image with a seed of its own; seeds that make no difference are a bug"));
         }
-        same.push(image);
+        same.push(place);
     }
     Ok(())
 }
