@@ -31,13 +31,13 @@ pub struct Ratio {
 
 impl Answer {
     /// Compares efficiencies, 1/(MSE · processor time), after the processor time that all have had; `None` if no contender
-    /// without bias has one.
+    /// without bias has one. A renderer whose start-up is not separated from its time has none.
     ///
     /// The interval of a ratio is that of its logarithm, whose half width is √(h₁² + h₂²) with the half widths h of the two
     /// logarithms by the jackknife over the replicates (Student's t).
     pub fn of(result: &Convergence) -> Option<Self> {
         let cpu_seconds = result.common_seconds();
-        let unbiased = result.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
+        let unbiased = result.curves.iter().filter(|c| c.verdict != CurveVerdict::Biased && !c.includes_start_up());
         let known = |curve: &'_ Curve| Some(curve.log_efficiency_at(cpu_seconds)).filter(|e| e.value.is_finite());
         let mut ranked: Vec<(&Curve, Estimate)> = unbiased.filter_map(|curve| Some((curve, known(curve)?))).collect();
         ranked.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));

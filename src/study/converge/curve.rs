@@ -157,6 +157,11 @@ pub struct Run {
 }
 
 impl Curve {
+    /// Whether its times are those of whole processes, start-up included.
+    pub fn includes_start_up(&self) -> bool {
+        self.contender.is_timed_from_outside() && self.times.is_none()
+    }
+
     /// From at least one replicate, all with the same levels.
     pub fn new(contender: &Contender, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
         let count = runs[0].levels.len();

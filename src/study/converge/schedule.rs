@@ -107,8 +107,9 @@ pub fn run(
             continue;
         }
         let curve = Curve::new(contender, runs, truth)?;
-        if contender.is_timed_from_outside() && curve.times.is_none() {
-            let unknown = "its time does not grow measurably with the samples: start-up is not separated from it";
+        if curve.includes_start_up() {
+            let unknown = "its time does not grow measurably with the samples: its start-up counts, and the answer leaves it out; a \
+                           larger budget may separate the two";
             result.notes.push(format!("{name}: {unknown}"));
         }
         result.curves.push(curve);
