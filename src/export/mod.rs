@@ -12,16 +12,17 @@
 //!
 //! All else is refused by name. What another renderer computes differently is a note.
 
+mod aside;
 mod mitsuba;
 mod pbrt;
 mod ply;
 
 use crate::error::{Error, Result};
 use crate::files;
-use crate::raster::{self, Image, Metadata};
-use crate::scene::{Emission, EmitterVisibility, Mesh, PixelFilter, Request, Scene};
+use crate::raster::{self, Metadata};
+use crate::scene::{Request, Scene};
+use aside::{Aside, Content};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// The formats by their extensions.
 const FORMATS: [(&str, Format); 2] = [("pbrt", pbrt::text), ("xml", mitsuba::text)];
@@ -64,79 +65,6 @@ pub fn write(path: &Path, scene: &Scene, request: &Request) -> Result<Exported> 
     files::write_bytes(path, text.as_bytes())?;
     files.push(path.to_path_buf());
     Ok(Exported { files, notes: aside.notes })
-}
-
-/// What stands beside a scene file.
-struct Aside {
-    /// The name of the scene file without its extension.
-    stem: String,
-    files: Vec<(String, Content)>,
-    notes: Vec<String>,
-}
-
-enum Content {
-    Mesh(Arc<Mesh>),
-    Map(Image),
-}
-
-impl Aside {
-    /// Refuses names that would have to be quoted in a scene file, and what neither format has.
-    fn new(path: &Path, scene: &Scene) -> Result<Self> {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if !stem.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c)) {
-            return Err(Error::parameter("export", format!("{} cannot name a scene file", path.display()))
-                .with_hint("use letters, digits and -_.+"));
-        }
-        if !scene.lights.is_empty() {
-            return Err(unsupported(scene, "a light without a surface"));
-        }
-        if scene.camera.filter != PixelFilter::default() {
-            return Err(unsupported(scene, "a pixel filter other than the box of one pixel"));
-        }
-        let only_seen = |e: Emission| e.visibility == EmitterVisibility::CameraOnly;
-        if scene.objects.iter().any(|object| object.emission.is_some_and(only_seen)) {
-            return Err(unsupported(scene, "a surface that emits light only towards the camera"));
-        }
-        Ok(Self { stem, files: Vec::new(), notes: Vec::new() })
-    }
-
-    /// The name of the file that holds a mesh.
-    fn mesh(&mut self, mesh: &Arc<Mesh>) -> String {
-        self.add("ply", Content::Mesh(Arc::clone(mesh)))
-    }
-
-    /// The name of the file that holds a map.
-    fn map(&mut self, image: Image) -> String {
-        self.add("exr", Content::Map(image))
-    }
-
-    fn add(&mut self, extension: &str, content: Content) -> String {
-        let name = format!("{}-{}.{extension}", self.stem, self.files.len() + 1);
-        self.files.push((name.clone(), content));
-        name
-    }
-
-    /// Adds a note, once.
-    fn note(&mut self, text: &str) {
-        if !self.notes.iter().any(|note| note == text) {
-            self.notes.push(text.to_owned());
-        }
-    }
-}
-
-fn unsupported(scene: &Scene, what: &str) -> Error {
-    Error::unsupported(Path::new(&scene.name), format!("{what} cannot be exported in this format"))
-}
-
-/// Numbers with `separator` between them, each with as many digits as it takes to read the same number.
-fn numbers<T: std::fmt::Display>(values: impl IntoIterator<Item = T>, separator: &str) -> String {
-    values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(separator)
-}
-
-/// The environment's map with its scale.
-fn scaled_map(environment: &crate::scene::Environment) -> Image {
-    let geometry = environment.map.geometry();
-    Image::from_fn(geometry.width(), geometry.height(), |x, y| environment.radiance_in_texel((x, y)))
 }
 
 #[cfg(test)]

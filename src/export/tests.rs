@@ -4,8 +4,10 @@ use super::*;
 use crate::envmap::EnvMap;
 use crate::import::{self, SceneOptions};
 use crate::math::Rgb;
-use crate::scene::{Environment, Material, Shape, builtin};
+use crate::raster::Image;
+use crate::scene::{Environment, Material, Mesh, Shape, builtin};
 use glam::DVec3;
+use std::sync::Arc;
 
 fn made(name: &str) -> (Scene, Request) {
     let map = Image::from_fn(16, 8, |x, y| Rgb::new(0.2 + x as f32 / 16.0, 0.5 + y as f32 / 16.0, 1.0));

@@ -165,8 +165,16 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
     distinct.dedup();
     let colours = theme::strategies(&distinct);
     let stroke = |(curve, name): (&Curve, &String)| {
-        let dash = if curve.contender.is_independent() { theme::DASHED } else { theme::SOLID };
-        let colour = distinct.binary_search(&name.as_str()).map_or(theme::INK, |place| colours[place]);
+        let place = distinct.binary_search(&name.as_str()).unwrap_or(0);
+        let colour = colours[place];
+        // A second strategy of a colour has another pattern.
+        let is_second = colours[..place].contains(&colour);
+        let dash = match (curve.contender.is_independent(), is_second) {
+            (true, false) => theme::DASHED,
+            (true, true) => theme::DOTTED,
+            (false, false) => theme::SOLID,
+            (false, true) => theme::DASH_DOT,
+        };
         Stroke { dash, ..Stroke::solid(colour, theme::LINE) }
     };
     result.curves.iter().zip(&names).map(stroke).collect()
