@@ -109,6 +109,10 @@ impl Converge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let strategies = match self.strategies.as_slice() {
             [only] if only == "none" && !(self.renderer.is_empty() && self.runs.is_none()) => Some(Vec::new()),
+            [only] if only == "none" => {
+                return Err(Error::parameter("strategies", "\"none\" leaves no method to compare")
+                    .with_hint("give another method by `renderer` or `runs`"));
+            }
             [] => None,
             names => Some(names.iter().map(|name| name.parse()).collect::<Result<Vec<Strategy>>>()?),
         };
@@ -171,6 +175,9 @@ impl Converge {
     fn renderers(&self, global: &Global) -> Result<Vec<Renderer>> {
         let threads = global.threads.map_or_else(|| available_parallelism().map_or(1, usize::from), |n| n as usize);
         let limit = reply_limit(self.timeout)?;
+        if let Some(path) = &self.renderer_scene {
+            std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+        }
         let scene = self.renderer_scene.as_deref().or_else(|| self.scene.file());
         self.renderer.iter().map(|definition| Renderer::new(definition, scene, threads, limit)).collect()
     }

@@ -4,7 +4,7 @@ use super::console::Console;
 use super::global::{Global, Verdict};
 use super::map_file::MapOptions;
 use super::scene_file::SceneArgs;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::export;
 use crate::import::SCENE_EXTENSIONS;
 use crate::output::Written;
@@ -41,6 +41,15 @@ struct Output {
     files: [&'static str; 2],
 }
 
+/// An exported scene.
+#[derive(Serialize)]
+struct Export {
+    #[serde(flatten)]
+    written: Written,
+    /// Where the other renderer's image has another expectation.
+    notes: Vec<String>,
+}
+
 impl Scenes {
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
         match &self.export {
@@ -51,11 +60,17 @@ impl Scenes {
 
     fn write(&self, path: &Path, console: &Console) -> Result<Verdict> {
         let name = path.file_stem().unwrap_or_default().to_owned();
+        if builtin::find(&name.to_string_lossy()).is_none() {
+            let known: Vec<String> = builtin::scenes().into_iter().map(|scene| scene.name).collect();
+            let message = format!("\"{}\" is no built-in scene", name.to_string_lossy());
+            return Err(Error::parameter("export", message).with_hint(format!("built-in scenes: {}", known.join(", "))));
+        }
         let loaded = SceneArgs::built_in(name, self.envmap.clone(), self.map_options).load(console)?;
         let exported = export::write(path, &loaded.scene, &loaded.request)?;
         exported.notes.iter().for_each(|note| console.warn(note));
         let written = Written { files: exported.files, replaced: Vec::new() };
-        console.result(&written, || written.text());
+        let output = Export { written, notes: exported.notes };
+        console.result(&output, || output.written.text());
         Ok(Verdict::Good)
     }
 

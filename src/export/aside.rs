@@ -10,6 +10,8 @@ use std::sync::Arc;
 pub struct Aside {
     /// The name of the scene file without its extension.
     pub stem: String,
+    /// Its extension: files of different formats stand beside each other.
+    extension: String,
     /// Their names and contents.
     pub files: Vec<(String, Content)>,
     /// Where the other renderer's image has another expectation.
@@ -40,7 +42,8 @@ impl Aside {
         if scene.objects.iter().any(|object| object.emission.is_some_and(only_seen)) {
             return Err(unsupported(scene, "a surface that emits light only towards the camera"));
         }
-        Ok(Self { stem, files: Vec::new(), notes: Vec::new() })
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        Ok(Self { stem, extension, files: Vec::new(), notes: Vec::new() })
     }
 
     /// The name of the file that holds a mesh.
@@ -54,7 +57,7 @@ impl Aside {
     }
 
     fn add(&mut self, extension: &str, content: Content) -> String {
-        let name = format!("{}-{}.{extension}", self.stem, self.files.len() + 1);
+        let name = format!("{}-{}-{}.{extension}", self.stem, self.extension, self.files.len() + 1);
         self.files.push((name.clone(), content));
         name
     }

@@ -28,7 +28,7 @@ pub fn text(scene: &Scene, request: &Request, aside: &mut Aside) -> Result<Strin
     }
     for object in &scene.objects {
         text += "AttributeBegin\n";
-        text += &material(scene, object)?;
+        text += &material(scene, object, aside)?;
         if let Some(emission) = object.emission {
             let two_sided = emission.two_sided;
             text += &format!(
@@ -78,12 +78,13 @@ fn light(environment: &Environment, aside: &mut Aside) -> String {
     )
 }
 
-fn material(scene: &Scene, object: &Object) -> Result<String> {
+fn material(scene: &Scene, object: &Object, aside: &mut Aside) -> Result<String> {
     let refuse = |what| Err(unsupported(scene, what));
     Ok(match &object.material {
         Material::Diffuse { albedo } => format!("Material \"diffuse\" \"rgb reflectance\" {}\n", rgb(*albedo)),
         // A conductor of reflectance 1 reflects as much at every angle; at others it would not.
         Material::Mirror { reflectance } if *reflectance == Rgb::ONE => {
+            aside.note("pbrt's conductor of reflectance 1, which stands for a mirror, reflects 0.9999 head-on");
             "Material \"conductor\" \"rgb reflectance\" [ 1 1 1 ]\n".to_owned()
         }
         Material::Mirror { .. } => return refuse("a mirror whose reflectance is not 1"),

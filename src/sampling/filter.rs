@@ -110,10 +110,10 @@ impl FromStr for PixelFilter {
         let wrong = || Error::parameter("filter", format!("\"{text}\" is not a filter like gaussian:1.5,0.5"));
         let number = |text: &str| text.parse::<f64>().map_err(|_| wrong());
         let (name, rest) = text.split_once(':').map_or((text, None), |(name, rest)| (name, Some(rest)));
-        let (radius, sigma) = match rest.map(|rest| rest.split_once(',').unwrap_or((rest, ""))) {
+        let (radius, sigma) = match rest.map(|rest| rest.split_once(',').ok_or(rest)) {
             None => (None, None),
-            Some((radius, "")) => (Some(radius), None),
-            Some((radius, sigma)) => (Some(radius), Some(number(sigma)?)),
+            Some(Err(radius)) => (Some(radius), None),
+            Some(Ok((radius, sigma))) => (Some(radius), Some(number(sigma)?)),
         };
         let (shape, usual) = match (name, sigma) {
             ("box", None) => (FilterShape::Box, 0.5),
@@ -304,6 +304,7 @@ mod tests {
             "gaussian:inf,1",
             "gaussian:1,1,1",
             "gaussian:,1",
+            "gaussian:2,",
         ] {
             assert!(bad.parse::<PixelFilter>().is_err(), "{bad}");
         }

@@ -117,7 +117,7 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
 
 /// "best at 0.20 s: mis, 1.3 times the efficiency of light (95 %: 1.2 to 1.5), 22 times that of bsdf (18 to 27)".
 pub fn sentence(answer: Option<&Answer>) -> String {
-    let Some(answer) = answer else { return "no answer: no method without bias was measured\n".to_owned() };
+    let Some(answer) = answer else { return "no answer: no method without bias has a known efficiency\n".to_owned() };
     let [next, others @ ..] = answer.ratios.as_slice() else {
         return format!("{} alone has no known bias\n", answer.best);
     };

@@ -89,6 +89,8 @@ fn bad_input_is_refused_with_what_and_why() {
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}"], "hint: --renderer-scene"),
         (&["cornell-spheres", "--renderer", "mis=prog {spp} {out}"], "two of them are called mis"),
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out}", "--timeout", "0"], "--timeout: "),
+        (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}", "--renderer-scene", "no.xml"], "no.xml: "),
+        (&["cornell-spheres", "--strategies", "none"], "--strategies: \"none\" leaves no method"),
         (&["cornell-spheres", "--runs", "."], "no folder in it has a file times.csv"),
         (&["cornell-spheres", "--reference", "missing.exr"], "is no file, renderer or strategy"),
     ] {

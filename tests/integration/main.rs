@@ -9,6 +9,7 @@ mod command_line;
 mod compare;
 mod converge;
 mod exec;
+mod export;
 mod exr_layers;
 mod furnace;
 #[cfg(unix)]

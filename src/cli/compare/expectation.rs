@@ -69,8 +69,8 @@ impl Compare {
         }
         if [&a, &b].iter().any(|side| side.noise == Noise::PerPixel) {
             console.warn(
-                "errors by pixel: right for independent samples and a box filter, conservative for stratified ones; \
-                          filters that share samples among pixels need replicates",
+                "errors by pixel: right for independent samples that belong to one pixel each, conservative for \
+                          stratified ones; renderers that add a sample to several pixels need replicates",
             );
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
@@ -144,7 +144,12 @@ fn sentence(compared: &Compared) -> String {
         (_, Some(power)) => {
             format!("cannot tell: no difference found, but only {power}, not one of {}", percent(compared.plan.detect))
         }
-        (_, None) => "cannot tell: a few samples dominate the mean of the image, or it is black".into(),
+        (_, None) if compared.families.iter().any(|family| family.dominated > 0) => {
+            "cannot tell: a few samples dominate the mean of the image".into()
+        }
+        (_, None) => {
+            "cannot tell: too few replicates to know which bias would have been found, or the image is black".into()
+        }
     }
 }
 

@@ -126,7 +126,10 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let valid = side::finite(&sides);
     let layout = Layout::new(sides[0].size(), &valid);
     if layout.pixels() == 0 {
-        return Err(Error::parameter("against", "no pixel is finite in all images: nothing to compare"));
+        return Err(Error::parameter(
+            "against",
+            "no pixel has finite values in all images (and errors, which take two samples): nothing to compare",
+        ));
     }
     // [side][functional][channel]
     let mut observed: Vec<Vec<[Observed; 3]>> =
