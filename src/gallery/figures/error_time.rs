@@ -93,7 +93,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
 
 fn cornell_content(inputs: &Inputs) -> Result<Content> {
     // Large enough to recognize in print what each strategy renders
-    let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([132, 99], [48, 36]));
+    let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([112, 84], [48, 36]));
     let plan = plan(inputs, inputs.effort.of(32, 16), inputs.effort.of(5, 4));
     let result = measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None)?;
     let mut checks = vec![stopped(&result)];
