@@ -44,7 +44,7 @@ impl Inputs {
 
     /// How claims are tested: with samples that detect errors of 3 %, or of 5 % in a quick run.
     pub fn protocol(&self) -> Protocol {
-        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.03, 0.05)), ..Protocol::default() }
+        Protocol { seed: self.seed, samples: SampleCount::Detect(self.effort.of(0.04, 0.05)), ..Protocol::default() }
     }
 
     /// A mirror and a glass sphere in a Cornell box, and the request of the report's depth series.

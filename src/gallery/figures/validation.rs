@@ -18,7 +18,7 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
-        command: Some("etalon validate --detect 0.03".into()),
+        command: Some("etalon validate --detect 0.04".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]
 }
