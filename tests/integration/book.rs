@@ -1,5 +1,6 @@
 //! The examples of the book run as they stand there.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
@@ -37,6 +38,82 @@ fn examples_run() {
         }
     }
     assert!(count > 10, "{count} examples");
+}
+
+/// The names that a cell of a table lists in backquotes; `.name` stands for the last part of the name before it.
+fn names(cell: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in cell.split('`').skip(1).step_by(2) {
+        let before = names.last().and_then(|before| before.rsplit_once('.')).map_or("", |(stem, _)| stem);
+        names.push(if name.starts_with('.') { format!("{before}{name}") } else { name.to_owned() });
+    }
+    names
+}
+
+/// The keys of an object and of all objects in it, as `outer.inner` and `list[].inner`.
+fn keys(value: &serde_json::Value, prefix: &str, found: &mut BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(map) => {
+            for (key, inner) in map {
+                let name = format!("{prefix}{key}");
+                let before = found.len();
+                keys(inner, &format!("{name}."), found);
+                if found.len() == before {
+                    found.insert(name);
+                }
+            }
+        }
+        serde_json::Value::Array(list) => {
+            for inner in list.iter().filter(|inner| inner.is_object()) {
+                keys(inner, &format!("{}[].", prefix.trim_end_matches('.')), found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The page of columns and keys lists what its commands write, and nothing else.
+#[test]
+fn columns_and_keys_are_those_of_the_page() {
+    let page = include_str!("../../docs/src/columns.md");
+    let mut tables = 0;
+    for section in page.split("\n## ").skip(1) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut printed = String::new();
+        for (command, code) in examples(section) {
+            let mut etalon = assert_cmd::Command::cargo_bin("etalon").unwrap();
+            let run = etalon.args(&shlex::split(&command).unwrap()[1..]).current_dir(&folder).assert().code(code);
+            printed = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+        }
+        let mut files: Vec<_> = ["", "out", "figs"].iter().map(|inner| folder.path().join(inner)).collect();
+        files.retain(|path| path.is_dir());
+        for table in section.split("\n\n").filter(|block| block.starts_with("| ")) {
+            let rows = table.lines().skip(2).map(|row| row.trim_matches('|').split_once('|').unwrap());
+            let (header, _) = table.trim_start_matches("| ").split_once(" | ").unwrap();
+            if let Some(file) = names(header).first() {
+                let path = files.iter().map(|inner| inner.join(file)).find(|path| path.is_file());
+                let text = std::fs::read_to_string(path.unwrap_or_else(|| panic!("{file} is not written"))).unwrap();
+                let listed: Vec<String> = rows.flat_map(|(cell, _)| names(cell)).collect();
+                let first = text.lines().find(|line| !line.starts_with('#')).unwrap();
+                assert_eq!(first.split(',').collect::<Vec<_>>(), listed, "{file}");
+            } else {
+                let mut found = BTreeSet::new();
+                keys(&serde_json::from_str(&printed).unwrap(), "", &mut found);
+                let in_all = ["files", "replaced", "interrupted"];
+                found.retain(|key| !in_all.contains(&key.rsplit('.').next().unwrap()));
+                let (mut listed, mut optional) = (BTreeSet::new(), BTreeSet::new());
+                for (cell, meaning) in rows {
+                    let is_optional = meaning.trim().starts_with("if ");
+                    if is_optional { &mut optional } else { &mut listed }.extend(names(cell));
+                }
+                listed.retain(|key| !in_all.contains(&key.rsplit('.').next().unwrap()));
+                found.retain(|key| !optional.contains(key));
+                assert_eq!(found, listed, "keys of {}", section.lines().next().unwrap());
+            }
+            tables += 1;
+        }
+    }
+    assert!(tables > 20, "{tables} tables");
 }
 
 /// Of all that `reproduce` writes, the repository keeps the checks and what the pages show.

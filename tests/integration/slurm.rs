@@ -1,14 +1,14 @@
-//! The job script of the README, run with a stand-in for Slurm's `srun`: as an array, and with one task alone.
+//! The job script of the book, run with a stand-in for Slurm's `srun`: as an array, and with one task alone.
 
 use crate::program::json;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
-/// The README's script, for three small shares.
+/// The book's script, for three small shares.
 fn script() -> String {
-    let readme = include_str!("../../README.md");
-    let script = readme.split("```").find(|block| block.contains("#SBATCH")).expect("the README has a job script");
+    let page = include_str!("../../docs/src/cluster.md");
+    let script = page.split("```").find(|block| block.contains("#SBATCH")).expect("the page has a job script");
     let script = script.strip_prefix("sh\n").expect("a block of shell commands");
     let changes = [("--array=1-16 ", "--array=1-3 "), ("tasks=16 ", "tasks=3 "), ("-s 16384 ", "-s 6 -r 24 18 ")];
     changes.into_iter().fold(script.to_owned(), |script, (old, new)| {
