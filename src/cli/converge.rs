@@ -19,7 +19,7 @@ use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
 use crate::view::converge_images;
-use crate::view::text::rounded;
+use crate::view::text::{rounded, wrapped};
 use clap::{ArgAction, Args};
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
@@ -29,33 +29,33 @@ use std::thread::available_parallelism;
 /// Measure the error of sampling strategies against their run time
 #[derive(Args)]
 #[command(after_long_help = after_help())]
-#[command(next_help_heading = "Methods to compare", args = [out(), seed(), threads()])]
+#[command(args = [out(), seed(), threads()])]
 pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
     /// Strategies, with commas between them [default: eight or nine that suit the scene]
     ///
     /// "none" leaves renderers alone.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
+    #[arg(help_heading = METHODS, long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
     /// A renderer in another program, repeatable: a name and the command of an image
     ///
     /// The command has placeholders {spp} {out} {seed} {scene} {threads} {width} {height}.
-    #[arg(long, value_name = "NAME=COMMAND")]
+    #[arg(help_heading = METHODS, long, value_name = "NAME=COMMAND")]
     renderer: Vec<String>,
     /// The file that {scene} stands for [default: SCENE if it is a file]
-    #[arg(long, value_name = "FILE", requires = "renderer")]
+    #[arg(help_heading = METHODS, long, value_name = "FILE", requires = "renderer")]
     renderer_scene: Option<PathBuf>,
     /// Time limit of each run of a renderer
-    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, requires = "renderer", allow_negative_numbers = true)]
+    #[arg(help_heading = METHODS, long, value_name = "SECONDS", default_value_t = 300.0, requires = "renderer", allow_negative_numbers = true)]
     timeout: f64,
     /// The reference: an image file, or the renderer or strategy that renders it
     ///
     /// Default: the exact image where there is one, else the default strategy.
-    #[arg(long, value_name = "FILE|NAME")]
+    #[arg(help_heading = METHODS, long, value_name = "FILE|NAME")]
     reference: Option<String>,
     /// Also compare earlier runs: DIR/NAME/times.csv and DIR/NAME/spp-16_seed-3.exr
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = METHODS, long, value_name = "DIR")]
     runs: Option<PathBuf>,
     /// Keep all images and their times in DIR, for --runs
     #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
@@ -95,6 +95,9 @@ fn after_help() -> String {
          etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'"
     )
 }
+
+/// Heading of the help.
+const METHODS: &str = "Methods to compare";
 
 /// Longest side of an image whose size is not given.
 const LONGEST_SIDE: usize = 120;
@@ -229,7 +232,7 @@ enum Chosen {
 
 fn text(output: &Output<'_>) -> String {
     let Output { answer, result, common_cpu_seconds, common_rmse } = output;
-    let mut text = view::sentence(answer.as_ref());
+    let mut text = wrapped(&view::sentence(answer.as_ref()), "", 100);
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 #[command(next_help_heading = "BSDFs", args = [out(), seed(), threads()])]
 pub struct Furnace {
     /// BSDFs (see --list)
-    #[arg(value_name = "NAME", required_unless_present_any = ["list", "exec"])]
+    #[arg(value_name = "NAME", help_heading = None::<&str>, required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
     #[arg(long)]

@@ -24,7 +24,9 @@ pub struct Global {
     /// No progress bars and no warnings
     #[arg(long, global = true, display_order = LAST)]
     pub quiet: bool,
-    /// Upper limit of memory in bytes, or with K, M or G [default: the machine's free memory]
+    /// Upper limit of memory, such as 2G [default: the free memory]
+    ///
+    /// In bytes, or with K, M or G.
     #[arg(long, global = true, display_order = LAST, value_name = "SIZE", value_parser = size)]
     pub memory: Option<u64>,
     /// Print help: one line for each option with -h, all with --help

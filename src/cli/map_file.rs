@@ -17,10 +17,10 @@ use std::sync::Arc;
 /// How a map file is to be understood.
 #[derive(Args, Clone, Copy, Default)]
 pub struct MapOptions {
-    /// Turn the map upside-down: for files that store the floor in row 0
+    /// Turn the map upside-down: its file has the floor in row 0
     #[arg(long)]
     pub flip: bool,
-    /// Accept an 8-bit map (PNG, JPEG, TGA, PPM) although its lights are clipped
+    /// Accept an 8-bit map (PNG, JPEG, TGA, PPM), whose lights are clipped
     #[arg(long)]
     pub ldr: bool,
 }

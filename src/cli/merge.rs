@@ -31,7 +31,7 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Parts", args = [out(), threads()])]
 pub struct Merge {
     /// Files with different samples of the same image, or all parts of a sweep
-    #[arg(required = true)]
+    #[arg(required = true, help_heading = None::<&str>)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
     external: ExternalBsdf,

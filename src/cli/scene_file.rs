@@ -18,6 +18,7 @@ use std::sync::Arc;
 #[command(next_help_heading = SCENE)]
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
+    #[arg(help_heading = None::<&str>)]
     scene: OsString,
     /// Width and height in pixels [default: the scene's]
     ///
@@ -26,24 +27,26 @@ pub struct SceneArgs {
     /// shows less. All other scenes keep their field of view.
     #[arg(short, long = "size", num_args = 2, value_names = ["W", "H"], action = ArgAction::Set)]
     resolution: Option<Vec<usize>>,
-    /// Environment map, a file or a built-in name [default: the scene's; nave in built-in scenes]
+    /// Environment map, a file or a built-in name [default: the scene's]
     ///
-    /// It takes the place of the map of a built-in scene that has one (`etalon scenes` lists them) or of a .pbrt file. To a .dae
+    /// Built-in scenes that have one have nave. It takes the place of the map of a built-in scene that has one (`etalon scenes` lists them) or of a .pbrt file. To a .dae
     /// scene it is added; row 0 is at +y, the file's up axis.
     #[arg(long, value_name = "MAP")]
     envmap: Option<OsString>,
     #[command(flatten)]
     map_options: MapOptions,
-    /// Camera settings of the course's renderer (30 numbers) in place of a .dae scene's camera
+    /// Camera settings in place of a .dae scene's camera
+    ///
+    /// The 30 numbers of the course's renderer.
     #[arg(short, long, value_name = "FILE")]
     camera: Option<PathBuf>,
     /// Pixel filter: box, triangle or gaussian [default: the .pbrt file's, otherwise box]
     ///
-    /// RADIUS is in pixels, or RXxRY for one along x and another along y (triangle:2x1); SIGMA is a Gaussian's. Without them
+    /// NAME[:RADIUS[,SIGMA]]: RADIUS is in pixels, or RXxRY for one along x and another along y (triangle:2x1); SIGMA is a Gaussian's. Without them
     /// box:0.5, triangle:2, gaussian:1.5,0.5, as in pbrt-v4.
-    #[arg(long, value_name = "NAME[:RADIUS[,SIGMA]]", value_parser = filter)]
+    #[arg(long, value_name = "FILTER", value_parser = filter)]
     filter: Option<PixelFilter>,
-    /// A .ply or .obj mesh in place of the statue of a cornell-statue scene
+    /// A .ply or .obj mesh in place of the statue of cornell-statue-*
     ///
     /// It is scaled to fit.
     #[arg(long, value_name = "FILE")]
@@ -52,9 +55,9 @@ pub struct SceneArgs {
     ///
     /// The width alpha of the microfacet distribution; below 0.0001 the surface is smooth. Two widths, with a comma between
     /// them: along the surface's tangent and across it.
-    #[arg(long, value_name = "A[,B]", value_delimiter = ',', action = ArgAction::Set, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A,...", value_delimiter = ',', action = ArgAction::Set, allow_negative_numbers = true)]
     alpha: Option<Vec<f32>>,
-    /// Rough metal also reflects the light that meets several of its facets
+    /// Rough metal also reflects light that meets several facets
     #[arg(long)]
     multiple_scattering: bool,
 }

@@ -115,7 +115,8 @@ impl Scenes {
                 let size = format!("{}x{}", scene.width, scene.height);
                 let numbers = format!("{size:<8} {:>4} {:>3} {:>4}", scene.spp, scene.light_samples, scene.max_depth);
                 let options = scene.options.join(" ");
-                format!("{:<18} {numbers}  {options}\n{}", scene.name, wrapped(&scene.description, "    ", 100))
+                let line = format!("{:<18} {numbers}  {options}", scene.name);
+                format!("{}\n{}", line.trim_end(), wrapped(&scene.description, "    ", 100))
             };
             let header = format!("{:<18} {:<8} {:>4} {:>3} {:>4}  options\n", "scene", "size", "-s", "-l", "-m");
             let lines = output.scenes.iter().map(line);

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 #[command(next_help_heading = "Families", args = [out(), seed(), threads()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
-    #[arg(value_name = "FAMILY")]
+    #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
     families: Vec<String>,
     /// Run one input in every variant and precision
     #[arg(long, value_name = "CASE", conflicts_with = "families")]
@@ -142,7 +142,7 @@ fn human(output: &Output<'_>) -> String {
             r.out_of_range,
         );
     }
-    text += "the condition number is at the input of the largest relative error, by which the CSV file names inputs for --replay\n\n";
+    text += "condition: at the input of the largest relative error, which the CSV file names for --replay\n\n";
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
         let limit = match bound.limit {

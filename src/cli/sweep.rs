@@ -41,7 +41,7 @@ Examples:
 #[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads()])]
 pub struct Sweep {
     /// Families of BSDFs [default: all]
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the families with their parameters and stop
     #[arg(long)]

@@ -44,7 +44,7 @@ pub fn rounded(value: f64, digits: usize) -> String {
     let scientific = format!("{value:.*e}", digits - 1);
     let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
     match exponent {
-        -4..=6 => format!("{value:.*}", usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0)),
+        -4..=4 => format!("{value:.*}", usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0)),
         _ => scientific,
     }
 }
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn numbers_have_the_digits_that_are_asked_for() {
         let texts = [0.018_846_67, 9.999, 123_456.0, -0.5, 3.1e-9, 2.04e10, 0.0, f64::NAN].map(|x| rounded(x, 3));
-        assert_eq!(texts, ["0.0188", "10.0", "123456", "-0.500", "3.10e-9", "2.04e10", "0", "NaN"]);
+        assert_eq!(texts, ["0.0188", "10.0", "1.23e5", "-0.500", "3.10e-9", "2.04e10", "0", "NaN"]);
     }
 
     #[test]

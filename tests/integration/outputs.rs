@@ -40,7 +40,11 @@ fn a_result_under_a_default_name_is_not_replaced_in_silence() {
     // A name that was asked for says itself what it replaces.
     for _ in 0..2 {
         let named = etalon(dir.path(), &["fresnel", "--points", "9", "-o", "a.csv"]);
-        assert!(named.stdout.contains("wrote a.{csv,svg,png,pdf}\n") && !named.stdout.contains("replaced"), "{}", named.stdout);
+        assert!(
+            named.stdout.contains("wrote a.{csv,svg,png,pdf}\n") && !named.stdout.contains("replaced"),
+            "{}",
+            named.stdout
+        );
     }
 }
 

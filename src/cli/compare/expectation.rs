@@ -168,7 +168,7 @@ fn text(output: &Output) -> String {
             _ => "nothing that can be tested".into(),
         };
         if family.dominated > 0 {
-            text += &format!("; {} inconclusive: a few samples dominate", family.dominated);
+            text += &format!("\n{:<15}{} inconclusive: a few samples dominate", "", family.dominated);
         }
         text.push('\n');
     }

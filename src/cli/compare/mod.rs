@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = "Images and tests", args = [out(), threads()])]
 pub struct Compare {
     /// Two images; with --against, all images of the first renderer
-    #[arg(value_name = "IMAGE", required = true)]
+    #[arg(value_name = "IMAGE", required = true, help_heading = None::<&str>)]
     a: Vec<PathBuf>,
     /// Images of the second renderer: test whether both have one expectation
     #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set)]

@@ -16,6 +16,7 @@ use serde::Serialize;
 #[command(next_help_heading = "Map", args = [out()])]
 pub struct Make {
     /// nave, sun, constant, onehot or black
+    #[arg(help_heading = None::<&str>)]
     name: String,
 }
 

@@ -16,6 +16,7 @@ use std::ffi::OsString;
 #[command(next_help_heading = "Map")]
 pub struct MapArgs {
     /// A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black
+    #[arg(help_heading = None::<&str>)]
     map: OsString,
     #[command(flatten)]
     options: MapOptions,

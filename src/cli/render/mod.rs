@@ -31,43 +31,47 @@ use summary::Summary;
 /// Render a scene
 #[derive(Args)]
 #[command(after_long_help = AFTER_HELP)]
-#[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
+#[command(args = [out(), seed(), threads()])]
 pub struct Render {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Camera samples per pixel [default: the scene's; 16 to 64 in built-in scenes]
-    #[arg(short, long, value_name = "SPP")]
+    /// Camera samples per pixel [default: the scene's]
+    #[arg(help_heading = SAMPLING, short, long, value_name = "SPP")]
     spp: Option<u32>,
     /// Light samples at each hit [default: the scene's]
-    #[arg(short, long, value_name = "N")]
+    #[arg(help_heading = SAMPLING, short, long, value_name = "N")]
     light_samples: Option<u32>,
-    /// Most scatterings of a path [default: the scene's]; 0: emission only, 1: direct light
-    #[arg(short, long = "depth", value_name = "DEPTH")]
+    /// Most scatterings of a path [default: the scene's]
+    ///
+    /// 0: emission only, 1: direct light.
+    #[arg(help_heading = SAMPLING, short, long = "depth", value_name = "DEPTH")]
     max_depth: Option<u32>,
     /// The same as -o
-    #[arg(short, hide = true, value_name = "FILE")]
+    #[arg(help_heading = SAMPLING, short, hide = true, value_name = "FILE")]
     file: Option<PathBuf>,
     /// Which techniques find the light [default: mis+lt; mis with --kernel reference]
-    #[arg(long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
+    #[arg(help_heading = SAMPLING, long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere
-    #[arg(short = 'H', hide = true, conflicts_with = "sampling")]
+    #[arg(help_heading = SAMPLING, short = 'H', hide = true, conflicts_with = "sampling")]
     hemisphere: bool,
     /// How directions towards the environment are sampled
-    #[arg(long, value_name = "NAME", long_help = density_help(), value_parser = map_sampling)]
+    #[arg(help_heading = SAMPLING, long, value_name = "NAME", long_help = density_help(), value_parser = map_sampling)]
     light_density: Option<MapSampling>,
     /// Owen-scrambled Sobol' or independent random numbers
-    #[arg(long, default_value = "sobol",
+    #[arg(help_heading = SAMPLING, long, default_value = "sobol",
           value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
     stream: StreamKind,
     /// No adaptive sampling: one camera path for each sample
     ///
     /// By default, pixels with more noise than most have several.
-    #[arg(long)]
+    #[arg(help_heading = SAMPLING, long)]
     uniform: bool,
     #[command(flatten)]
     model: ModelArgs,
-    /// Tone mapping of PNG and PPM [default: PNG srgb, PPM linear, scaled by its maximum]
+    /// Tone mapping of PNG and PPM
+    ///
+    /// Default: PNG as srgb, PPM linear, scaled by its maximum.
     #[arg(long, help_heading = OUTPUT, value_parser = choice([
         ("srgb", "The sRGB curve, rounded", ToneMap::default()),
         ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
@@ -95,10 +99,10 @@ pub struct Render {
     #[arg(long, help_heading = OUTPUT, value_name = "I/N")]
     shard: Option<Shard>,
     /// Run also what the scene does not need: the same image, for comparison
-    #[arg(long)]
+    #[arg(help_heading = SAMPLING, long)]
     general: bool,
     /// The implementation that renders
-    #[arg(long, default_value = "lanes", value_parser = choice([
+    #[arg(help_heading = SAMPLING, long, default_value = "lanes", value_parser = choice([
         ("lanes", "many paths side by side, in loops that vectorize", Kernel::Lanes),
         ("reference", "one path after the other, as the textbook describes it; no light tracing", Kernel::Reference),
     ]))]
@@ -115,7 +119,7 @@ Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and
 differ from their defaults (furnace-r64x64-s16.exr); with a file name, in that format and as PNG. The EXR file also has \
 the standard error of every pixel.
 
-As in the course's command line, -f FILE means -o FILE, and -H --sampling hemisphere.
+`etalon scenes` lists what built-in scenes ask for: size, -s, -l, -m. As in the course's command line, -f FILE means -o FILE, and -H --sampling hemisphere.
 
 Ctrl-C (and SIGTERM) end a render early: the samples so far go to an EXR file, with a PNG preview, and the same command \
 with --resume FILE continues it, to the same bits as an uninterrupted render. --resume FILE from the beginning also \

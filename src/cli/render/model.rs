@@ -11,7 +11,9 @@ use clap::{ArgAction, Args};
 #[derive(Args)]
 #[command(next_help_heading = "Scattering model")]
 pub struct ModelArgs {
-    /// Reflectance of glass: the Fresnel equations or Schlick's approximation [default: exact]
+    /// Reflectance of glass [default: exact]
+    ///
+    /// The Fresnel equations, or Schlick's approximation.
     ///
     /// Schlick's approximation has the cosine on the less dense side.
     #[arg(long, value_parser = choice([
@@ -25,10 +27,10 @@ pub struct ModelArgs {
     /// (NDF), or uniformly over the hemisphere.
     #[arg(long, value_parser = choice(NormalSampling::ALL.map(|normals| (normals.name(), "", normals))))]
     normals: Option<NormalSampling>,
-    /// The correct formulas, or conventions of the second report's renderer
+    /// Correct formulas, or conventions of the second report
     ///
     /// All of its conventions (report), or single ones with commas between them.
-    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact",
+    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME,...", default_value = "exact",
           value_parser = choice(MODELS.iter().map(|model| (model.0, model.1, model))))]
     model: Vec<&'static Model>,
 }

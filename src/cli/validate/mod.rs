@@ -33,7 +33,7 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Tests", args = [out(), seed(), threads()])]
 pub struct Validate {
     /// Tests, families of tests, or patterns with * and ? [default: all]
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop
     #[arg(long)]

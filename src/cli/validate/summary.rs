@@ -2,7 +2,7 @@
 //! accepted or has a remark.
 
 use crate::study::validation::{Tested, Validation};
-use crate::view::text::{counted, plain_p_value};
+use crate::view::text::{counted, plain_p_value, wrapped};
 use etalon_stats::Verdict;
 
 /// More tests than these are summarized by family.
@@ -61,7 +61,7 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
             text += &format!("  remark: {remark}\n");
         }
         if let Some(finer) = outcome.finer().filter(|_| outcome.is_accepted()) {
-            text += &format!("  detects ripples: {finer}\n");
+            text += &wrapped(&format!("detects ripples: {finer}"), "    ", 100);
         }
     }
     text
