@@ -33,7 +33,7 @@ use std::thread::available_parallelism;
 pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Strategies, with commas between them [default: eight or nine that suit the scene]
+    /// Strategies, with commas between them [default: those that suit the scene]
     ///
     /// "none" leaves renderers alone.
     #[arg(help_heading = METHODS, long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
@@ -60,10 +60,10 @@ pub struct Converge {
     /// Keep all images and their times in DIR, for --runs
     #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
     keep_runs: Option<PathBuf>,
-    /// Seconds for the whole run, including the reference [default: 30, and 60 for each renderer]
+    /// Seconds for the whole run [default: 30, and 60 for each renderer]
     #[arg(long, help_heading = SAMPLING, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
-    /// Samples per pixel at which every curve ends [default: as many as fit into the budget]
+    /// Samples per pixel at which every curve ends [default: what the budget allows]
     #[arg(long, help_heading = SAMPLING, value_name = "N")]
     max_spp: Option<u32>,
     /// Renders of each strategy, for the confidence bands [default: 8, if they fit]

@@ -40,7 +40,7 @@ pub struct SceneArgs {
     /// The 30 numbers of the course's renderer.
     #[arg(short, long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// Pixel filter: box, triangle or gaussian [default: the .pbrt file's, otherwise box]
+    /// Pixel filter: box, triangle or gaussian [default: the file's or box]
     ///
     /// NAME[:RADIUS[,SIGMA]]: RADIUS is in pixels, or RXxRY for one along x and another along y (triangle:2x1); SIGMA is a Gaussian's. Without them
     /// box:0.5, triangle:2, gaussian:1.5,0.5, as in pbrt-v4.

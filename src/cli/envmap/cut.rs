@@ -28,11 +28,11 @@ pub struct Cut {
     /// the region with the most energy first.
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
     n: Vec<usize>,
-    /// Cut where the energy halves, or where the larger variance of the halves is smallest
+    /// Cut where the energy halves, or where the larger variance is smallest
     #[arg(long, default_value = "energy",
           value_parser = choice([("energy", "", Split::Energy), ("variance", "", Split::Variance)]))]
     split: Split,
-    /// Put a region's light at its energy centroid, or at the first report's median pixel
+    /// Put lights at energy centroids, or at the first report's median pixels
     #[arg(long, default_value = "energy",
           value_parser = choice([("energy", "", Centroid::Energy), ("median", "", Centroid::Median)]))]
     centroid: Centroid,

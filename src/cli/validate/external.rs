@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Parameters of the program's BSDF [default: the values that it declares]
     #[arg(long, value_name = "NAME=VALUE,...", requires = "exec", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
-    /// The pdf of the samples in --samples: a grid in CSV, or a lat-long image of pdfs per sr
+    /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
     pdf: Option<PathBuf>,
 }

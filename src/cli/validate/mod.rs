@@ -41,7 +41,7 @@ pub struct Validate {
     /// Test samplers with a planted fault each, which must be rejected
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
-    /// Samples of each test [default: as --detect needs], or their CSV file (see --pdf)
+    /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
     /// Relative error of a pdf to detect with 90 % probability
@@ -53,7 +53,9 @@ pub struct Validate {
     /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
-    /// Plot the counts of each test: observed, expected, residuals [default: of rejected ones]
+    /// Plot the counts of each test [default: of rejected ones]
+    ///
+    /// Observed counts, expected counts, and residuals.
     #[arg(long, help_heading = OUTPUT)]
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
