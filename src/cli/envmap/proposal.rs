@@ -2,7 +2,7 @@
 
 use super::options::MapArgs;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, SAMPLING, Verdict, out, seed};
+use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::proposal;
@@ -14,7 +14,7 @@ use etalon_stats::chi_square::ChiSquare;
 /// Compare uniform with Gaussian random numbers for inversion
 #[derive(Args)]
 #[command(after_long_help = "Example:\n  etalon envmap proposal nave -n 100000")]
-#[command(next_help_heading = SAMPLING, args = [out(), seed()])]
+#[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
 pub struct Proposal {
     /// Samples with each kind of random number
     #[arg(short, value_name = "N", default_value_t = 100_000)]

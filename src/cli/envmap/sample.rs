@@ -3,7 +3,7 @@
 use super::options::{LookArgs, MapArgs};
 use super::outputs::Outputs;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, SAMPLING, Verdict, out, seed};
+use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::cli::values::{map_samplers, map_sampling, model};
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 #[command(after_long_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
                         etalon envmap sample grace.exr --flip -n 64,256,1024")]
-#[command(next_help_heading = SAMPLING, args = [out(), seed()])]
+#[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
 pub struct Sample {
     /// Numbers of samples
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
