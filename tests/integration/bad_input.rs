@@ -94,7 +94,7 @@ fn numbers_out_of_range() {
         ("render sphere-env --envmap black -r 0 0", &["-r: ", "0x0", "hint: "]),
         ("render sphere-env --envmap black -r 99999999 99999999", &["-r: ", "hint: "]),
         ("render sphere-env --envmap black -r 18446744073709551615 2", &["-r: ", "hint: "]),
-        ("render sphere-env --envmap black -r 64", &["-r"]),
+        ("render sphere-env --envmap black -r 64", &["--size"]),
         ("render cornell-lambert --flip", &["--flip", "no map"]),
         ("render cornell-lambert --ldr", &["--ldr", "no map"]),
         ("render cornell-lambert --light-density cosine", &["--light-density", "environment map"]),
