@@ -103,12 +103,29 @@ pub struct Written {
 }
 
 impl Written {
+    /// A line for the files of one name: "wrote out/NAME.{csv,svg}".
     pub fn text(&self) -> String {
-        let line = |path: &PathBuf| {
+        let mut lines: Vec<(&str, PathBuf, Vec<String>)> = Vec::new();
+        for path in &self.files {
             let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
-            format!("{verb} {}\n", path.display())
+            let (stem, extension) = match path.extension() {
+                Some(extension) => (path.with_extension(""), vec![extension.to_string_lossy().into_owned()]),
+                None => (path.clone(), Vec::new()),
+            };
+            match lines.iter_mut().find(|line| (line.0, &line.1) == (verb, &stem)) {
+                Some(line) => line.2.extend(extension),
+                None => lines.push((verb, stem, extension)),
+            }
+        }
+        let line = |(verb, stem, extensions): &(&str, PathBuf, Vec<String>)| {
+            let end = match extensions.as_slice() {
+                [] => String::new(),
+                [one] => format!(".{one}"),
+                many => format!(".{{{}}}", many.join(",")),
+            };
+            format!("{verb} {}{end}\n", stem.display())
         };
-        self.files.iter().map(line).collect()
+        lines.iter().map(line).collect()
     }
 }
 
@@ -233,6 +250,9 @@ mod tests {
         let written = Target::new(Some(dir.path())).written(files.clone());
         assert_eq!(written.replaced, [at("a.csv")]);
         assert!(written.text().starts_with("replaced ") && written.text().matches("wrote ").count() == 2);
+        let drawing = DRAWING.map(|extension| at(&format!("v1.5.{extension}"))).to_vec();
+        let written = Target::new(Some(dir.path())).written(drawing);
+        assert_eq!(written.text(), format!("wrote {}.{{svg,png,pdf}}\n", at("v1.5").display()));
         assert!(Target::new(Some(&at("a.csv"))).written(files).replaced.is_empty(), "this name was asked for");
     }
 

@@ -157,8 +157,8 @@ mod tests {
             ("fresnel --eta-i 1.45 --eta-t 1", "out/x-eta-i-1.45-eta-t-1"),
             ("fresnel --eta-t 1 --eta-i 1.45", "out/x-eta-i-1.45-eta-t-1"),
             ("fresnel --eta-t 1e-9", "out/x-eta-t-1e-9"),
-            ("--seed 1 fresnel --json --quiet -t 2", "out/x"),
-            ("--seed 7 fresnel", "out/x-seed-7"),
+            ("--json validate --quiet --seed 1 -t 2", "out/x"),
+            ("validate --seed 7", "out/x-seed-7"),
             ("render furnace -s 0256 -l 4 -m 7 -r 480 360", "out/x-r480x360-s256-l4-m7"),
             (
                 "render furnace -H --general --paths --model lambda-pi,inverse-distance --resume a.exr",

@@ -1,7 +1,7 @@
 //! `etalon converge`: error against run time.
 
 use super::console::Console;
-use super::global::{Global, Verdict};
+use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::program::reply_limit;
 use super::scene_file::{Loaded, SceneArgs};
 use crate::error::{Error, Result};
@@ -19,6 +19,7 @@ use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
 use crate::view::converge_images;
+use crate::view::text::{rounded, wrapped};
 use clap::{ArgAction, Args};
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
@@ -27,47 +28,52 @@ use std::thread::available_parallelism;
 
 /// Measure the error of sampling strategies against their run time
 #[derive(Args)]
-#[command(after_help = after_help())]
+#[command(after_long_help = after_help())]
+#[command(args = [out(), seed(), threads()])]
 pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Strategies, with commas between them (default: eight or nine that suit the scene; "none" for renderers alone)
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
+    /// Strategies, with commas between them [default: those that suit the scene]
+    ///
+    /// "none" leaves renderers alone.
+    #[arg(help_heading = METHODS, long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     strategies: Vec<String>,
-    /// A renderer in another program, repeatable: a name and the command that renders one image, with placeholders {spp} {out}
-    /// {seed} {scene} {threads} {width} {height}
-    #[arg(long, value_name = "NAME=COMMAND")]
+    /// A renderer in another program, repeatable: a name and the command of an image
+    ///
+    /// The command has placeholders {spp} {out} {seed} {scene} {threads} {width} {height}.
+    #[arg(help_heading = METHODS, long, value_name = "NAME=COMMAND")]
     renderer: Vec<String>,
-    /// The file that {scene} stands for (default: SCENE if it is a file)
-    #[arg(long, value_name = "FILE", requires = "renderer")]
+    /// The file that {scene} stands for [default: SCENE if it is a file]
+    #[arg(help_heading = METHODS, long, value_name = "FILE", requires = "renderer")]
     renderer_scene: Option<PathBuf>,
     /// Time limit of each run of a renderer
-    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, requires = "renderer", allow_negative_numbers = true)]
+    #[arg(help_heading = METHODS, long, value_name = "SECONDS", default_value_t = 300.0, requires = "renderer", allow_negative_numbers = true)]
     timeout: f64,
-    /// The reference: an image file, or the name of a renderer or strategy that renders it (default: the exact image where
-    /// there is one, else our default strategy)
-    #[arg(long, value_name = "FILE|NAME")]
+    /// The reference: an image file, or the renderer or strategy that renders it
+    ///
+    /// Default: the exact image where there is one, else the default strategy.
+    #[arg(help_heading = METHODS, long, value_name = "FILE|NAME")]
     reference: Option<String>,
-    /// Also compare runs of earlier days: DIR/NAME/times.csv and DIR/NAME/spp-16_seed-3.exr
-    #[arg(long, value_name = "DIR")]
+    /// Also compare earlier runs: DIR/NAME/times.csv and DIR/NAME/spp-16_seed-3.exr
+    #[arg(help_heading = METHODS, long, value_name = "DIR")]
     runs: Option<PathBuf>,
     /// Keep all images and their times in DIR, for --runs
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
     keep_runs: Option<PathBuf>,
-    /// Seconds for the whole run, including the reference [default: 30, and 60 for each renderer]
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    /// Seconds for the whole run [default: 30, and 60 for each renderer]
+    #[arg(long, help_heading = SAMPLING, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
-    /// Samples per pixel at which every curve ends [default: as many as fit into the budget]
-    #[arg(long, value_name = "N")]
+    /// Samples per pixel at which every curve ends [default: what the budget allows]
+    #[arg(long, help_heading = SAMPLING, value_name = "N")]
     max_spp: Option<u32>,
-    /// Renders of each strategy with different seeds, for the confidence bands [default: 8, if they fit]
-    #[arg(long, value_name = "N")]
+    /// Renders of each strategy, for the confidence bands [default: 8, if they fit]
+    #[arg(long, help_heading = SAMPLING, value_name = "N")]
     replicates: Option<u32>,
     /// Light samples at each hit
-    #[arg(short, value_name = "N", default_value_t = 1)]
+    #[arg(short, long, help_heading = SAMPLING, value_name = "N", default_value_t = 1)]
     light_samples: u32,
-    /// Longest paths, in segments after the camera's (default: what the scene asks for)
-    #[arg(short, value_name = "DEPTH")]
+    /// Most scatterings of a path [default: the scene's]
+    #[arg(short, long = "depth", help_heading = SAMPLING, value_name = "DEPTH")]
     max_depth: Option<u32>,
 }
 
@@ -89,6 +95,9 @@ fn after_help() -> String {
          etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'"
     )
 }
+
+/// Heading of the help.
+const METHODS: &str = "Methods to compare";
 
 /// Longest side of an image whose size is not given.
 const LONGEST_SIDE: usize = 120;
@@ -223,21 +232,25 @@ enum Chosen {
 
 fn text(output: &Output<'_>) -> String {
     let Output { answer, result, common_cpu_seconds, common_rmse } = output;
-    let mut text = view::sentence(answer.as_ref());
+    let mut text = wrapped(&view::sentence(answer.as_ref()), "", 100);
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
         Some(facts) if facts.spp == 0 => format!("against {}\n", facts.source),
-        Some(facts) => format!("reference by {}, {} spp, its own RMSE {:.2e}\n", facts.source, facts.spp, facts.rmse),
+        Some(facts) => {
+            format!("reference by {}, {} spp, its own RMSE {}\n", facts.source, facts.spp, rounded(facts.rmse, 3))
+        }
     };
+    let width = result.curves.iter().map(|curve| curve.strategy.chars().count()).max().unwrap_or(0).max(8);
     text += &format!(
-        "{:<26} {:>7} {:>10} {:>10} {:>10} {:>8}  {:<17} {:<15} {:>11} {:>10}  time to RMSE {common_rmse:.2e}\n",
-        "strategy", "spp", "time", "RMSE", "rel. MSE", "FLIP", "slope", "verdict", "efficiency", "TTUV"
+        "{:<width$} {:>7} {:>9} {:>8}  {:<12}  {:<14} {:>10} {:>9}\n",
+        "strategy", "spp", "time", "RMSE", "slope", "verdict", "efficiency", "time to *"
     );
     let is_biased = |curve: &&Curve| curve.verdict == CurveVerdict::Biased;
     for curve in result.curves.iter().filter(|curve| !is_biased(curve)) {
         let efficiency = curve.log_efficiency_at(*common_cpu_seconds).value.exp();
-        text += &line(curve, efficiency, curve.time_to(*common_rmse).map_or("never".into(), duration).as_str());
+        let end = curve.time_to(*common_rmse).map_or("never".into(), duration);
+        text += &line(curve, width, efficiency, &end);
     }
     if result.curves.iter().any(|curve| is_biased(&curve)) {
         text += "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
@@ -251,13 +264,15 @@ fn text(output: &Output<'_>) -> String {
             100.0 * half_width,
             100.0 * curve.bias2.value.max(0.0).sqrt() / mean
         );
-        text += &line(curve, curve.variance_efficiency().unwrap_or(f64::NAN), &bias);
+        text += &line(curve, width, curve.variance_efficiency().unwrap_or(f64::NAN), "");
+        text += &format!("  {bias}\n");
     }
+    text += &format!("* processor time to an RMSE of {}; the CSV file has more columns\n", rounded(*common_rmse, 3));
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
         let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);
         text += &format!(
-            "{}: start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s\n",
+            "{}:\n  start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s\n",
             curve.strategy,
             start[0],
             start[1],
@@ -275,28 +290,19 @@ fn text(output: &Output<'_>) -> String {
     text
 }
 
-/// A number, or "unknown".
-fn known(value: f64) -> String {
-    if value.is_nan() { "unknown".into() } else { format!("{value:.3e}") }
-}
-
-/// A contender's line of the table.
-fn line(curve: &Curve, efficiency: f64, end: &str) -> String {
+/// A contender's line of the table, but for its end.
+fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
     let Some(level) = curve.levels.last() else { return String::new() };
-    let slope = match curve.slope.value {
-        unknown if unknown.is_nan() => "unknown".to_owned(),
-        value => format!("{value:.3} ± {:.3}", curve.slope.half_width),
-    };
+    let known = |value: f64, text: String| if value.is_nan() { "unknown".into() } else { text };
+    let slope = curve.slope.value;
     format!(
-        "{:<26} {:>7} {:>10} {:>10.3e} {:>10.3e} {:>8}  {slope:<17} {:<15} {:>11} {:>10}  {end}\n",
+        "{:<width$} {:>7} {:>9} {:>8}  {:<12}  {:<14} {:>10} {end:>9}\n",
         curve.strategy,
         level.spp,
         duration(level.cpu_seconds),
-        level.rmse(),
-        level.rel_mse.value,
-        level.flip.map_or("none".into(), |flip| format!("{flip:.4}")),
+        rounded(level.rmse(), 3),
+        known(slope, format!("{slope:.2} ± {:.2}", curve.slope.half_width)),
         word(curve.verdict),
-        known(efficiency),
-        known(1.0 / efficiency),
+        known(efficiency, rounded(efficiency, 3)),
     )
 }

@@ -1,7 +1,7 @@
 //! `etalon fresnel`: reflectance curves.
 
 use super::console::Console;
-use super::global::{Global, Verdict};
+use super::global::{Global, Verdict, out};
 use super::values::model;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
@@ -13,8 +13,9 @@ use clap::Args;
 
 /// Plot the reflectance of a dielectric or a metal over the angle of incidence
 #[derive(Args)]
-#[command(after_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
+#[command(after_long_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
                         --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
+#[command(next_help_heading = "Media", args = [out()])]
 pub struct Fresnel {
     /// Index of refraction on the side that the light comes from
     #[arg(long, value_name = "ETA", default_value_t = 1.0, allow_negative_numbers = true)]
@@ -22,7 +23,8 @@ pub struct Fresnel {
     /// Index of refraction on the other side
     #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
     eta_t: f64,
-    #[arg(long, value_name = "NAME", help = metal_help(), conflicts_with_all = ["k", "eta_i", "eta_t"])]
+    /// A metal, by symbol or name
+    #[arg(long, value_name = "NAME", long_help = metal_help(), conflicts_with_all = ["k", "eta_i", "eta_t"])]
     metal: Option<String>,
     /// Extinction coefficient: makes the other side a conductor of index ETA + iK
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
@@ -30,8 +32,10 @@ pub struct Fresnel {
     /// Number of angles from 0 to 90 degrees
     #[arg(long, value_name = "N", default_value_t = 901)]
     points: usize,
-    /// `report` plots what the first report shows: Schlick with the incident cosine on the exit side (an error of up to 0.97
-    /// beside the critical angle), curves ended at the critical angle
+    /// The correct formulas, or what the first report plots
+    ///
+    /// `report`: Schlick with the incident cosine on the exit side (an error of up to 0.97 beside the critical angle), curves
+    /// ended at the critical angle.
     #[arg(long, value_parser = model(), default_value = "exact")]
     model: Conventions,
 }

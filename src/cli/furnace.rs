@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::families::{families, list};
-use super::global::{Global, Verdict};
+use super::global::{Global, Verdict, out, seed, threads};
 use super::program::ExternalBsdf;
 use super::values::setting;
 use crate::error::{Error, Result};
@@ -17,28 +17,31 @@ use std::collections::BTreeMap;
 /// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
 #[derive(Args)]
 #[command(
-    after_help = "The directional albedo is the radiance of a surface over that of uniform light from everywhere; above 1 the BSDF \
+    after_long_help = "The directional albedo is the radiance of a surface over that of uniform light from everywhere; above 1 the BSDF \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if a BSDF contradicts what it declares or the weak furnace test fails, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx \
                   --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
+#[command(next_help_heading = "BSDFs", args = [out(), seed(), threads()])]
 pub struct Furnace {
     /// BSDFs (see --list)
-    #[arg(value_name = "NAME", required_unless_present_any = ["list", "exec"])]
+    #[arg(value_name = "NAME", help_heading = None::<&str>, required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
     #[arg(long)]
     list: bool,
-    /// The parameter that varies, or several that vary together (default: the first; with NAME_x also NAME_y)
+    /// The parameter that varies, or several together [default: the first]
+    ///
+    /// The first varies with NAME_y if it is NAME_x.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     over: Vec<String>,
-    /// Values of parameters that do not vary (default: see --list)
+    /// Values of parameters that do not vary [default: see --list]
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
     size: String,
-    /// The error that each albedo should have at most (default: 0.0001; 0.01 with --exec)
+    /// Largest error of an albedo [default: 0.0001; 0.01 with --exec]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]

@@ -1,41 +1,84 @@
-//! What every subcommand takes and returns: the global flags and the verdict.
+//! What subcommands have in common: the options that all or most take, and the verdict.
 
-use super::arguments::Arguments;
+use super::arguments::{Arguments, called};
 use crate::output::Target;
-use clap::Args;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, value_parser};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub const DEFAULT_SEED: u64 = 1;
 
-/// Flags that every subcommand takes.
+/// Headings of the help, for options of one kind in several subcommands.
+pub const SCENE: &str = "Scene";
+pub const SAMPLING: &str = "Sampling";
+pub const OUTPUT: &str = "Output";
+const COMMON: &str = "Common";
+
+/// Options that every subcommand takes, and the values of those that most take ([`out`], [`seed`], [`threads`]).
 #[derive(Args)]
+#[command(next_help_heading = COMMON)]
 pub struct Global {
     /// Print one JSON object on standard output and nothing else there
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = LAST)]
     pub json: bool,
-    /// Seed of all random numbers
-    #[arg(long, global = true, value_name = "N", default_value_t = DEFAULT_SEED)]
-    pub seed: u64,
-    /// Worker threads (default: one per core)
-    #[arg(short, long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub threads: Option<u32>,
-    /// Upper limit of memory, in bytes or with K, M or G (default: the free memory of the machine)
-    #[arg(long, global = true, value_name = "SIZE", value_parser = size)]
-    pub memory: Option<u64>,
     /// No progress bars and no warnings
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = LAST)]
     pub quiet: bool,
-    /// Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: out, under
-    /// names that contain the options that differ from their defaults]
-    #[arg(short, long, global = true, value_name = "PATH")]
+    /// Upper limit of memory, such as 2G [default: the free memory]
+    ///
+    /// In bytes, or with K, M or G.
+    #[arg(long, global = true, display_order = LAST, value_name = "SIZE", value_parser = size)]
+    pub memory: Option<u64>,
+    /// Print help: one line for each option with -h, all with --help
+    #[arg(short, long, global = true, display_order = LAST, action = ArgAction::Help)]
+    help: Option<bool>,
+    #[arg(skip)]
     pub out: Option<PathBuf>,
+    #[arg(skip = DEFAULT_SEED)]
+    pub seed: u64,
+    #[arg(skip)]
+    pub threads: Option<u32>,
     /// All arguments of the run.
     #[arg(skip)]
     pub arguments: Arguments,
 }
 
+/// Behind the options of a subcommand, which clap numbers from 0.
+const LAST: usize = 100;
+
+/// The option `-o`, of subcommands that write files.
+pub fn out() -> Arg {
+    let arg = Arg::new("out").short('o').long("out").value_name("PATH").value_parser(value_parser!(PathBuf));
+    arg.help_heading(COMMON).help("Folder of the results, or their file name [default: out/]").long_help(
+        "Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: the folder \
+         out, under names that contain the options that differ from their defaults]",
+    )
+}
+
+/// The option `--seed`, of subcommands that use random numbers.
+pub fn seed() -> Arg {
+    let arg = Arg::new("seed").long("seed").value_name("N").value_parser(value_parser!(u64));
+    arg.help_heading(COMMON).help("Seed of all random numbers").default_value("1")
+}
+
+/// The option `--threads`, of subcommands that compute in parallel.
+pub fn threads() -> Arg {
+    let arg = Arg::new("threads").short('t').long("threads").value_name("N");
+    let arg = arg.value_parser(value_parser!(u32).range(1..=1024));
+    arg.help_heading(COMMON).help("Worker threads [default: one per core]")
+}
+
 impl Global {
+    /// Takes the arguments of the subcommand that was called; `command` must be built.
+    pub fn complete(&mut self, command: &Command, matches: &ArgMatches) {
+        let (_, given) = called(command, matches);
+        // Not an argument of every subcommand, nor given where it is one.
+        self.out = given.try_get_one("out").ok().flatten().cloned();
+        self.threads = given.try_get_one("threads").ok().flatten().copied();
+        self.seed = given.try_get_one("seed").ok().flatten().copied().unwrap_or(DEFAULT_SEED);
+        self.arguments = Arguments::of(command, matches);
+    }
+
     /// Where results go. Default names contain the arguments that differ from their defaults, except those (`in_name`, by
     /// their ids) that the name contains already.
     pub fn target(&self, in_name: &[&str]) -> Target {

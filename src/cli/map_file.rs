@@ -17,12 +17,24 @@ use std::sync::Arc;
 /// How a map file is to be understood.
 #[derive(Args, Clone, Copy, Default)]
 pub struct MapOptions {
-    /// Turn the map upside-down: for files that store the floor in row 0
+    /// Turn the map upside-down: its file has the floor in row 0
     #[arg(long)]
     pub flip: bool,
-    /// Accept 8-bit images (PNG, JPEG, TGA, PPM) although their lights are clipped
+    /// Accept an 8-bit map (PNG, JPEG, TGA, PPM), whose lights are clipped
     #[arg(long)]
     pub ldr: bool,
+}
+
+impl MapOptions {
+    /// Refuses the options where no map is read.
+    pub fn check_unused(self) -> Result<()> {
+        match [(self.flip, "flip"), (self.ldr, "ldr")].into_iter().find(|(given, _)| *given) {
+            None => Ok(()),
+            Some((_, name)) => {
+                Err(Error::parameter(name, "no map is read").with_hint("it says how to read a map's file"))
+            }
+        }
+    }
 }
 
 /// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).

@@ -3,7 +3,7 @@
 use super::arguments::command_line;
 use super::console::Console;
 use super::families::families;
-use super::global::{Global, Verdict};
+use super::global::{Global, Verdict, out, threads};
 use super::program::ExternalBsdf;
 use super::sweep::{concluded, decided};
 use crate::error::{Error, Result};
@@ -21,16 +21,17 @@ use std::path::PathBuf;
 /// Merge parts of a render or of a sweep
 #[derive(Args)]
 #[command(
-    after_help = "Of a render it writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
+    after_long_help = "Of a render it writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
                         has the sums and can itself be merged.\n\nOf a sweep, whose parts must all be there, it runs \
                         suspicious tests again, decides on all at one level, and writes merged-survivors.csv. Exit \
                         codes are those of `etalon sweep`.\n\nExamples:\n  etalon merge shard-1.exr shard-2.exr \
                         -o image.exr\n  etalon merge parts/*.csv"
 )]
+#[command(next_help_heading = "Parts", args = [out(), threads()])]
 pub struct Merge {
     /// Files with different samples of the same image, or all parts of a sweep
-    #[arg(required = true)]
+    #[arg(required = true, help_heading = None::<&str>)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
     external: ExternalBsdf,

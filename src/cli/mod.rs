@@ -10,6 +10,8 @@ mod flags;
 mod fresnel;
 mod furnace;
 mod global;
+#[cfg(test)]
+mod help_tests;
 mod map_file;
 mod merge;
 mod program;
@@ -26,7 +28,6 @@ mod values;
 
 use crate::error::{Error, Result};
 use crate::memory;
-use arguments::Arguments;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use flags::Flags;
@@ -34,7 +35,7 @@ use global::{Global, Verdict};
 use std::process::ExitCode;
 
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100, after_help = AFTER_HELP)]
+#[command(version, about, max_term_width = 100, disable_help_flag = true, after_help = AFTER_HELP)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -84,7 +85,7 @@ pub fn main() -> ExitCode {
     command.build();
     let matches = command.get_matches_mut();
     let mut cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
-    cli.global.arguments = Arguments::of(&command, &matches);
+    cli.global.complete(&command, &matches);
     let console = Console::new(cli.global.json, cli.global.quiet);
     // Set up the process and run
     if let Err(e) = signals::install() {

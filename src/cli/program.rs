@@ -8,8 +8,11 @@ use std::time::Duration;
 
 /// Another program.
 #[derive(Args)]
+#[command(next_help_heading = "BSDFs of other programs")]
 pub struct ExternalBsdf {
-    /// BSDFs of another program: COMMAND starts it; requests and replies go over its standard input and output
+    /// Test the BSDFs of the program that COMMAND starts
+    ///
+    /// Requests and replies go over its standard input and output.
     #[arg(long, value_name = "COMMAND")]
     exec: Option<String>,
     /// Time limit for each reply of the program

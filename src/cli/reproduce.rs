@@ -1,7 +1,7 @@
 //! `etalon reproduce`: all figures, with their checks.
 
 use super::console::Console;
-use super::global::{DEFAULT_SEED, Global, Verdict};
+use super::global::{DEFAULT_SEED, Global, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use crate::envmap::info::Info;
 use crate::envmap::{EnvMap, NamedMap};
@@ -20,12 +20,13 @@ use std::time::Instant;
 /// Make every figure and check it against the reports' numbers
 #[derive(Args)]
 #[command(
-    after_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
+    after_long_help = "Writes ID.{csv,svg,png,pdf} (and .exr, .pfm, .ppm of renders) into figures/, or into the folder \
                         given with -o, with checks.csv and index.html, a page that shows all figures there, those of \
                         earlier runs (reproduce.json) too. Exit code 1 if a check fails, 3 if interrupted.\n\nExamples:\n  etalon reproduce\n  \
                         etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr\n  \
                         etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
+#[command(next_help_heading = "Figures", args = [out(), seed(), threads()])]
 pub struct Reproduce {
     /// Smaller images and fewer samples: a quick check of everything
     #[arg(long)]
@@ -38,11 +39,12 @@ pub struct Reproduce {
     envmap: OsString,
     #[command(flatten)]
     options: MapOptions,
-    /// A folder with the second report's scenes (CBspheres.dae, CBdragon_microfacet_au.dae, CBbunny_microfacet_cu.dae),
-    /// to use instead of the built-in ones
+    /// A folder with the second report's scenes [default: the built-in ones]
+    ///
+    /// CBspheres.dae, CBdragon_microfacet_au.dae and CBbunny_microfacet_cu.dae.
     #[arg(long, value_name = "FOLDER")]
     scenes: Option<PathBuf>,
-    /// Times the usual number of pixels of PNG files along each side: 2 for slides
+    /// Factor of the pixels of PNG files along each side: 2 for slides
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     scale: u32,
     /// List the figures and stop

@@ -1,6 +1,7 @@
 //! The scene of a command: a built-in one or a file, with the changes that flags ask for.
 
 use super::console::Console;
+use super::global::SCENE;
 use super::map_file::{self, MapOptions};
 use super::values::filter;
 use crate::envmap::NamedMap;
@@ -14,35 +15,49 @@ use std::sync::Arc;
 
 /// The scene and its changes.
 #[derive(Args)]
+#[command(next_help_heading = SCENE)]
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
+    #[arg(help_heading = None::<&str>)]
     scene: OsString,
-    /// Width and height in pixels. In a .dae scene they also set the field of view, as in the course's renderer: a pixel keeps
-    /// its angle (that of an image of 800 by 600 with the file's field of view), so a smaller image shows less. All other
-    /// scenes keep their field of view
-    #[arg(short, num_args = 2, value_names = ["W", "H"], action = ArgAction::Set)]
+    /// Width and height in pixels [default: the scene's]
+    ///
+    /// `etalon scenes` lists the sizes of built-in scenes. In a .dae scene they also set the field of view, as in the course's
+    /// renderer: a pixel keeps its angle (that of an image of 800 by 600 with the file's field of view), so a smaller image
+    /// shows less. All other scenes keep their field of view.
+    #[arg(short, long = "size", num_args = 2, value_names = ["W", "H"], action = ArgAction::Set)]
     resolution: Option<Vec<usize>>,
-    /// The environment map of sphere-env, of a .pbrt scene (in place of the file's mapname) or of a .dae scene (with the
-    /// file's lights; row 0 is at +y, the file's up axis): a file or a built-in name
+    /// Environment map, a file or a built-in name [default: the scene's]
+    ///
+    /// Built-in scenes that have one have nave. It takes the place of the map of a built-in scene that has one (`etalon scenes` lists them) or of a .pbrt file. To a .dae
+    /// scene it is added; row 0 is at +y, the file's up axis.
     #[arg(long, value_name = "MAP")]
     envmap: Option<OsString>,
     #[command(flatten)]
     map_options: MapOptions,
-    /// Camera settings of the course's renderer (30 numbers) in place of the camera of a .dae scene
-    #[arg(short, value_name = "FILE")]
+    /// Camera settings in place of a .dae scene's camera
+    ///
+    /// The 30 numbers of the course's renderer.
+    #[arg(short, long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// Pixel filter: box, triangle or gaussian, with its radius in pixels and the sigma of a Gaussian. Without them box:0.5, triangle:2,
-    /// gaussian:1.5,0.5, as in pbrt-v4 (default: what a .pbrt file asks for, otherwise box)
-    #[arg(long, value_name = "NAME[:RADIUS[,SIGMA]]", value_parser = filter)]
+    /// Pixel filter: box, triangle or gaussian [default: the file's or box]
+    ///
+    /// NAME[:RADIUS[,SIGMA]]: RADIUS is in pixels, or RXxRY for one along x and another along y (triangle:2x1); SIGMA is a Gaussian's. Without them
+    /// box:0.5, triangle:2, gaussian:1.5,0.5, as in pbrt-v4.
+    #[arg(long, value_name = "FILTER", value_parser = filter)]
     filter: Option<PixelFilter>,
-    /// A .ply or .obj mesh in place of the statue of a cornell-statue scene, fitted to its place
+    /// A .ply or .obj mesh in place of the statue of cornell-statue-*
+    ///
+    /// It is scaled to fit.
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Width of the microfacet distribution of every metal and of all glass, 0 to 10; below 0.0001 the surface is smooth.
-    /// Two widths, with a comma between them: along the surface's tangent and across it
-    #[arg(long, value_name = "A[,B]", value_delimiter = ',', action = ArgAction::Set, allow_negative_numbers = true)]
+    /// Roughness of every metal and of all glass, 0 to 10 [default: the scene's]
+    ///
+    /// The width alpha of the microfacet distribution; below 0.0001 the surface is smooth. Two widths, with a comma between
+    /// them: along the surface's tangent and across it.
+    #[arg(long, value_name = "A,...", value_delimiter = ',', action = ArgAction::Set, allow_negative_numbers = true)]
     alpha: Option<Vec<f32>>,
-    /// Rough metal also reflects the light that meets several of its facets
+    /// Rough metal also reflects light that meets several facets
     #[arg(long)]
     multiple_scattering: bool,
 }
@@ -124,6 +139,10 @@ impl SceneArgs {
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }
         let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
+        // `allow_ldr` is also for the map that the file names.
+        if environment.is_none() {
+            MapOptions { ldr: false, ..self.map_options }.check_unused()?;
+        }
         let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
         if let Some(source) = environment.as_ref().filter(|_| is_collada) {
             map_file::warn_upside_down(source, console);
@@ -169,6 +188,9 @@ impl SceneArgs {
             }
             _ => None,
         };
+        if environment.is_none() && self.envmap.is_none() {
+            self.map_options.check_unused()?;
+        }
         let (scene, request) = entry.make(environment, mesh)?;
         if self.envmap.is_some() && entry.map_scale().is_none() {
             return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
@@ -180,6 +202,40 @@ impl SceneArgs {
         };
         Ok(Loaded { scene, request, map: None })
     }
+}
+
+/// Whether a surface of the scene has a material for which `is_kind` holds, alone or in a mixture.
+pub fn has_material(scene: &Scene, is_kind: impl Fn(&Material) -> bool + Copy) -> bool {
+    fn has(material: &Material, is_kind: impl Fn(&Material) -> bool + Copy) -> bool {
+        match material {
+            Material::Mixture(parts) => parts.iter().any(|(_, part)| has(part, is_kind)),
+            Material::Textured(textured) => has(&textured.base, is_kind),
+            plain => is_kind(plain),
+        }
+    }
+    scene.objects.iter().any(|object| has(&object.material, is_kind))
+}
+
+pub fn is_metal(material: &Material) -> bool {
+    matches!(material, Material::Conductor(_))
+}
+
+pub fn is_glass(material: &Material) -> bool {
+    matches!(material, Material::Dielectric(_))
+}
+
+/// The options of `render` that this built-in scene accepts and others refuse.
+pub fn accepted(entry: &builtin::BuiltIn, scene: &Scene) -> Vec<&'static str> {
+    let (metal, glass) = (has_material(scene, is_metal), has_material(scene, is_glass));
+    let options = [
+        (scene.environment.is_some(), "--light-density"),
+        (entry.map_scale().is_some(), "--envmap"),
+        (entry.takes_mesh(), "--mesh"),
+        (metal || glass, "--alpha"),
+        (metal, "--normals --multiple-scattering"),
+        (glass, "--fresnel"),
+    ];
+    options.into_iter().filter(|(accepts, _)| *accepts).map(|(_, option)| option).collect()
 }
 
 /// The widths of a distribution of normals along x and y.

@@ -3,25 +3,33 @@
 use super::console::Console;
 use super::global::{Global, Verdict};
 use super::map_file::MapOptions;
-use super::scene_file::SceneArgs;
+use super::scene_file::{SceneArgs, accepted};
+use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
 use crate::export;
 use crate::import::SCENE_EXTENSIONS;
+use crate::math::Rgb;
 use crate::output::Written;
-use crate::scene::builtin;
+use crate::raster::Image;
+use crate::scene::Environment;
+use crate::scene::builtin::{self, BuiltIn};
+use crate::view::text::wrapped;
 use clap::Args;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// List the built-in scenes, or write one as a file of pbrt-v4 or Mitsuba 3
 #[derive(Args)]
+#[command(next_help_heading = "Export")]
 pub struct Scenes {
-    /// Write the scene NAME as NAME.pbrt (pbrt-v4) or NAME.xml (Mitsuba 3), its meshes and its map beside it; a folder may stand
-    /// before NAME
+    /// Write the scene NAME as a file of pbrt-v4 or Mitsuba 3
+    ///
+    /// As NAME.pbrt or NAME.xml, its meshes and its map beside it; a folder may stand before NAME.
     #[arg(long, value_name = "NAME.{pbrt,xml}")]
     export: Option<PathBuf>,
-    /// The environment map of the exported scene: a file or a built-in name
+    /// Environment map of the exported scene, a file or a built-in name [default: nave]
     #[arg(long, value_name = "MAP", requires = "export")]
     envmap: Option<OsString>,
     #[command(flatten)]
@@ -32,6 +40,13 @@ pub struct Scenes {
 struct Entry {
     name: String,
     description: String,
+    width: usize,
+    height: usize,
+    spp: u32,
+    light_samples: u32,
+    max_depth: u32,
+    /// Options of `render` that change it and that other scenes may refuse.
+    options: Vec<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -54,7 +69,10 @@ impl Scenes {
     pub fn run(&self, _global: &Global, console: &Console) -> Result<Verdict> {
         match &self.export {
             Some(path) => self.write(path, console),
-            None => Self::list(console),
+            None => {
+                self.map_options.check_unused()?;
+                Self::list(console)
+            }
         }
     }
 
@@ -75,12 +93,35 @@ impl Scenes {
     }
 
     fn list(console: &Console) -> Result<Verdict> {
-        let scenes =
-            builtin::scenes().into_iter().map(|scene| Entry { name: scene.name, description: scene.doc }).collect();
+        let entry = |built_in: BuiltIn| -> Result<Entry> {
+            let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE)));
+            let environment = built_in.map_scale().map(|scale| Environment::upright(map, "constant", scale));
+            let (scene, request) = built_in.make(environment, None)?;
+            Ok(Entry {
+                options: accepted(&built_in, &scene),
+                name: built_in.name,
+                description: built_in.doc,
+                width: request.width,
+                height: request.height,
+                spp: request.spp,
+                light_samples: request.light_samples,
+                max_depth: request.max_depth,
+            })
+        };
+        let scenes = builtin::scenes().into_iter().map(entry).collect::<Result<_>>()?;
         let output = Output { scenes, files: SCENE_EXTENSIONS };
         console.result(&output, || {
-            let lines = output.scenes.iter().map(|scene| format!("{:<18} {}\n", scene.name, scene.description));
-            lines.chain(["scene files work, too: pbrt (.pbrt) and COLLADA (.dae)".to_owned()]).collect()
+            let line = |scene: &Entry| {
+                let size = format!("{}x{}", scene.width, scene.height);
+                let numbers = format!("{size:<8} {:>4} {:>3} {:>4}", scene.spp, scene.light_samples, scene.max_depth);
+                let options = scene.options.join(" ");
+                let line = format!("{:<18} {numbers}  {options}", scene.name);
+                format!("{}\n{}", line.trim_end(), wrapped(&scene.description, "    ", 100))
+            };
+            let header = format!("{:<18} {:<8} {:>4} {:>3} {:>4}  options\n", "scene", "size", "-s", "-l", "-m");
+            let lines = output.scenes.iter().map(line);
+            let files = "render also takes scene files: pbrt (.pbrt) and COLLADA (.dae)\n".to_owned();
+            std::iter::once(header).chain(lines).chain([files]).collect()
         });
         Ok(Verdict::Good)
     }

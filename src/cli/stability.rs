@@ -1,10 +1,11 @@
 //! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::global::{Global, Verdict};
+use super::global::{Global, Verdict, out, seed, threads};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
+use crate::view::text::rounded;
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
@@ -13,15 +14,16 @@ use std::collections::BTreeMap;
 /// Compare the renderer's functions with exact values over stiff and extreme inputs
 #[derive(Args)]
 #[command(
-    after_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
+    after_long_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
                   input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
 )]
+#[command(next_help_heading = "Families", args = [out(), seed(), threads()])]
 pub struct Stability {
-    /// Families to run (default: all; see --list)
-    #[arg(value_name = "FAMILY")]
+    /// Families to run [default: all; see --list]
+    #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
     families: Vec<String>,
     /// Run one input in every variant and precision
     #[arg(long, value_name = "CASE", conflicts_with = "families")]
@@ -122,33 +124,32 @@ fn replayed(replay: &Replay) -> String {
 
 fn human(output: &Output<'_>) -> String {
     let mut text = format!(
-        "{:<15} {:<13} {:<4} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>9}  worst input\n",
-        "family", "variant", "", "cases", "relative", "ULP", "condition", "nonfin.", "negative", "out range"
+        "{:<16} {:<13} {:<4} {:>8} {:>9} {:>8} {:>9} {:>8} {:>8} {:>8}\n",
+        "family", "variant", "", "cases", "relative", "ULP", "condition", "infinite", "negative", "outside"
     );
     for r in output.rows {
         text += &format!(
-            "{:<15} {:<13} {:<4} {:>9} {:>9.2e} {:>9.2e} {:>9.2e} {:>8} {:>8} {:>9}  {}\n",
+            "{:<16} {:<13} {:<4} {:>8} {:>9} {:>8} {:>9} {:>8} {:>8} {:>8}\n",
             r.family,
             r.variant,
             r.precision.name(),
             r.cases,
-            r.max_relative,
-            r.max_ulp,
-            r.condition_at_worst,
+            rounded(r.max_relative, 2),
+            rounded(r.max_ulp, 2),
+            rounded(r.condition_at_worst, 2),
             r.non_finite,
             r.negative,
             r.out_of_range,
-            r.worst
         );
     }
-    text.push('\n');
+    text += "condition: at the input of the largest relative error, which the CSV file names for --replay\n\n";
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
         let limit = match bound.limit {
             small if small > 0.0 && small < 0.01 => format!("{small:e}"),
             limit => limit.to_string(),
         };
-        text += &format!("{verdict} {}: {:.3e}, at most {limit}", bound.name, bound.got);
+        text += &format!("{verdict} {}: {}, at most {limit}", bound.name, rounded(bound.got, 3));
         text +=
             &if bound.holds || bound.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", bound.worst) };
     }

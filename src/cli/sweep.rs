@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::families::{families, list};
-use super::global::{Global, Verdict};
+use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::program::ExternalBsdf;
 use super::shard::Shard;
 use super::values::choice;
@@ -11,6 +11,7 @@ use crate::files;
 use crate::output::{self, Written};
 use crate::study::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
 use crate::view::sweep as view;
+use crate::view::text::p_is;
 use clap::Args;
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Finding, State, Strategy};
@@ -22,7 +23,7 @@ const DETECT: f64 = 0.05;
 
 /// Test whole BSDFs over their parameters and directions
 #[derive(Args)]
-#[command(after_help = "\
+#[command(after_long_help = "\
 Writes sweep-NAME.csv with a row for each configuration, and sweep-NAME-survivors.csv with the tests that were run again. With --shard it writes \
 a part, for `etalon merge`, which decides on all parts together.
 
@@ -37,9 +38,10 @@ Examples:
   etalon merge part-*.csv
   etalon sweep --exec 'python3 examples/bsdf.py'
   etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
+#[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads()])]
 pub struct Sweep {
-    /// Families of BSDFs (default: all)
-    #[arg(value_name = "NAME")]
+    /// Families of BSDFs [default: all]
+    #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the families with their parameters and stop
     #[arg(long)]
@@ -54,19 +56,21 @@ pub struct Sweep {
     /// Configurations of each family, at most
     #[arg(long, value_name = "N", default_value_t = 100)]
     configurations: u64,
-    /// The error of a pdf or of weights that each configuration is searched for, found with 90 % probability
+    /// Relative error of a pdf or of weights to detect with 90 % probability
     #[arg(long, value_name = "W", default_value_t = DETECT, allow_negative_numbers = true)]
     detect: f64,
-    /// Probability that a sweep in which every BSDF is right rejects any of them
+    /// Probability that a sweep of correct BSDFs rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Compute the I-th of N equal shares of the configurations, for `etalon merge`
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, help_heading = OUTPUT, value_name = "I/N")]
     shard: Option<Shard>,
     /// Continue from FILE if it exists, and save the state in it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
     resume: Option<PathBuf>,
-    /// Run one configuration again: a family, then parameters, wo=THETA,PHI in degrees, seed, check
+    /// Run one configuration again
+    ///
+    /// TEXT: a family, then parameters, wo=THETA,PHI in degrees, seed, check.
     #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume"])]
     replay: Option<String>,
     #[command(flatten)]
@@ -190,7 +194,7 @@ impl Sweep {
         console.result(&replayed, || {
             let mut text = format!("{}\n", replayed.configuration);
             for CheckLine { check, verdict, p, message, .. } in &replayed.checks {
-                let p = p.map_or(String::new(), |p| format!("  p = {p:.1e}"));
+                let p = p.map_or(String::new(), |p| format!("  {}", p_is(p)));
                 text += &format!("{check:<12} {verdict}{p}\n");
                 text += &message.as_ref().map_or(String::new(), |message| format!("  {message}\n"));
             }

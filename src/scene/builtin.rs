@@ -277,13 +277,19 @@ impl BuiltIn {
         }
     }
 
+    /// Whether a mesh can take the place of something in it.
+    #[must_use]
+    pub fn takes_mesh(&self) -> bool {
+        matches!(self.maker, Maker::Statue(_))
+    }
+
     /// Makes the scene under the environment, if it needs one, and with the mesh in place of its statue.
     ///
     /// # Errors
     /// [`Error::Parameter`] when a map is missing, and when a mesh is given that the scene has no place for or that cannot
     /// be fitted.
     pub fn make(&self, environment: Option<Environment>, mesh: Option<Mesh>) -> Result<(Scene, Request)> {
-        if mesh.is_some() && !matches!(self.maker, Maker::Statue(_)) {
+        if mesh.is_some() && !self.takes_mesh() {
             return Err(Error::parameter("mesh", format!("the scene {} has no statue to replace", self.name))
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }

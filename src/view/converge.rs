@@ -145,8 +145,8 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
         CurveVerdict::Biased => "biased",
         CurveVerdict::MonteCarlo => "as Monte Carlo",
-        CurveVerdict::Faster => "faster",
-        CurveVerdict::Slower => "slower",
+        CurveVerdict::Faster => "steeper",
+        CurveVerdict::Slower => "flatter",
         CurveVerdict::Unknown => "unknown",
     }
 }

@@ -1,6 +1,6 @@
 //! The results of a sweep in words.
 
-use super::text::counted;
+use super::text::{counted, p_is, plain_p_value};
 use crate::study::sweep::{Conclusion, Description, Failure, Group};
 use etalon_stats::sweep::CONFIRM_LEVEL;
 
@@ -19,7 +19,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         let [survivors, p, power] = match min_p {
             Some(p) => {
                 let share = 100.0 * *powered as f64 / (*configurations).max(1) as f64;
-                [survivors.to_string(), format!("{p:.1e}"), format!("in {share:.1} %")]
+                [survivors.to_string(), plain_p_value(*p), format!("in {share:.1} %")]
             }
             None => ["-"; 3].map(str::to_owned),
         };
@@ -31,7 +31,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
     }
     for failure in &found.failures {
         let Failure { family, check, configurations, example, shrunk, replay, message, p } = failure;
-        let p = p.map_or(String::new(), |p| format!(", p = {p:.1e}"));
+        let p = p.map_or(String::new(), |p| format!(", {}", p_is(p)));
         let many = counted(*configurations as usize, "configuration");
         let which = match shrunk {
             true => "the simplest found".to_owned(),
@@ -47,7 +47,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         found.expected_survivors,
         if found.survivors == 1 { "was" } else { "were" }
     );
-    let smallest = found.min_fresh_p.map_or(String::new(), |p| format!(", smallest fresh p {p:.1e}"));
+    let smallest = found.min_fresh_p.map_or(String::new(), |p| format!(", smallest fresh {}", p_is(p)));
     text += &format!(
         "\n{} of {} by {}, seed {}: {} checks at level {} together\n{survived}{smallest}\n",
         counted(found.configurations as usize, "configuration"),

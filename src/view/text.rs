@@ -20,6 +20,51 @@ pub fn p_value(p: f64) -> String {
     if p >= 1e-3 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) }
 }
 
+/// A p-value of a table: "0.1234", "1.5e-9", or "< 1e-300" for what f64 cannot hold.
+pub fn plain_p_value(p: f64) -> String {
+    match p {
+        p if p < 1e-300 => "< 1e-300".into(),
+        p if p < 1e-3 => format!("{p:.1e}"),
+        p => format!("{p:.4}"),
+    }
+}
+
+/// The same in a sentence: "p = 0.1234", "p < 1e-300".
+pub fn p_is(p: f64) -> String {
+    let value = plain_p_value(p);
+    if value.starts_with('<') { format!("p {value}") } else { format!("p = {value}") }
+}
+
+/// A number rounded to so many significant digits, with an exponent only if it is very small or large.
+pub fn rounded(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    // The exponent after rounding: 9.99 is 10 in two digits
+    let scientific = format!("{value:.*e}", digits - 1);
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
+    match exponent {
+        -4..=4 => format!("{value:.*}", usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0)),
+        _ => scientific,
+    }
+}
+
+/// The words of a text in lines of at most `width` characters (a longer word has a line of its own), each after `indent`.
+pub fn wrapped(text: &str, indent: &str, width: usize) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last().map_or(0, |line| line.chars().count());
+        if line > 0 && indent.len() + line + 1 + word.chars().count() > width {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            *line += if line.is_empty() { "" } else { " " };
+            *line += word;
+        }
+    }
+    lines.iter().map(|line| format!("{indent}{line}\n")).collect()
+}
+
 /// A text with its first letter in upper case.
 pub fn capitalized(text: &str) -> String {
     let mut chars = text.chars();
@@ -33,6 +78,22 @@ mod tests {
     #[test]
     fn p_values_are_as_long_as_they_are_worth() {
         assert_eq!([0.9, 1e-17, 0.0].map(p_value), ["/{p} = 0.900", "/{p} ≈ 10^{−17}", "/{p} < 10^{−300}"]);
+    }
+
+    #[test]
+    fn plain_p_values_never_are_zero() {
+        assert_eq!([0.9, 1.234e-17, 0.0].map(p_is), ["p = 0.9000", "p = 1.2e-17", "p < 1e-300"]);
+    }
+
+    #[test]
+    fn numbers_have_the_digits_that_are_asked_for() {
+        let texts = [0.018_846_67, 9.999, 123_456.0, -0.5, 3.1e-9, 2.04e10, 0.0, f64::NAN].map(|x| rounded(x, 3));
+        assert_eq!(texts, ["0.0188", "10.0", "1.23e5", "-0.500", "3.10e-9", "2.04e10", "0", "NaN"]);
+    }
+
+    #[test]
+    fn long_texts_are_wrapped_between_words() {
+        assert_eq!(wrapped("a bc def ghijklm n", "  ", 8), "  a bc\n  def\n  ghijklm\n  n\n");
     }
 
     #[test]

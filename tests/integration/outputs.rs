@@ -36,11 +36,15 @@ fn a_result_under_a_default_name_is_not_replaced_in_silence() {
     assert!(value["files"].as_array().unwrap().len() == 4 && value["replaced"] == serde_json::json!([]), "{value}");
     let again = json(dir.path(), &args);
     assert_eq!(again["files"], again["replaced"]);
-    assert!(etalon(dir.path(), &args).stdout.contains("replaced out/fresnel-points-9.csv\n"));
+    assert!(etalon(dir.path(), &args).stdout.contains("replaced out/fresnel-points-9.{csv,svg,png,pdf}\n"));
     // A name that was asked for says itself what it replaces.
     for _ in 0..2 {
         let named = etalon(dir.path(), &["fresnel", "--points", "9", "-o", "a.csv"]);
-        assert!(named.stdout.contains("wrote a.csv\n") && !named.stdout.contains("replaced"), "{}", named.stdout);
+        assert!(
+            named.stdout.contains("wrote a.{csv,svg,png,pdf}\n") && !named.stdout.contains("replaced"),
+            "{}",
+            named.stdout
+        );
     }
 }
 

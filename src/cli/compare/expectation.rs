@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::study::compare::{Answer, Compared, FamilyResult, Noise, Plan, Side, compare};
 use crate::view::compare as view;
 use crate::view::junit::{self, Case};
-use crate::view::text::counted;
+use crate::view::text::{counted, p_is, rounded};
 use crate::{files, output};
 use serde::Serialize;
 use std::time::Instant;
@@ -161,17 +161,14 @@ fn text(output: &Output) -> String {
             (Some(reason), _) => format!("not tested: {reason}"),
             (None, Family { p: Some(p), worst: Some(worst), channel, mean_a, mean_b, .. }) => {
                 let [a, b] = [mean_a, mean_b].map(|mean| mean.unwrap_or(f64::NAN));
-                let p = if *p >= 1e-3 { format!("{p:.3}") } else { format!("{p:.1e}") };
-                format!(
-                    "p {p:<8} of {} tests; most at {worst}, {}: A {a:.6e}, B {b:.6e}",
-                    family.tests,
-                    channel.unwrap_or("")
-                )
+                let (p, tests) = (p_is(*p), counted(family.tests, "test"));
+                let [a, b] = [a, b].map(|mean| rounded(mean, 5));
+                format!("{p:<12} of {tests}; most at {worst}, {}: A {a}, B {b}", channel.unwrap_or(""))
             }
             _ => "nothing that can be tested".into(),
         };
         if family.dominated > 0 {
-            text += &format!("; {} inconclusive: a few samples dominate", family.dominated);
+            text += &format!("\n{:<15}{} inconclusive: a few samples dominate", "", family.dominated);
         }
         text.push('\n');
     }
@@ -190,7 +187,7 @@ fn case(compared: &Compared, family: &FamilyResult) -> Case {
         Some(_) if family.dominated == 0 => etalon_stats::Verdict::Accept,
         _ => etalon_stats::Verdict::Inconclusive,
     };
-    let p = family.adjusted_p.map_or("not tested".into(), |p| format!("p {p:.3e}"));
+    let p = family.adjusted_p.map_or("not tested".into(), p_is);
     let worst = family.worst.map_or(String::new(), |test| format!("; most at {}", test.functional));
     let message = format!("{p}{worst}; {} of {} dominated by a few samples", family.dominated, family.tests.len());
     let text = sentence(compared);

@@ -3,15 +3,15 @@
 mod expectation;
 
 use super::console::Console;
-use super::global::{Global, Verdict};
+use super::global::{Global, OUTPUT, Verdict, out, threads};
 use super::map_file::short_name;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::output;
-use crate::raster::{self, Comparison, ReadOptions};
+use crate::raster::{self, Comparison, Image, ReadOptions};
 use crate::study::compare::{Explanation, explain};
 use crate::view::compare as view;
-use crate::view::text::counted;
+use crate::view::text::{counted, rounded};
 use clap::{ArgAction, Args};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// Compare two images, or test whether two renderers have the same expectation
 #[derive(Args)]
 #[command(
-    after_help = "Two images: mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), mape = mean(|a-b| / (|b| + 0.01)), \
+    after_long_help = "Two images: mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), mape = mean(|a-b| / (|b| + 0.01)), \
                         smape = mean(|a-b| / ((|a|+|b|)/2 + 0.01)), over all channel values, each also without the worst 0.1 % of \
                         them; HDR-FLIP. Writes A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. \
                         Cube maps are compared as they are stored.\n\nWith --against: Welch's t-tests of the image mean, of \
@@ -29,30 +29,33 @@ use std::path::{Path, PathBuf};
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
                         etalon compare render.exr --against mitsuba-moment.exr --spp 256"
 )]
+#[command(next_help_heading = "Images and tests", args = [out(), threads()])]
 pub struct Compare {
     /// Two images; with --against, all images of the first renderer
-    #[arg(value_name = "IMAGE", required = true)]
+    #[arg(value_name = "IMAGE", required = true, help_heading = None::<&str>)]
     a: Vec<PathBuf>,
-    /// Images of the second renderer: test whether both have the same expectation
+    /// Images of the second renderer: test whether both have one expectation
     #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set)]
     against: Vec<PathBuf>,
     /// The image of --against is the expectation itself, without noise
     #[arg(long, requires = "against")]
     exact: bool,
-    /// Find a relative bias W of the whole image with 90 % probability, as a fraction or in percent
+    /// Relative bias of the whole image to find with 90 % probability: 0.01 or 1%
     #[arg(long, value_name = "W", default_value = "1%", value_parser = share, requires = "against")]
     detect: f64,
     /// Probability of calling images of one expectation different
     #[arg(long, value_name = "A", default_value = "0.01", value_parser = share, requires = "against")]
     level: f64,
-    /// Samples per pixel of single images with second moments (as by Mitsuba's integrator `moment`) that do not say it
+    /// Samples per pixel of images with second moments that do not say it
+    ///
+    /// As those by Mitsuba's integrator `moment`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "against")]
     spp: Option<u32>,
     /// Draw the difference of two images relative to |B| + 0.01
-    #[arg(long, conflicts_with = "against")]
+    #[arg(long, help_heading = OUTPUT, conflicts_with = "against")]
     relative: bool,
     /// Write the tests as JUnit XML too
-    #[arg(long, value_name = "FILE", requires = "against")]
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE", requires = "against")]
     junit: Option<PathBuf>,
 }
 
@@ -61,8 +64,11 @@ impl Compare {
         match self.a.as_slice() {
             _ if !self.against.is_empty() => self.test(global, console),
             [a, b] => self.measure(a, b, global, console),
-            _ => Err(Error::parameter("a", "the difference is that of two images")
-                .with_hint("to test several images of each renderer, say `against` which")),
+            images => {
+                let message = format!("{} given: a difference is that of two", counted(images.len(), "image"));
+                Err(Error::parameter("a", message)
+                    .with_hint("to test images of two renderers, give the second's by `against`"))
+            }
         }
     }
 
@@ -84,7 +90,11 @@ impl Compare {
         let target = global.target(&["a"]);
         let stem = target.stem(&name, "", &output::DRAWING)?;
         let ((a, a_is_clipped), (b, b_is_clipped)) = (read(a_path)?, read(b_path)?);
-        let numbers = raster::compare(&a, &b)?;
+        let size = |image: &Image| format!("{}x{} pixels", image.width(), image.height());
+        let numbers = raster::compare(&a, &b).map_err(|_| {
+            let message = format!("{}, but {} has {}", size(&b), a_path.display(), size(&a));
+            Error::input(b_path, message).with_hint("only images of the same size can be compared")
+        })?;
         // FLIP filters the images once for each exposure, which takes minutes for the largest.
         let is_small = a.pixels().len() <= LARGEST;
         let flip = is_small.then(|| raster::hdr_flip(&a, &b)).flatten();
@@ -124,7 +134,7 @@ struct Output {
 const LARGEST: usize = 1 << 22;
 
 fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
-    let trimmed = |value: f64| format!("   {value:.6e} without the worst 0.1 %");
+    let trimmed = |value: f64| format!("  {:>9} without the worst 0.1 %", rounded(value, 4));
     let lines = [
         ("mse", numbers.mse, trimmed(numbers.mse_trimmed)),
         ("rmse", numbers.rmse, String::new()),
@@ -139,7 +149,8 @@ fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
     let explained = explanation.as_ref().map(|Explanation { change, mse_left }| {
         format!("{change}: this leaves {:.2} % of the mean squared error\n", 100.0 * mse_left)
     });
-    lines.map(|(name, value, more)| format!("{name:<8} {value:.6e}{more}\n")).concat() + &explained.unwrap_or_default()
+    lines.map(|(name, value, more)| format!("{name:<8} {:>9}{more}\n", rounded(value, 4))).concat()
+        + &explained.unwrap_or_default()
 }
 
 /// Reads a share, as a fraction or in percent, between 0 and 1.

@@ -3,7 +3,7 @@
 use super::options::{LookArgs, MapArgs};
 use super::outputs::Outputs;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, Verdict};
+use crate::cli::global::{Global, Verdict, out};
 use crate::cli::values::choice;
 use crate::envmap::cut::{SideRule, Split};
 use crate::error::Result;
@@ -17,24 +17,28 @@ use serde::Serialize;
 
 /// Divide a map by median cut
 #[derive(Args)]
-#[command(after_help = "Writes MAP-cut-N.{csv,svg,png,pdf} (the map with the regions and their centroids) and \
+#[command(after_long_help = "Writes MAP-cut-N.{csv,svg,png,pdf} (the map with the regions and their centroids) and \
                         MAP-cut-lights-N.{svg,png,pdf} (the centroids alone, in the colour of their region's flux).\n\n\
                         Example:\n  etalon envmap cut nave -n 2,4,16,64")]
+#[command(next_help_heading = "Regions", args = [out()])]
 pub struct Cut {
-    /// Numbers of regions. A power of two is reached level by level, every region cut at every level (Debevec 2005); any
-    /// other number by cutting the region with the most energy first
+    /// Numbers of regions
+    ///
+    /// A power of two is reached level by level, every region cut at every level (Debevec 2005); any other number by cutting
+    /// the region with the most energy first.
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
     n: Vec<usize>,
-    /// Cut where the energy halves, or where the larger variance of the two halves is smallest
+    /// Cut where the energy halves, or where the larger variance is smallest
     #[arg(long, default_value = "energy",
           value_parser = choice([("energy", "", Split::Energy), ("variance", "", Split::Variance)]))]
     split: Split,
-    /// Put a region's light at its energy centroid, or at the first report's median pixel
+    /// Put lights at energy centroids, or at the first report's median pixels
     #[arg(long, default_value = "energy",
           value_parser = choice([("energy", "", Centroid::Energy), ("median", "", Centroid::Median)]))]
     centroid: Centroid,
-    /// How the longer side of a region, which the cut divides, is measured: in texels, as in the first report, or on the
-    /// sphere, where texels near the poles are narrow
+    /// How the sides of a region are measured, of which the cut divides the longer
+    ///
+    /// In texels, as in the first report, or on the sphere, where texels near the poles are narrow.
     #[arg(long, default_value = "texels",
           value_parser = choice([("texels", "", SideRule::Texels), ("sphere", "", SideRule::Sphere)]))]
     sides: SideRule,
@@ -78,7 +82,7 @@ impl Cut {
         console.result(&outputs, || {
             let line = |r: &Output| {
                 format!(
-                    "{}: relative error of the flux {:.1e}, most energetic one {:.3} times the mean\n{}",
+                    "{}: flux of all exact to {:.1e}, the largest {:.2} times the mean\n{}",
                     counted(r.n, "region"),
                     r.flux_error,
                     r.imbalance,

@@ -4,6 +4,7 @@ use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
 use crate::error::Result;
+use crate::view::text::rounded;
 use clap::Args;
 
 /// Print a map's size, range, flux and contrast
@@ -17,14 +18,14 @@ impl Info {
     pub fn run(&self, console: &Console) -> Result<Verdict> {
         let (_, info) = self.map.load_upright(console)?;
         console.result(&info, || {
-            let number = |v: Option<f32>| v.map_or("none".into(), |v| format!("{v:.6e}"));
-            let rgb = |v: [f64; 3]| format!("{:.6e} {:.6e} {:.6e}", v[0], v[1], v[2]);
+            let number = |v: Option<f32>| v.map_or("none".into(), |v| rounded(f64::from(v), 4));
+            let rgb = |v: [f64; 3]| v.map(|v| format!("{:<9}", rounded(v, 4))).join(" ").trim_end().to_owned();
             format!(
                 "size                      {} x {}\nrange                     {} to {}\nmean over texels (RGB)    {}\n\
                  mean over the sphere      {}\nflux (radiance x sr)      {}\npeak / mean               {:.1}\n\
-                 effective texels          {:.1} of {}\nbrightest texel           ({}, {}), {:.1}° above the horizon, \
+                 effective texels          {:.0} of {}\nbrightest texel           ({}, {}), {:.1}° above the horizon, \
                  {:.2} % of the energy within 2°\nfrom above the horizon    {:.1} % of the energy\n\
-                 non-finite, negative      {}, {} texels\n",
+                 non-finite, negative      {} and {} texels\n",
                 info.width,
                 info.height,
                 number(info.min),

@@ -1,7 +1,7 @@
 //! `etalon envmap make`: a built-in map as a file.
 
 use crate::cli::console::Console;
-use crate::cli::global::{Global, Verdict};
+use crate::cli::global::{Global, Verdict, out};
 use crate::envmap::synthetic::Synthetic;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -12,9 +12,11 @@ use serde::Serialize;
 
 /// Write a built-in map
 #[derive(Args)]
-#[command(after_help = "Example:\n  etalon envmap make nave -o envmaps")]
+#[command(after_long_help = "Example:\n  etalon envmap make nave -o envmaps")]
+#[command(next_help_heading = "Map", args = [out()])]
 pub struct Make {
     /// nave, sun, constant, onehot or black
+    #[arg(help_heading = None::<&str>)]
     name: String,
 }
 

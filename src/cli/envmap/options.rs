@@ -1,6 +1,7 @@
 //! Arguments of several `envmap` subcommands: the map, and how it is shown.
 
 use crate::cli::console::Console;
+use crate::cli::global::OUTPUT;
 use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::stops;
 use crate::envmap::NamedMap;
@@ -12,8 +13,10 @@ use std::ffi::OsString;
 
 /// The map.
 #[derive(Args)]
+#[command(next_help_heading = "Map")]
 pub struct MapArgs {
     /// A file (.exr, .hdr, .pfm) or a built-in map: nave, sun, constant, onehot, black
+    #[arg(help_heading = None::<&str>)]
     map: OsString,
     #[command(flatten)]
     options: MapOptions,
@@ -38,8 +41,9 @@ impl MapArgs {
 
 /// How a map is shown.
 #[derive(Args)]
+#[command(next_help_heading = OUTPUT)]
 pub struct LookArgs {
-    /// Exposure of the drawing in stops (default: chosen from the map)
+    /// Exposure of the drawing in stops [default: chosen from the map]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
     exposure: Option<f32>,
     /// Pure power law 1/GAMMA instead of the sRGB curve

@@ -2,17 +2,19 @@
 
 use super::options::MapArgs;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, Verdict};
+use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::proposal;
 use crate::view::proposal as view;
+use crate::view::text::p_is;
 use clap::Args;
 use etalon_stats::chi_square::ChiSquare;
 
 /// Compare uniform with Gaussian random numbers for inversion
 #[derive(Args)]
-#[command(after_help = "Example:\n  etalon envmap proposal nave -n 100000")]
+#[command(after_long_help = "Example:\n  etalon envmap proposal nave -n 100000")]
+#[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
 pub struct Proposal {
     /// Samples with each kind of random number
     #[arg(short, value_name = "N", default_value_t = 100_000)]
@@ -32,7 +34,7 @@ impl Proposal {
         let files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
         console.saved(&result, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {
-                format!("{name:<24} chi-square {:.1} with {} degrees of freedom, p = {:.3e}\n", t.statistic, t.dof, t.p)
+                format!("{name:<24} chi-square {:.1} with {} degrees of freedom, {}\n", t.statistic, t.dof, p_is(t.p))
             };
             line("uniform random numbers:", &result.uniform) + &line("Gaussian random numbers:", &result.gaussian)
         });

@@ -3,7 +3,7 @@
 use super::options::{LookArgs, MapArgs};
 use super::outputs::Outputs;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, Verdict};
+use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::cli::values::{map_samplers, map_sampling, model};
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::output::{self, Written};
 use crate::study::map_samples::{self, MapSamples};
 use crate::view::map::Display;
-use crate::view::text::counted;
+use crate::view::text::{counted, rounded};
 use clap::{ArgAction, Args};
 use glam::DVec3;
 use serde::Serialize;
@@ -21,23 +21,26 @@ use std::sync::Arc;
 
 /// Show importance samples of a map
 #[derive(Args)]
-#[command(after_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
+#[command(after_long_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
                         etalon envmap sample grace.exr --flip -n 64,256,1024")]
+#[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
 pub struct Sample {
     /// Numbers of samples
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "64,256,1024")]
     n: Vec<usize>,
-    #[arg(long, value_name = "NAME", help = sampler_help(), default_value = "cdf", value_parser = map_sampling)]
+    /// How directions are sampled
+    #[arg(long, value_name = "NAME", long_help = sampler_help(), default_value = "cdf", value_parser = map_sampling)]
     sampler: MapSampling,
-    /// Normal of the illuminated surface in the map's frame (y up), for samplers that use it
+    /// Normal of the illuminated surface (y up), for samplers that use it
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = direction, allow_hyphen_values = true)]
     normal: DVec3,
     /// The same as --sampler compensated
     #[arg(long, conflicts_with_all = ["sampler", "model"])]
     compensated: bool,
-    /// `report` samples as the first report did: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel
-    /// corners, an error of half a texel
+    /// Sample correctly, or as the first report did
+    ///
+    /// `report`: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel corners, an error of half a texel.
     #[arg(long, value_parser = model(), default_value = "exact", conflicts_with = "sampler")]
     model: Conventions,
     #[command(flatten)]
@@ -99,7 +102,8 @@ impl Sample {
         let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
         console.result(&outputs, || {
             let line = |r: &Output| {
-                let flux = r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {f:.6}"));
+                let flux =
+                    r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {}", rounded(f, 4)));
                 format!("{}{flux}\n{}", counted(r.drawn, "sample"), r.written.text())
             };
             outputs.results.iter().map(line).collect()

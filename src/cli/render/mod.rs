@@ -8,8 +8,8 @@ mod work;
 
 use super::arguments::command_line;
 use super::console::Console;
-use super::global::{Global, Verdict};
-use super::scene_file::{Loaded, SceneArgs};
+use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
+use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
 use super::shard::Shard;
 use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
@@ -30,67 +30,79 @@ use summary::Summary;
 
 /// Render a scene
 #[derive(Args)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_long_help = AFTER_HELP)]
+#[command(args = [out(), seed(), threads()])]
 pub struct Render {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Camera samples per pixel
-    #[arg(short, value_name = "SPP")]
+    /// Camera samples per pixel [default: the scene's]
+    #[arg(help_heading = SAMPLING, short, long, value_name = "SPP")]
     spp: Option<u32>,
-    /// Light samples at each hit
-    #[arg(short, value_name = "N")]
+    /// Light samples at each hit [default: the scene's]
+    #[arg(help_heading = SAMPLING, short, long, value_name = "N")]
     light_samples: Option<u32>,
-    /// Maximum number of scatterings of a path; 0: emission only, 1: direct light
-    #[arg(short, value_name = "DEPTH")]
+    /// Most scatterings of a path [default: the scene's]
+    ///
+    /// 0: emission only, 1: direct light.
+    #[arg(help_heading = SAMPLING, short, long = "depth", value_name = "DEPTH")]
     max_depth: Option<u32>,
     /// The same as -o
-    #[arg(short, value_name = "FILE")]
+    #[arg(help_heading = SAMPLING, short, hide = true, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Which techniques find the light (default: mis+lt; mis with --kernel reference)
-    #[arg(long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
+    /// Which techniques find the light [default: mis+lt; mis with --kernel reference]
+    #[arg(help_heading = SAMPLING, long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere
-    #[arg(short = 'H', conflicts_with = "sampling")]
+    #[arg(help_heading = SAMPLING, short = 'H', hide = true, conflicts_with = "sampling")]
     hemisphere: bool,
-    #[arg(long, value_name = "NAME", help = density_help(), value_parser = map_sampling)]
+    /// How directions towards the environment are sampled
+    #[arg(help_heading = SAMPLING, long, value_name = "NAME", long_help = density_help(), value_parser = map_sampling)]
     light_density: Option<MapSampling>,
     /// Owen-scrambled Sobol' or independent random numbers
-    #[arg(long, default_value = "sobol",
+    #[arg(help_heading = SAMPLING, long, default_value = "sobol",
           value_parser = choice([("sobol", "", StreamKind::Sobol), ("independent", "", StreamKind::Independent)]))]
     stream: StreamKind,
-    /// No adaptive sampling: one camera path for each sample; by default, pixels with more noise than most have several
-    #[arg(long)]
+    /// No adaptive sampling: one camera path for each sample
+    ///
+    /// By default, pixels with more noise than most have several.
+    #[arg(help_heading = SAMPLING, long)]
     uniform: bool,
     #[command(flatten)]
     model: ModelArgs,
-    /// Tone mapping of PNG and PPM (default: PNG as srgb, PPM linear, scaled by its maximum)
-    #[arg(long, value_parser = choice([
+    /// Tone mapping of PNG and PPM
+    ///
+    /// Default: PNG as srgb, PPM linear, scaled by its maximum.
+    #[arg(long, help_heading = OUTPUT, value_parser = choice([
         ("srgb", "The sRGB curve, rounded", ToneMap::default()),
         ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
          ToneMap::By(Conventions::SECOND_REPORT)),
     ]))]
     tone: Option<ToneMap>,
-    /// Exposure of PNG and PPM in stops, before tone mapping; the linear PPM is scaled by its maximum whatever the exposure
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
+    /// Exposure of PNG and PPM in stops, before tone mapping
+    ///
+    /// The linear PPM is scaled by its maximum whatever the exposure.
+    #[arg(long, help_heading = OUTPUT, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
     /// Show each pixel as N x N pixels of the PNG
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, help_heading = OUTPUT, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     scale: u32,
-    /// Write the light of each path class (LDE, LSDE, ...) up to N scatterings as a layer of the EXR file
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "4",
+    /// Layers of the EXR file with the light of each path class (LDE, LSDE, ...)
+    ///
+    /// Up to N scatterings; 4 if N is not given.
+    #[arg(long, help_heading = OUTPUT, value_name = "N", num_args = 0..=1, default_missing_value = "4",
           value_parser = clap::value_parser!(u32).range(0..=6))]
     paths: Option<u32>,
     /// Continue from FILE if it exists, and save the state in it, also at the end
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
     resume: Option<PathBuf>,
     /// Render the I-th of N equal shares of the samples, for `etalon merge`
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, help_heading = OUTPUT, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Prepare and run everything, also what the scene does not need: the same image, for comparison
-    #[arg(long)]
+    /// Run also what the scene does not need: the same image, for comparison
+    #[arg(help_heading = SAMPLING, long)]
     general: bool,
     /// The implementation that renders
-    #[arg(long, default_value = "lanes", value_parser = choice([
+    #[arg(help_heading = SAMPLING, long, default_value = "lanes", value_parser = choice([
         ("lanes", "many paths side by side, in loops that vectorize", Kernel::Lanes),
         ("reference", "one path after the other, as the textbook describes it; no light tracing", Kernel::Reference),
     ]))]
@@ -106,6 +118,8 @@ const AFTER_HELP: &str = "\
 Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and its name contains the options that \
 differ from their defaults (furnace-r64x64-s16.exr); with a file name, in that format and as PNG. The EXR file also has \
 the standard error of every pixel.
+
+`etalon scenes` lists what built-in scenes ask for: size, -s, -l, -m. As in the course's command line, -f FILE means -o FILE, and -H --sampling hemisphere.
 
 Ctrl-C (and SIGTERM) end a render early: the samples so far go to an EXR file, with a PNG preview, and the same command \
 with --resume FILE continues it, to the same bits as an uninterrupted render. --resume FILE from the beginning also \
@@ -131,6 +145,7 @@ impl Render {
         }
         let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
+        self.check_effect(&scene)?;
         let images = images.protecting(map);
         // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
@@ -200,6 +215,24 @@ impl Render {
         }
         console.result(&summary, || summary.text());
         Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good })
+    }
+
+    /// Refuses options that change nothing in this scene.
+    fn check_effect(&self, scene: &Scene) -> Result<()> {
+        let without = |name: &str, what: &str| {
+            Err(Error::parameter(name, format!("the scene {} has no {what}", scene.name))
+                .with_hint("`etalon scenes` lists the options of built-in scenes"))
+        };
+        if self.light_density.is_some() && scene.environment.is_none() {
+            return without("light_density", "environment map");
+        }
+        if self.model.has_normals() && !has_material(scene, is_metal) {
+            return without("normals", "metal");
+        }
+        if self.model.has_fresnel() && !has_material(scene, is_glass) {
+            return without("fresnel", "glass");
+        }
+        Ok(())
     }
 
     fn images(&self, global: &Global) -> Result<Images> {

@@ -9,20 +9,28 @@ use clap::{ArgAction, Args};
 
 /// Which formulas to use.
 #[derive(Args)]
+#[command(next_help_heading = "Scattering model")]
 pub struct ModelArgs {
-    /// Reflectance of glass: the Fresnel equations, or Schlick's approximation with the cosine on the less dense side
+    /// Reflectance of glass [default: exact]
+    ///
+    /// The Fresnel equations, or Schlick's approximation.
+    ///
+    /// Schlick's approximation has the cosine on the less dense side.
     #[arg(long, value_parser = choice([
         ("exact", "", DielectricFresnel::Exact),
         ("schlick", "", DielectricFresnel::Schlick),
     ]))]
     fresnel: Option<DielectricFresnel>,
-    /// How rough metal samples directions: by the visible normals (VNDF), by those of GGX that do not reflect below the
-    /// surface (bounded VNDF), by all normals (NDF), or uniformly over the hemisphere
+    /// How rough metal samples directions [default: visible]
+    ///
+    /// By the visible normals (VNDF), by those of GGX that do not reflect below the surface (bounded VNDF), by all normals
+    /// (NDF), or uniformly over the hemisphere.
     #[arg(long, value_parser = choice(NormalSampling::ALL.map(|normals| (normals.name(), "", normals))))]
     normals: Option<NormalSampling>,
-    /// The correct formulas (exact), all conventions of the second report's renderer (report), or single ones of
-    /// them, with commas between them
-    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME[,NAME...]", default_value = "exact",
+    /// Correct formulas, or conventions of the second report
+    ///
+    /// All of its conventions (report), or single ones with commas between them.
+    #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME,...", default_value = "exact",
           value_parser = choice(MODELS.iter().map(|model| (model.0, model.1, model))))]
     model: Vec<&'static Model>,
 }
@@ -93,6 +101,14 @@ impl ModelArgs {
             dielectric: self.fresnel.unwrap_or_default(),
             conventions,
         })
+    }
+
+    pub fn has_normals(&self) -> bool {
+        self.normals.is_some()
+    }
+
+    pub fn has_fresnel(&self) -> bool {
+        self.fresnel.is_some()
     }
 
     pub fn names(&self) -> String {

@@ -108,7 +108,8 @@ impl<'a> Summary<'a> {
             self.seconds,
             self.samples_per_second * 1e-6
         );
-        text += &format!("mean {}, standard error {}\n", rgb(self.mean_rgb), rgb(self.standard_error_mean_rgb));
+        text +=
+            &format!("mean {}, standard error of a pixel {}\n", rgb(self.mean_rgb), rgb(self.standard_error_mean_rgb));
         let left_out = if self.left_out.is_empty() { "nothing".into() } else { self.left_out.join(", ") };
         text += &format!("left out: {left_out}\n");
         for path in self.paths.iter().filter(|path| path.share > 0.0) {

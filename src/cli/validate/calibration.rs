@@ -5,7 +5,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::error::Result;
 use crate::output;
 use crate::study::validation::{Calibration, Case, calibrate};
-use crate::view::text::counted;
+use crate::view::text::{counted, p_is};
 use crate::view::validation as view;
 use etalon_stats::Protocol;
 
@@ -25,7 +25,7 @@ pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, con
 fn text(found: &Calibration) -> String {
     let mut text = String::new();
     for test in found.tests.iter().filter(|test| test.skewed || test.violation.is_some()) {
-        let not_uniform = || format!("p-values are not uniform, p = {:.1e}", test.uniformity.p);
+        let not_uniform = || format!("p-values are not uniform, {}", p_is(test.uniformity.p));
         let why = test.violation.clone().unwrap_or_else(not_uniform);
         text += &format!("{}: {why}\n", test.name);
     }
@@ -34,13 +34,13 @@ fn text(found: &Calibration) -> String {
     }
     text + &format!(
         "{} under {} of {}: {:.2} % of the p-values are below 5 %, {:.2} % below 1 %\n\
-         uniformity of all p-values: p = {:.3}; tests with skewed p-values or a violation: {}\n",
+         uniformity of all p-values: {}; tests with skewed p-values or a violation: {}\n",
         counted(found.tests.len(), "test"),
         counted(found.seeds as usize, "seed"),
         counted(found.samples as usize, "sample"),
         100.0 * found.below_5_percent,
         100.0 * found.below_1_percent,
-        found.uniformity.p,
+        p_is(found.uniformity.p),
         found.skewed
     )
 }

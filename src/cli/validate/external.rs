@@ -20,19 +20,23 @@ use std::sync::Arc;
 #[derive(Args)]
 #[command(next_help_heading = "Samplers and BSDFs of other programs")]
 pub struct Arguments {
-    /// Test the sampler or the BSDF of another program: COMMAND starts it; requests and replies go over its standard input and output
+    /// Test the sampler or the BSDF of the program that COMMAND starts
+    ///
+    /// Requests and replies go over its standard input and output.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
-    /// Domain of the samples: sphere, hemisphere, square, line or discrete:N (default: what the program says)
+    /// Domain of the samples [default: what the program says]
+    ///
+    /// sphere, hemisphere, square, line or discrete:N
     #[arg(long, value_name = "DOMAIN")]
     domain: Option<String>,
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
     timeout: f64,
-    /// Parameters of the program's BSDF (default: the default values that the program declares)
+    /// Parameters of the program's BSDF [default: the values that it declares]
     #[arg(long, value_name = "NAME=VALUE,...", requires = "exec", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
-    /// The pdf that the file of --samples should follow: a grid in CSV, or a lat-long image of pdfs per sr
+    /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
     pdf: Option<PathBuf>,
 }

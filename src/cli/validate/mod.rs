@@ -6,7 +6,7 @@ mod planted;
 mod summary;
 
 use super::console::Console;
-use super::global::{Global, Verdict};
+use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use crate::error::{Error, Result};
 use crate::files;
@@ -23,37 +23,40 @@ use std::path::PathBuf;
 /// Test samplers against their pdfs
 #[derive(Args)]
 #[command(
-    after_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
+    after_long_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
                         etalon validate --exec 'python3 examples/bsdf.py' --set exponent=100\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
 )]
+#[command(next_help_heading = "Tests", args = [out(), seed(), threads()])]
 pub struct Validate {
-    /// Tests, families of tests, or patterns with * and ? (default: all)
-    #[arg(value_name = "NAME")]
+    /// Tests, families of tests, or patterns with * and ? [default: all]
+    #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop
     #[arg(long)]
     list: bool,
-    /// Instead, test samplers with one planted fault each, all of which must be rejected
+    /// Test samplers with a planted fault each, which must be rejected
     #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
     planted: bool,
-    /// Samples of each test (default: as many as --detect takes), or a CSV file with them (see --pdf)
+    /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
-    /// Take as many samples as detect a relative error W of the pdf with 90 % probability
+    /// Relative error of a pdf to detect with 90 % probability
     #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
     detect: f64,
-    /// Probability that a run in which every sampler is right rejects any of them
+    /// Probability that a run of correct samplers rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Test the tests: are their p-values uniform under K seeds?
     #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
     calibrate: Option<u64>,
-    /// Plot the counts of each test: observed, expected, residuals (default: of rejected ones)
-    #[arg(long)]
+    /// Plot the counts of each test [default: of rejected ones]
+    ///
+    /// Observed counts, expected counts, and residuals.
+    #[arg(long, help_heading = OUTPUT)]
     figures: bool,
     /// Add a map of your own to the tests, as map/NAME
     #[arg(long, value_name = "MAP")]
@@ -63,7 +66,7 @@ pub struct Validate {
     #[command(flatten)]
     external: external::Arguments,
     /// Write the results as JUnit XML too
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
 
@@ -132,6 +135,9 @@ impl Validate {
             return Ok(subject);
         }
         let mut all = suite::cases();
+        if self.envmap.is_none() {
+            self.options.check_unused()?;
+        }
         if let Some(name) = &self.envmap {
             let source = map_file::load(name, self.options, console)?;
             all.extend(suite::maps::of_map(&map_file::short_name(name), source.map));

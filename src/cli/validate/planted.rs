@@ -8,6 +8,7 @@ use crate::files;
 use crate::output;
 use crate::study::validation::planted::{self, By, Findings};
 use crate::view::planted as view;
+use crate::view::text::counted;
 use etalon_stats::Protocol;
 
 /// Runs all planted faults; writes and prints the findings.
@@ -48,9 +49,9 @@ fn text(findings: &Findings) -> String {
         }
     }
     text += &format!(
-        "\n{} of {} planted faults rejected; {} of the same tests without the fault not accepted; {:.1} s\n",
+        "\n{} of {} rejected; false alarms without the fault: {}; {:.1} s\n",
         findings.rejected,
-        tests.len(),
+        counted(tests.len(), "planted fault"),
         findings.false_alarms,
         findings.seconds,
     );

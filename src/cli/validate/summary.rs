@@ -2,7 +2,7 @@
 //! accepted or has a remark.
 
 use crate::study::validation::{Tested, Validation};
-use crate::view::text::counted;
+use crate::view::text::{counted, plain_p_value, wrapped};
 use etalon_stats::Verdict;
 
 /// More tests than these are summarized by family.
@@ -61,7 +61,7 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
             text += &format!("  remark: {remark}\n");
         }
         if let Some(finer) = outcome.finer().filter(|_| outcome.is_accepted()) {
-            text += &format!("  detects ripples: {finer}\n");
+            text += &wrapped(&format!("detects ripples: {finer}"), "    ", 100);
         }
     }
     text
@@ -100,14 +100,9 @@ fn family(name: &str) -> String {
     words[..(words.len() - 1).min(2)].join("/")
 }
 
-/// A p-value with four decimals, or in scientific notation below 0.001.
+/// The p-value of a test that has one.
 pub fn p_value(p: Option<f64>) -> String {
-    match p {
-        None => "-".into(),
-        Some(p) if p < 1e-300 => "< 1e-300".into(),
-        Some(p) if p < 1e-3 => format!("{p:.1e}"),
-        Some(p) => format!("{p:.4}"),
-    }
+    p.map_or("-".into(), plain_p_value)
 }
 
 fn percent(share: Option<f64>) -> String {

@@ -279,12 +279,15 @@ fn widen(observed: &mut [[Observed; 3]], layout: &Layout) {
 }
 
 fn check(sides: &[Side; 2]) -> Result<()> {
-    let all = || sides.iter().flat_map(|side| &side.images);
     let first = sides[0].size();
-    if let Some(other) = all().find(|image| [image.width(), image.height()] != first) {
-        let sizes = format!("{}x{} and {}x{}", first[0], first[1], other.width(), other.height());
-        return Err(Error::parameter("images", format!("their sizes differ: {sizes}"))
-            .with_hint("only images of the same size can be compared"));
+    let size = |image: &Image| [image.width(), image.height()];
+    for (side, name) in sides.iter().zip(["A", "B"]) {
+        let Some(i) = side.images.iter().position(|image| size(image) != first) else { continue };
+        let [width, height] = size(&side.images[i]);
+        // Images in memory have no file.
+        let which = side.files.get(i).map_or(format!("an image of {name}"), |path| path.display().to_string());
+        let message = format!("sizes differ: {which} has {width}x{height} pixels, the first {}x{}", first[0], first[1]);
+        return Err(Error::parameter("images", message).with_hint("only images of the same size can be compared"));
     }
     if sides.iter().all(|side| side.noise == Noise::None) {
         return Err(Error::parameter("exact", "neither side has noise: compare the two images without a test"));

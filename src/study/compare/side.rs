@@ -36,7 +36,17 @@ pub struct Side {
     /// The seed that a file names.
     seeds: Vec<String>,
     /// Where the images come from; empty for images that are no files.
-    files: Vec<PathBuf>,
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Reads an image; one of 8 bits has no expectation to test.
+fn read_linear(path: &Path) -> Result<(Image, Vec<String>)> {
+    read_with_notes(path, ReadOptions::default()).map_err(|error| match error {
+        Error::Unsupported { .. } => {
+            error.with_hint("give an OpenEXR, Radiance HDR or PFM file: 8 bits are rounded and clipped at 1")
+        }
+        other => other,
+    })
 }
 
 impl Side {
@@ -78,7 +88,7 @@ impl Side {
         }
         let mut side = Self { files: paths.to_vec(), ..Self::replicates(Vec::new()) };
         for path in paths {
-            let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+            let (image, notes) = read_linear(path)?;
             side.images.push(image);
             side.notes.extend(notes);
             // Files that are no OpenEXR have no attributes that could name a seed.
@@ -95,12 +105,12 @@ impl Side {
     /// # Errors
     /// Those of [`read`](crate::raster::read()).
     pub fn read_exact(path: &Path) -> Result<Self> {
-        let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+        let (image, notes) = read_linear(path)?;
         Ok(Self { notes, files: vec![path.to_path_buf()], ..Self::exact(image) })
     }
 
     fn read_one(path: &Path, spp: Option<u32>) -> Result<Self> {
-        let (image, notes) = read_with_notes(path, ReadOptions::default())?;
+        let (image, notes) = read_linear(path)?;
         let unknown = || {
             Error::input(path, "one image that says nothing of its noise")
                 .with_hint("give several of different seeds, an OpenEXR file with a layer of standard errors or of second moments, or say that it has no noise")
