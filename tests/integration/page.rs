@@ -52,7 +52,7 @@ fn every_figure_has_a_check_on_record() {
     }
 }
 
-/// The page with a script that uses everything and leaves what is wrong in the title.
+/// The page with a script that uses everything and tells what is wrong.
 fn probed(page: &str) -> String {
     let probe = concat!("<script>//<![CDATA[\n", include_str!("page_files/probe.js"), "//]]></script></head>");
     page.replacen("</head>", probe, 1)
@@ -114,15 +114,22 @@ fn browser() -> Option<&'static str> {
         .find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
 }
 
-/// The title of a page after the probe has run.
+/// What the probe finds in a page of that width. Windows are at least 500 pixels wide, so that the page is in a frame, whose page
+/// has what is found as its title.
 fn title(browser: &str, folder: &Path, page: &Path, width: u32) -> String {
-    let output = folder.join("dom.html");
+    let (output, frame) = (folder.join("dom.html"), page.with_file_name("frame.html"));
+    let name = page.file_name().unwrap().to_str().unwrap();
+    let text = format!(
+        "<!DOCTYPE html><title>nothing was found</title><iframe src=\"{name}\" width=\"{width}\" height=\"900\"></iframe>\
+         <script>onmessage = (event) => {{ document.title = event.data; }}</script>"
+    );
+    std::fs::write(&frame, text).unwrap();
     let mut child = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
         .args(["--timeout=60000", "--virtual-time-budget=30000"])
-        .arg(format!("--window-size={width},900"))
+        .arg("--window-size=1500,1000")
         .arg(format!("--user-data-dir={}", folder.join("profile").display()))
-        .arg(format!("file://{}", page.display()))
+        .arg(format!("file://{}", frame.display()))
         .stdout(std::fs::File::create(&output).unwrap())
         .stderr(Stdio::null())
         .spawn()

@@ -21,8 +21,17 @@ pub struct Article<'a> {
 
 impl EmbeddedImage {
     /// Its class in the style sheet.
-    pub fn kind(&self) -> &'static str {
+    fn kind(&self) -> &'static str {
         if self.chart { "chart" } else { "picture" }
+    }
+
+    /// The class of its thumbnail: a chart that has images must not be inverted on a dark page.
+    pub fn thumbnail_kind(&self) -> &'static str {
+        match self.source.matches("data:image/").count() {
+            1 if self.chart => "plain",
+            _ if self.chart => "mixed",
+            _ => "picture",
+        }
     }
 }
 

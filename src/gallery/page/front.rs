@@ -67,7 +67,7 @@ pub fn contents(articles: &[Article<'_>], sections: &[&[Article<'_>]]) -> String
 pub fn thumbnails(sections: &[&[Article<'_>]]) -> String {
     let tile = |article: &Article<'_>| {
         let (id, number, title) = (article.figure.id, article.number, escape(article.figure.title));
-        let (source, kind) = (&article.image.thumbnail, article.image.kind());
+        let (source, kind) = (&article.image.thumbnail, article.image.thumbnail_kind());
         format!(
             "<li data-id=\"{id}\"><a href=\"#figure-{id}\"><span class=\"tile {kind}\"><img src=\"{source}\" alt=\"\" \
              decoding=\"async\" /></span><span><b>{number}</b> {title}</span></a></li>\n"

@@ -10,7 +10,7 @@ pub fn errata(articles: &[Article<'_>]) -> String {
     let row = |(id, erratum): (&str, &Erratum)| {
         let Erratum { printed, right, test, p_value: p, picture_error, place } = erratum;
         let [printed, right] = [printed, right].map(|text| with_whole_formulas(text));
-        let [test, error] = [test, picture_error].map(|text| escape(text));
+        let [test, error] = [test, picture_error].map(|text| escape(text).replace(" %", "\u{a0}%"));
         let p = p_value(*p);
         let panel = match place {
             Some(place) => format!("<a href=\"#{id}-{0}\">panel {0}</a>", place.panel),

@@ -1,4 +1,4 @@
-// Runs in the page: uses everything, and leaves what is wrong in the document's title.
+// Runs in the page: uses everything, and tells the page around it what is wrong.
 const wrong = [];
 addEventListener('error', (event) => wrong.push(`error: ${event.message || event.target.src || event.target.href}`.slice(0, 300)), true);
 addEventListener('unhandledrejection', (event) => wrong.push(`rejected: ${event.reason}`));
@@ -84,5 +84,5 @@ addEventListener('load', async () => {
   } catch (error) {
     wrong.push(String(error));
   }
-  document.title = `PROBED[${wrong.join('; ')}]`;
+  parent.postMessage(`PROBED[${wrong.join('; ')}]`, '*');
 });
