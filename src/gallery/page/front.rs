@@ -11,6 +11,7 @@ pub fn summary(articles: &[Article<'_>]) -> String {
     let checks: usize = articles.iter().map(|a| a.record.checks.len()).sum();
     let failed: usize = articles.iter().map(Article::failed).sum();
     let (figures, passed) = (articles.len(), checks - failed);
+    let count = counted(figures, "figure");
     let time = seconds(articles.iter().map(|a| a.record.seconds).sum());
     let verdict = if failed == 0 { "none" } else { "fail" };
     let with_failures = articles.iter().filter(|a| a.failed() > 0);
@@ -18,7 +19,7 @@ pub fn summary(articles: &[Article<'_>]) -> String {
     let failures = if failed > 0 { format!("<p class=\"fail\">Checks failed in:{links}</p>\n") } else { String::new() };
     format!(
         r#"<header>
-<h1>How light is sampled, in {figures} figures</h1>
+<h1>How light is sampled, in {count}</h1>
 <p>Reflectance, environment maps, microfacets and paths: each figure says what is seen and why it matters, where its
 counterpart was published, which values it is checked against, and which command reproduces it.</p>
 <dl class="totals"><div><dt>Figures</dt><dd>{figures}</dd></div>
