@@ -6,6 +6,7 @@ mod chart;
 mod clip;
 mod colour_bar;
 mod colourmap;
+mod dark;
 mod drawing;
 mod frame;
 mod heatmap;
@@ -27,6 +28,7 @@ pub mod theme;
 mod ticks;
 
 pub use axis::Axis;
+pub use dark::with_dark_colours;
 #[cfg(test)]
 pub use drawing::Item;
 pub use drawing::{Drawing, with_extension};
@@ -36,5 +38,5 @@ pub use plot::Plot;
 pub use rgb8::Rgb8;
 pub use shapes::{Anchor, Colour, Level, Marker, Point, Rect, Stroke, Text};
 pub use sheet::{contact_sheet, wrapped};
-pub use svg::{base64, escape};
+pub use svg::escape;
 pub use table::table;

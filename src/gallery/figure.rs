@@ -69,8 +69,14 @@ pub struct Figure {
     pub report: Report,
     /// The counterpart in that report, with the number of the figure where it has one.
     pub reproduces: &'static str,
-    /// The caption.
+    /// The part of the gallery that it belongs to; the registry says.
+    pub section: &'static str,
+    /// The caption: what is seen.
     pub shows: &'static str,
+    /// Why that matters, in a sentence.
+    pub matters: &'static str,
+    /// Papers and books for its formulas.
+    pub papers: &'static [&'static str],
     /// The figure to compare it with.
     pub beside: Option<&'static str>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
@@ -81,8 +87,19 @@ pub struct Figure {
 impl Figure {
     /// A figure without texts yet, for the last line of a literal.
     pub fn by(make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync + 'static) -> Self {
-        let report = Report::Neither;
-        Self { id: "", title: "", report, reproduces: "", shows: "", beside: None, command: None, make: Box::new(make) }
+        Self {
+            id: "",
+            title: "",
+            report: Report::Neither,
+            reproduces: "",
+            section: "",
+            shows: "",
+            matters: "",
+            papers: &[],
+            beside: None,
+            command: None,
+            make: Box::new(make),
+        }
     }
 
     /// "first report (Imperial College London, 2020): Figure 3, …".
@@ -105,12 +122,27 @@ pub struct Content {
     pub errata: Vec<Erratum>,
     /// Claims of the reports that it answers.
     pub claims: Vec<Claim>,
+    /// Numbers that a report prints.
+    pub printed: Vec<Printed>,
 }
 
 impl Content {
     /// A drawing, the rows of its table, and its checks.
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
-        Ok(Self { drawing, table: output::table(rows)?, image: None, checks, errata: Vec::new(), claims: Vec::new() })
+        Ok(Self {
+            drawing,
+            table: output::table(rows)?,
+            image: None,
+            checks,
+            errata: Vec::new(),
+            claims: Vec::new(),
+            printed: Vec::new(),
+        })
+    }
+
+    /// Adds numbers that a report prints.
+    pub fn with_printed(self, printed: Vec<Printed>) -> Self {
+        Self { printed, ..self }
     }
 
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
@@ -119,7 +151,17 @@ impl Content {
     }
 }
 
-/// An error of a report with the evidence for it: a row of "where the reports are wrong".
+/// A number that a report prints beside the one that is computed here.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Printed {
+    pub quantity: String,
+    /// As the report prints it.
+    pub report: String,
+    /// To the digits of the report.
+    pub ours: String,
+}
+
+/// An error of a report with the evidence for it: a row of "errors in the reports".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Erratum {
     /// What the report prints.
@@ -127,10 +169,20 @@ pub struct Erratum {
     pub right: String,
     /// The test that detects the error.
     pub test: String,
-    /// The p-value of that test for what is printed; `None` where no chance is involved.
+    /// The p-value of that test for what is printed; `None` where an exact check rejects it.
     pub p_value: Option<f64>,
     /// The error of an image, and its measure.
     pub picture_error: String,
+    /// Where the figure shows it; unknown in records of earlier versions.
+    #[serde(default)]
+    pub place: Option<Place>,
+}
+
+/// A panel of a figure: its letter, and its left, top, width and height as shares of the figure's size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    pub panel: char,
+    pub share: [f64; 4],
 }
 
 /// A claim of a report with the answer: a row of "what the reports claim".

@@ -9,6 +9,7 @@ mod figures;
 mod inputs;
 mod originals;
 pub mod page;
+pub mod papers;
 mod prelude;
 mod reproduce;
 mod studies;

@@ -1,7 +1,7 @@
 //! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::Check;
-use super::figure::{Claim, Content, Erratum, Figure};
+use super::figure::{Claim, Content, Erratum, Figure, Printed};
 use super::figures::registry;
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
@@ -26,6 +26,7 @@ pub struct Reproduced {
     pub checks: Vec<Check>,
     pub errata: Vec<Erratum>,
     pub claims: Vec<Claim>,
+    pub printed: Vec<Printed>,
 }
 
 pub struct Reproduction {
@@ -69,8 +70,8 @@ pub fn reproduce(
             }
             made => made?,
         };
-        let Reproduced { seconds, checks, errata, claims, .. } = made.clone();
-        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, claims, setup: setup.clone() });
+        let Reproduced { seconds, checks, errata, claims, printed, .. } = made.clone();
+        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, claims, printed, setup: setup.clone() });
         done.push(made);
     }
     // Checks and page of all recorded figures
@@ -85,7 +86,7 @@ pub fn reproduce(
 fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
     interrupt::check()?;
     let start = Instant::now();
-    let Content { drawing, table, image, checks, errata, claims } = (figure.make)(inputs, studies)?;
+    let Content { drawing, table, image, checks, errata, claims, printed } = (figure.make)(inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
     let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), ..drawing };
@@ -100,7 +101,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
             files.push(path);
         }
     }
-    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims })
+    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims, printed })
 }
 
 /// All checks of all recorded figures, in the order of the registry.

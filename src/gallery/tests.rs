@@ -20,6 +20,7 @@ pub fn record() -> Record {
         checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
         errata: Vec::new(),
         claims: Vec::new(),
+        printed: Vec::new(),
         setup: Setup::of(&inputs(), "--quick"),
     }
 }

@@ -1,7 +1,7 @@
 //! The errors of the two reports: what they print beside the correction.
 
 use super::text::{capitalized, power_of_ten};
-use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Stroke, Text, theme};
+use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Rect, Stroke, Text, theme};
 use crate::study::audit::{Erratum, Nature};
 use etalon_stats::Verdict;
 
@@ -17,11 +17,10 @@ const MARGIN: f64 = 22.0;
 const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, dash: theme::DASHED };
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
-/// A panel for each erratum, with the verdicts and the error of an image below it.
-pub fn drawing(errata: &[Erratum]) -> Drawing {
+/// A panel for each erratum, with the verdicts and the error of an image below it; and the place of each panel.
+pub fn drawing(errata: &[Erratum]) -> (Drawing, Vec<Rect>) {
     // Lay out panels in a grid, with four lines of text below each
-    let panels: Vec<Drawing> =
-        errata.iter().enumerate().map(|(i, erratum)| panel(erratum, (b'a' + i as u8) as char)).collect();
+    let panels: Vec<Drawing> = errata.iter().enumerate().map(|(i, erratum)| panel(erratum, letter(i))).collect();
     let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
     let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
     let height = below + 4.0 * LINE + 1.5 * GAP;
@@ -31,6 +30,7 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
     let mut sheet = Drawing::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
     let right = sheet.width;
     legend(&mut sheet, right / 2.0);
+    let mut places = Vec::new();
     for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
         let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
         // What an exact check rejects needs no p-value.
@@ -44,6 +44,7 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
                 if erratum.nature == Nature::Print { "(error of print, at its word)".into() } else { String::new() },
             ),
         ];
+        places.push(Rect::new(x, y, width - GAP, height - 1.5 * GAP));
         let middle = x + drawing.width - MARGIN - 0.5 * FRAME[0];
         sheet.append(drawing, x, y);
         for (k, (colour, line)) in lines.into_iter().enumerate() {
@@ -52,7 +53,12 @@ pub fn drawing(errata: &[Erratum]) -> Drawing {
             sheet.text(text.coloured(colour));
         }
     }
-    sheet
+    (sheet, places)
+}
+
+/// The letter of a panel.
+pub fn letter(index: usize) -> char {
+    (b'a' + index as u8) as char
 }
 
 fn panel(erratum: &Erratum, letter: char) -> Drawing {

@@ -20,6 +20,8 @@ pub fn figures() -> Vec<Figure> {
         shows: "Copper under the map and two small area lights: a disc with circular grooves, and a sphere with grooves around \
                 its vertical axis. The captions have α along the grooves, which are the tangents, and α across. A highlight is long \
                 where normals vary most; where both widths are equal (GGX) there are no grooves.",
+        matters: "Anisotropic materials show at once whether tangents and widths are exchanged, which no isotropic scene can.",
+        papers: &[papers::HEITZ, papers::BURLEY_DISNEY],
         command: Some("etalon render brushed-metal --alpha 0.05,0.4 --envmap {map} --uniform".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]

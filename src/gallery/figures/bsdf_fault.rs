@@ -19,6 +19,8 @@ pub fn figures() -> Vec<Figure> {
         shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. The random number that chooses \
                 the lobe is used again for the direction: residuals have one sign over large regions, and the test says where. \
                 The same test accepts the right BSDF.",
+        matters: "A test is worth what it finds: this error leaves every single value right, and only the joint distribution of samples shows it.",
+        papers: &[papers::SUBR_ARVO],
         command: Some("etalon validate --planted".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]

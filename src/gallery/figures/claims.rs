@@ -25,6 +25,7 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "all claims of its text and figures",
             shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
                     it. The verdict follows from these numbers.",
+            matters: "A sentence about an image becomes a statement that can fail once it names a number and a bound.",
             ..Figure::by(first)
         },
         Figure {
@@ -32,8 +33,10 @@ pub fn figures() -> Vec<Figure> {
             title: "What the second report claims, and what is measured",
             report: Report::Second,
             reproduces: "all claims of its text and figures",
-            shows: "The same for the second report. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
+            shows: "Each claim of the second report with its number and the measured one. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
                     glass from outside and inside, T refraction, E eye. A share of 2 % is what an observer just sees.",
+            matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
+            papers: &[papers::HECKBERT],
             beside: Some("claims-places"),
             ..Figure::by(second)
         },
@@ -44,6 +47,8 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 1, what appears at each depth",
             shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone. The frame \
                     was found with one half of the samples, its share of the light measured with the other.",
+            matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
+            papers: &[papers::HECKBERT],
             beside: Some("claims-second"),
             ..Figure::by(places)
         },

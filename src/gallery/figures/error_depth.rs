@@ -14,6 +14,8 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 1, max_ray_depth",
         shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
+        matters: "A limit on depth is a bias that is chosen: the figure says how much light each limit costs, and how little time it saves beyond a few scatterings.",
+        papers: &[papers::KAJIYA],
         ..Figure::by(|inputs, _| content(inputs))
     }]
 }

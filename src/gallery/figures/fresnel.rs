@@ -25,6 +25,8 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 1, η = 1 to 1.45; it prints \"Brewster: 55.40771131249006\"",
             shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
                     approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
+            matters: "Every dielectric BSDF chooses between reflection and refraction by this number: Schlick's polynomial replaces it where speed counts more than an error of a few percent.",
+            papers: &[papers::SCHLICK, papers::PBRT],
             beside: Some("fresnel-exit"),
             command: Some("etalon fresnel --eta-i 1 --eta-t 1.45".into()),
             ..Figure::by(|_, _| content(1.0, GLASS))
@@ -34,7 +36,9 @@ pub fn figures() -> Vec<Figure> {
             title: "Reflectance from glass into air",
             report: Report::First,
             reproduces: "Figure 2, η = 1.45 to 1; it prints \"Critical: 43.60281897270362\"",
-            shows: "The same from inside: total internal reflection beyond the critical angle.",
+            shows: "Reflectance from inside the glass: it rises to 1 at the critical angle, and stays there: total internal reflection.",
+            matters: "Light that leaves glass at a grazing angle cannot leave at all: a renderer that takes the wrong cosine here loses it.",
+            papers: &[papers::SCHLICK, papers::PBRT],
             beside: Some("fresnel-enter"),
             command: Some("etalon fresnel --eta-i 1.45 --eta-t 1".into()),
             ..Figure::by(|_, _| content(GLASS, 1.0))
@@ -71,5 +75,15 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
         ));
         checks.push(Check::equal("least reflectance beyond the critical angle", 1.0, beyond.fold(f64::NAN, f64::min)));
     }
-    Content::new(view::dielectric(&curves), &curves.rows, checks)
+    let printed = |quantity: &str, report: &str, ours: Option<f64>| Printed {
+        quantity: quantity.to_owned(),
+        report: report.to_owned(),
+        ours: ours.map_or_else(|| "none".to_owned(), |degrees| degrees.to_string()),
+    };
+    let printed = if eta_t > eta_i {
+        printed("Brewster's angle (degrees)", "55.40771131249006", curves.brewster_deg)
+    } else {
+        printed("Critical angle (degrees)", "43.60281897270362", curves.critical_deg)
+    };
+    Ok(Content::new(view::dielectric(&curves), &curves.rows, checks)?.with_printed(vec![printed]))
 }

@@ -1,6 +1,6 @@
 //! Indices, special angles and albedo of the metals: `metals-table`.
 
-use super::roughness::iron_of_the_report;
+use super::roughness::{iron_of_the_report, printed_iron};
 use crate::gallery::prelude::*;
 use crate::study::metal;
 use crate::view::metals as view;
@@ -15,6 +15,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "Table 1, η and k of iron at 614, 549 and 466 nm: 2.8851 + 3.0449i, 2.9500 + 2.9300i, 2.6500 + 2.8095i",
         shows: "Reflectance of each metal in red, green and blue over the angle of incidence, and how far the report's \
                 approximation (without sin²θ beside η² + k²) lies above it. The sources of η and k stand in the CSV file.",
+        matters: "The colour of a metal is its reflectance, so that an error of these curves is an error of colour in every image of it.",
+        papers: &[papers::JOHNSON_CHRISTY, papers::PBRT],
         ..Figure::by(|_, _| content())
     }]
 }
@@ -32,5 +34,5 @@ fn content() -> Result<Content> {
         Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
         Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
     ]);
-    Content::new(view::drawing(&table), &table.rows, checks)
+    Ok(Content::new(view::drawing(&table), &table.rows, checks)?.with_printed(printed_iron()))
 }

@@ -27,36 +27,33 @@ mod validation;
 
 use super::figure::Figure;
 
-/// All figures, in the order in which they are made and shown.
+/// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
 pub fn registry() -> Vec<Figure> {
-    [
-        fresnel::figures(),
-        envmap_samples::figures(),
-        proposal::figures(),
-        median_cut::figures(),
-        sphere::figures(),
-        depth::figures(),
-        roughness::figures(),
-        sampling::figures(),
-        roughness::iron(),
-        metals_table::figures(),
-        rough_glass::figures(),
-        anisotropy::figures(),
-        multiple_scattering::figures(),
-        validation::figures(),
-        bsdf_fault::figures(),
-        audit::figures(),
-        claims::figures(),
-        error_time::figures(),
-        error_time_roughness::figures(),
-        error_depth::figures(),
-        median_cut_error::figures(),
-        scaling::figures(),
-        stability::figures(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    let sections = [
+        ("Reflectance of an interface", vec![fresnel::figures()]),
+        ("Samples of an environment map", vec![envmap_samples::figures(), proposal::figures()]),
+        ("Sphere under the map", vec![sphere::figures(), error_time::sphere()]),
+        ("Lights in place of the map", vec![median_cut::figures(), median_cut_error::figures()]),
+        ("Paths up to a depth", vec![depth::figures(), error_depth::figures(), error_time::cornell()]),
+        (
+            "Metals and their roughness",
+            vec![
+                metals_table::figures(),
+                roughness::figures(),
+                roughness::iron(),
+                sampling::figures(),
+                error_time_roughness::figures(),
+            ],
+        ),
+        ("More materials", vec![multiple_scattering::figures(), anisotropy::figures(), rough_glass::figures()]),
+        ("Tests of samplers", vec![validation::figures(), bsdf_fault::figures()]),
+        ("What the reports print and claim", vec![audit::figures(), claims::figures()]),
+        ("Numerical errors and cost", vec![stability::figures(), scaling::figures()]),
+    ];
+    let titled = |(section, figures): (&'static str, Vec<Vec<Figure>>)| {
+        figures.into_iter().flatten().map(move |figure| Figure { section, ..figure })
+    };
+    sections.into_iter().flat_map(titled).collect()
 }
 
 #[cfg(test)]
@@ -69,12 +66,23 @@ mod tests {
         let all = registry();
         let ids: BTreeSet<&str> = all.iter().map(|figure| figure.id).collect();
         assert_eq!(ids.len(), all.len(), "an id twice");
+        let titles: BTreeSet<&str> = all.iter().map(|figure| figure.title).collect();
+        assert_eq!(titles.len(), all.len(), "a title twice");
+        let sections: Vec<&str> = all.chunk_by(|a, b| a.section == b.section).map(|group| group[0].section).collect();
+        assert_eq!(sections.len(), sections.iter().collect::<BTreeSet<_>>().len(), "a section in two places");
         for figure in &all {
             let id = figure.id;
             let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
             assert!(id.chars().all(plain), "{id} is the name of files");
             assert!(!figure.title.is_empty() && !figure.reproduces.is_empty(), "{id}");
-            assert!(figure.shows.len() > 20 && figure.shows.ends_with('.'), "{id}: {}", figure.shows);
+            assert!(
+                figure.title.starts_with(|c: char| c.is_uppercase() || c.is_ascii_digit()),
+                "{id}: {}",
+                figure.title
+            );
+            for text in [figure.shows, figure.matters] {
+                assert!(text.len() > 20 && text.ends_with('.'), "{id} says what is seen and why it matters: {text:?}");
+            }
             let beside = figure.beside.is_none_or(|other| other != id && ids.contains(other));
             assert!(beside, "{id} beside {:?}", figure.beside);
         }

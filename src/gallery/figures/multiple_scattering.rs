@@ -17,6 +17,8 @@ pub fn figures() -> Vec<Figure> {
         shows: "A model of single scattering loses the light that meets a second facet, more of it the rougher the metal is; \
                 with multiple scattering a metal that reflects everything reflects everything, and vanishes before a uniform \
                 environment. Gold becomes brighter and more saturated. The spheres are of GGX, shown half a stop darker.",
+        matters: "The white furnace is the sharpest test of energy: whatever a model loses or gains becomes visible against the uniform environment.",
+        papers: &[papers::KULLA_CONTY, papers::TURQUIN],
         command: Some("etalon render furnace --alpha 1 --multiple-scattering --uniform".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]

@@ -17,6 +17,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "text, proposal distributions",
         shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
                 ones do not.",
+        matters: "Inversion turns uniform random numbers into any distribution, and only these: other random numbers change the pdf without any error message.",
+        papers: &[papers::PBRT],
         command: Some("etalon envmap proposal {map}".into()),
         ..Figure::by(content)
     }]

@@ -21,6 +21,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "the second report's Cornell box, with a rough boundary of its glass sphere",
         shows: "The glass sphere of the Cornell box from near. The wider the distribution of microfacet normals (GGX), the less is seen through the sphere, and the wider and \
                 dimmer is its caustic. Smooth glass and glass of α = 0.001 look alike.",
+        matters: "A rough dielectric has to agree with smooth glass at one end and lose its caustic at the other, and both ends are where its pdf is easiest to get wrong.",
+        papers: &[papers::WALTER],
         command: Some("etalon render cornell-spheres --alpha 0.1 -s 64 -l 1 -m 7 --uniform".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]

@@ -20,13 +20,15 @@ pub fn statue(inputs: &Inputs, studies: &mut Studies, metal: &str, alpha: f32) -
 
 /// One figure for each α, each checked against the smoother one before it.
 pub fn figures() -> Vec<Figure> {
-    let figure = |id, alpha, smoother: Option<f32>, reproduces, beside| Figure {
+    let figure = |id, title, alpha, smoother: Option<f32>, reproduces, beside| Figure {
         id,
-        title: "Golden statue of increasing roughness",
+        title,
         report: Report::Second,
         reproduces,
         shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights. Shown as in the \
                 report: (√2 L)^(1/2.2).",
+        matters: "One parameter takes the statue from a mirror to a nearly diffuse body, and a sampler has to follow it over that whole range.",
+        papers: &[papers::COOK_TORRANCE, papers::WALTER],
         beside: Some(beside),
         command: Some(format!(
             "etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report --uniform"
@@ -42,6 +44,7 @@ pub fn figures() -> Vec<Figure> {
     vec![
         figure(
             "roughness-0.005",
+            "Golden statue, α = 0.005",
             0.005,
             None,
             "Figure 2a, α = 0.005 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
@@ -49,6 +52,7 @@ pub fn figures() -> Vec<Figure> {
         ),
         figure(
             "roughness-0.05",
+            "Golden statue, α = 0.05",
             0.05,
             Some(0.005),
             "Figure 2b, α = 0.05 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
@@ -56,6 +60,7 @@ pub fn figures() -> Vec<Figure> {
         ),
         figure(
             "roughness-0.25",
+            "Golden statue, α = 0.25",
             0.25,
             Some(0.05),
             "Figure 2c, α = 0.25 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
@@ -63,6 +68,7 @@ pub fn figures() -> Vec<Figure> {
         ),
         figure(
             "roughness-0.5",
+            "Golden statue, α = 0.5",
             0.5,
             Some(0.25),
             "Figure 2d, α = 0.5 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
@@ -74,10 +80,12 @@ pub fn figures() -> Vec<Figure> {
 pub fn iron() -> Vec<Figure> {
     vec![Figure {
         id: "iron",
-        title: "Iron statue",
+        title: "Iron statue, α = 0.5",
         report: Report::Second,
         reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
         shows: "The same statue in iron: all colours are reflected nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
+        matters: "Only the indices of refraction differ from those of the golden statue: they alone make it grey.",
+        papers: &[papers::JOHNSON_CHRISTY, papers::COOK_TORRANCE],
         beside: Some("roughness-0.5"),
         command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report --uniform".into()),
         ..Figure::by(|inputs, studies| {
@@ -88,14 +96,28 @@ pub fn iron() -> Vec<Figure> {
             let largest = colour.into_iter().fold(0.0, f64::max);
             content.checks.push(Check::at_most("largest relative difference of a channel from grey", largest, 0.2));
             content.checks.extend(iron_of_the_report());
-            Ok(content)
+            Ok(content.with_printed(printed_iron()))
         })
     }]
 }
 
+/// η and k of iron, red, green and blue, in the report.
+const TABLE_1: [[f64; 2]; 3] = [[2.8851, 3.0449], [2.9500, 2.9300], [2.6500, 2.8095]];
+
+/// The report's Table 1 beside the indices of iron that are rendered.
+pub fn printed_iron() -> Vec<Printed> {
+    let index = |[eta, k]: [f64; 2]| format!("{eta:.4} + {k:.4}i");
+    let rows = TABLE_1.into_iter().zip(WAVELENGTHS_NM).zip(IRON.eta.into_iter().zip(IRON.k));
+    let row = |((printed, nm), (eta, k)): (([f64; 2], f64), (f64, f64))| Printed {
+        quantity: format!("η + ki of iron at {nm} nm"),
+        report: index(printed),
+        ours: index([eta, k]),
+    };
+    rows.map(row).collect()
+}
+
 /// The indices of iron that are rendered, and those of the report's Table 1.
 pub fn iron_of_the_report() -> Vec<Check> {
-    const TABLE_1: [[f64; 2]; 3] = [[2.8851, 3.0449], [2.9500, 2.9300], [2.6500, 2.8095]];
     let channels = TABLE_1.into_iter().zip(WAVELENGTHS_NM).zip(IRON.eta.into_iter().zip(IRON.k));
     let checks = |(([eta, k], nm), ours): (([f64; 2], f64), (f64, f64))| {
         [("η", eta, ours.0), ("k", k, ours.1)].map(|(name, table, ours)| {

@@ -25,6 +25,8 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
                     samples. Shown as in the report: (√2 L)^(1/2.2).",
+            matters: "Directions in proportion to the BSDF leave little variance: the same number of samples shows the statue and not its noise.",
+            papers: &[papers::HEITZ, papers::WALTER],
             beside: Some("sampling-hemisphere"),
             command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report --uniform".into()),
             ..Figure::by(|inputs, studies| render(inputs, studies, true))
@@ -36,6 +38,8 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
                     image looks dark and noisy. Shown as in the report: (√2 L)^(1/2.2).",
+            matters: "The image has the right mean and still looks too dark: a few very bright pixels carry the light that the others lack.",
+            papers: &[papers::WALTER],
             beside: Some("sampling-importance"),
             command: Some(
                 "etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report --uniform".into(),
@@ -49,6 +53,8 @@ pub fn figures() -> Vec<Figure> {
             reproduces: "Figure 3, the dark rim of hemisphere sampling",
             shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
                     like a dark rim.",
+            matters: "What looks like a bias is a skewed distribution of noise: only the mean over many pixels, with its standard error, can tell.",
+            papers: &[papers::WALTER],
             ..Figure::by(errors)
         },
     ]

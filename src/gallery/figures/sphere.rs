@@ -17,29 +17,45 @@ fn exact(inputs: &Inputs, studies: &mut Studies, width: usize) -> Result<Rc<Exac
 
 /// Four numbers of samples per pixel, and the error by strategy.
 pub fn figures() -> Vec<Figure> {
-    let sphere = |id, spp, reproduces, beside| Figure {
+    let sphere = |id, title, spp, reproduces, beside| Figure {
         id,
-        title: "The sphere under the map, and its error",
+        title,
         report: Report::First,
         reproduces,
         shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral: noise, which \
                 decreases with the number of samples. The rim, whose pixels the sphere covers in part, and the middle, where \
                 the camera touches it, are not compared.",
+        matters: "The exact radiance is known here, so that noise and bias can be told apart, which the look of a render alone does not allow.",
+        papers: &[papers::PBRT],
         beside: Some(beside),
         command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4 --uniform")),
         ..Figure::by(move |inputs, studies| content(inputs, studies, spp))
     };
     vec![
-        sphere("sphere-8", 8, "Figure 12, PBRT: diffuse sphere of albedo 1 in the Grace map, 8 samples", "sphere-64"),
-        sphere("sphere-16", 16, "Figure 13, PBRT: diffuse sphere of albedo 1 in the Grace map, 16 samples", "sphere-8"),
+        sphere(
+            "sphere-8",
+            "The sphere under the map, 8 samples per pixel",
+            8,
+            "Figure 12, PBRT: diffuse sphere of albedo 1 in the Grace map, 8 samples",
+            "sphere-64",
+        ),
+        sphere(
+            "sphere-16",
+            "The sphere under the map, 16 samples per pixel",
+            16,
+            "Figure 13, PBRT: diffuse sphere of albedo 1 in the Grace map, 16 samples",
+            "sphere-8",
+        ),
         sphere(
             "sphere-32",
+            "The sphere under the map, 32 samples per pixel",
             32,
             "Figure 14, PBRT: diffuse sphere of albedo 1 in the Grace map, 32 samples",
             "sphere-16",
         ),
         sphere(
             "sphere-64",
+            "The sphere under the map, 64 samples per pixel",
             64,
             "Figure 15, PBRT: diffuse sphere of albedo 1 in the Grace map, 64 samples",
             "sphere-32",
@@ -50,6 +66,8 @@ pub fn figures() -> Vec<Figure> {
             report: Report::First,
             reproduces: "Figures 12 to 15, measured",
             shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
+            matters: "Four times as many independent samples halve the error; a better strategy or a better point set gains more than that for the same time.",
+            papers: &[papers::VEACH, papers::BURLEY_OWEN],
             ..Figure::by(errors)
         },
     ]

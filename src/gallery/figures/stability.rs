@@ -21,6 +21,9 @@ const SUMMARY: &str = "Left, the largest relative error of each family: of the c
                        reports', in f32 (filled) and f64 (open); pale bars show how far rounding of the input alone may move the \
                        result there (condition number × half a last place). Right, the largest error over that reach: left of \
                        the dotted line the input explains all of it. Errors at either end of the scale are that or beyond.";
+const SUMMARY_MATTERS: &str = "It tells errors that a better formula would avoid from those that no formula can avoid, because the input was rounded before.";
+const MAPS_MATTER: &str = "A formula that is right on paper may lose all its digits where two numbers nearly cancel, and a render may then show spots that no \
+                           number of samples removes.";
 const MAPS: &str = "Relative errors in f32 over the inputs: of the code that renders, of textbook formulas and of the reports', \
                     beside what rounding of the input alone causes: no formula can be expected to do better than that.";
 
@@ -38,6 +41,8 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Neither,
         reproduces: "stability study",
         shows: if id == SUMS { SUMMARY } else { MAPS },
+        matters: if id == SUMS { SUMMARY_MATTERS } else { MAPS_MATTER },
+        papers: &[papers::HIGHAM],
         ..Figure::by(move |inputs, studies| content(inputs, studies, id))
     };
     TITLES.into_iter().map(figure).collect()

@@ -18,6 +18,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "samplers of both reports, tested",
         shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
                 rejected.",
+        matters: "A renderer converges to the wrong image when a sampler and its pdf disagree: the tests would reject an error of a few percent in any of them.",
+        papers: &[papers::PBRT, papers::SUBR_ARVO],
         command: Some("etalon validate --detect 0.04".into()),
         ..Figure::by(|inputs, _| content(inputs))
     }]

@@ -1,24 +1,38 @@
-//! One figure on the page: its image, its counterpart, its checks and the commands that reproduce it.
+//! One figure on the page: its image, what it says, its counterpart, its checks and the commands that reproduce it.
 
 use super::embedded::EmbeddedImage;
 use super::record::Record;
 use crate::figure::escape;
 use crate::gallery::check::Check;
-use crate::gallery::figure::Figure;
+use crate::gallery::figure::{Erratum, Figure, Printed};
 use crate::view::text::{counted, seconds};
 use std::path::Path;
 
 /// Formats of a figure's files, in the order of the links.
-const FILES: [&str; 7] = ["svg", "png", "pdf", "csv", "exr", "pfm", "ppm"];
+const FILES: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"];
 
 pub struct Article<'a> {
     pub figure: &'a Figure,
-    /// Its place in the registry, from 1.
+    /// Its place on the page, from 1.
     pub number: usize,
     pub record: &'a Record,
     pub image: EmbeddedImage,
-    /// Its counterpart for comparison, if that is on the page, too.
-    pub beside: Option<&'static str>,
+}
+
+impl EmbeddedImage {
+    /// Its class in the style sheet.
+    fn kind(&self) -> &'static str {
+        if self.chart { "chart" } else { "picture" }
+    }
+
+    /// The class of its thumbnail: a chart that has images must not be inverted on a dark page.
+    pub fn thumbnail_kind(&self) -> &'static str {
+        match self.source.matches("data:image/").count() {
+            1 if self.chart => "plain",
+            _ if self.chart => "mixed",
+            _ => "picture",
+        }
+    }
 }
 
 impl Article<'_> {
@@ -29,38 +43,55 @@ impl Article<'_> {
 
     /// The figure as HTML that is well-formed XML.
     pub fn html(&self, folder: &Path) -> String {
-        let EmbeddedImage { source, width, height, vector } = &self.image;
-        let Figure { title, shows, command: direct, .. } = self.figure;
-        let Record { checks, setup, seconds: time, .. } = self.record;
-        let (id, failed, beside) = (escape(self.figure.id), self.failed(), self.beside.unwrap_or_default());
-        let [heading, shows, counterpart, alternative] = [
-            &format!("{}. {title}", self.number),
-            *shows,
-            &self.figure.counterpart(),
-            &format!("{title} ({id}). {shows}"),
-        ]
-        .map(escape);
+        let EmbeddedImage { source, width, height, .. } = &self.image;
+        let Figure { title, shows, matters, .. } = self.figure;
+        let (id, number, failed, kind) = (escape(self.figure.id), self.number, self.failed(), self.image.kind());
+        let [title, shows, matters, alternative] =
+            [*title, *shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
+        let (beside, render) = (self.figure.beside.unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
         let there = FILES.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
-        let compare = self.beside.map_or_else(String::new, |beside| {
-            format!("<p class=\"beside\">Compare with <a href=\"#figure-{beside}\">{beside}</a></p>\n")
-        });
-        let again = command(&join(&format!("etalon reproduce --only {id}"), &setup.options));
-        let direct = direct.as_ref().map_or_else(String::new, |direct| {
+        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
+        let (printed, citation, checks) = (printed(&self.record.printed), self.citation(), checks(&self.record.checks));
+        let commands = self.commands();
+        format!(
+            r##"<article id="figure-{id}" data-id="{id}" data-failed="{failed}" data-beside="{beside}" data-render="{render}">
+<h3><span class="fine">{number}</span> {title} <a class="permalink" href="#figure-{id}" aria-label="Link to figure {number}">#</a></h3>
+<p>{shows}</p>
+<p class="matters">{matters}</p>
+<figure class="{kind}"><div class="scroll"><a class="zoom" href="{id}.svg" data-title="{number}. {title}" style="--width:{width}px">
+<img src="{source}" width="{width}" height="{height}" alt="{alternative}" decoding="async" />{panels}</a></div>
+<figcaption class="fine"><span class="hint">Scroll sideways, or tap to enlarge. </span>Download, from beside this page:{files}</figcaption></figure>
+{printed}{citation}{checks}{commands}</article>
+"##
+        )
+    }
+
+    /// The counterpart in a report, and the papers.
+    fn citation(&self) -> String {
+        let Figure { report, reproduces, papers, .. } = self.figure;
+        let counterpart = match report.citations() {
+            [] => String::new(),
+            [one] => format!("<p>{}: {}.</p>\n", escape(one.trim_end_matches('.')), escape(reproduces)),
+            all => format!("<p>{} In them: {}.</p>\n", escape(&all.join(" ")), escape(reproduces)),
+        };
+        let papers: String = papers.iter().map(|paper| format!("<p>{}.</p>\n", escape(paper))).collect();
+        if counterpart.is_empty() && papers.is_empty() {
+            return String::new();
+        }
+        format!("<div class=\"sources fine\">\n{counterpart}{papers}</div>\n")
+    }
+
+    fn commands(&self) -> String {
+        let setup = &self.record.setup;
+        let again = command(&join(&format!("etalon reproduce --only {}", escape(self.figure.id)), &setup.options));
+        let direct = self.figure.command.as_ref().map_or_else(String::new, |direct| {
             format!("<p>or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
         });
-        let (table, time) = (table(checks), seconds(*time));
+        let time = seconds(self.record.seconds);
         format!(
-            r##"<article id="figure-{id}" data-id="{id}" data-failed="{failed}" data-beside="{beside}">
-<h3>{heading} <code>{id}</code></h3>
-<p>{shows}</p>
-<p class="fine">Counterpart: {counterpart}</p>
-<figure><a class="zoom" href="{id}.svg" data-title="{heading}"><img src="{source}" width="{width}"
-height="{height}" data-vector="{vector}" alt="{alternative}" /></a>
-<figcaption class="fine">Files beside this page:{files}</figcaption></figure>
-{compare}{table}<div class="again"><p>Reproduce with</p>{again}{direct}<p class="fine">{time} here</p></div>
-</article>
-"##
+            "<details class=\"again\"><summary>Reproduce it</summary>{again}{direct}<p class=\"fine\">took {time} here</p>\
+             </details>\n"
         )
     }
 }
@@ -74,24 +105,66 @@ fn command(text: &str) -> String {
     format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape(text))
 }
 
-fn table(checks: &[Check]) -> String {
+/// Where links to a panel of the figure lead.
+fn panel(id: &str, erratum: &Erratum) -> Option<String> {
+    let place = erratum.place.as_ref()?;
+    let [left, top, width, height] = place.share.map(|share| 100.0 * share);
+    Some(format!(
+        "<span class=\"target\" id=\"{id}-{}\" style=\"left:{left:.2}%;top:{top:.2}%;width:{width:.2}%;height:{height:.2}%\">\
+         </span>",
+        place.panel
+    ))
+}
+
+/// The report's numbers beside ours.
+fn printed(printed: &[Printed]) -> String {
+    if printed.is_empty() {
+        return String::new();
+    }
+    let row = |Printed { quantity, report, ours }: &Printed| {
+        let [quantity, report, ours] = [quantity, report, ours].map(|text| escape(text));
+        format!(
+            "<tr><td>{quantity}</td><td class=\"number\" data-label=\"printed\">{report}</td>\
+             <td class=\"number\" data-label=\"computed\">{ours}</td></tr>\n"
+        )
+    };
+    let rows: String = printed.iter().map(row).collect();
+    format!(
+        r#"<table class="cards printed">
+<thead><tr><th scope="col">Quantity</th><th scope="col">The report prints</th><th scope="col">Computed here</th></tr></thead>
+<tbody>
+{rows}</tbody></table>
+"#
+    )
+}
+
+/// All checks, closed unless one has failed.
+fn checks(checks: &[Check]) -> String {
     if checks.is_empty() {
         return String::new();
     }
     let row = |check: &Check| {
         let (class, verdict) = if check.pass { ("pass", "✓ pass") } else { ("fail", "✗ FAIL") };
         let [name, measured, demand] = [&check.name, &check.measured(), &check.demand()].map(|text| escape(text));
-        let number =
-            format!(r#"<td class="number" title="{}">{measured}</td><td class="number">{demand}</td>"#, check.got);
-        format!("<tr><td class=\"{class}\">{verdict}</td><td>{name}</td>{number}</tr>\n")
+        format!(
+            "<tr><td class=\"{class}\">{verdict}</td><td>{name}</td><td class=\"number\" data-label=\"measured\" \
+             title=\"{}\">{measured}</td><td class=\"number\" data-label=\"must be\">{demand}</td></tr>\n",
+            check.got
+        )
+    };
+    let failed = checks.iter().filter(|check| !check.pass).count();
+    let (open, class, outcome) = match failed {
+        0 => ("", "pass", "✓ passed".to_owned()),
+        failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED")),
     };
     let (count, rows) = (counted(checks.len(), "check"), checks.iter().map(row).collect::<String>());
     format!(
-        r#"<table><caption>{count}</caption>
+        r#"<details class="checks"{open}><summary>{count}, <span class="{class}">{outcome}</span></summary>
+<table class="cards">
 <thead><tr><th scope="col">Verdict</th><th scope="col">Check</th><th scope="col">Measured</th>
 <th scope="col">Must be</th></tr></thead>
 <tbody>
-{rows}</tbody></table>
+{rows}</tbody></table></details>
 "#
     )
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::files;
 use crate::gallery::check::Check;
-use crate::gallery::figure::{Claim, Erratum, Figure};
+use crate::gallery::figure::{Claim, Erratum, Figure, Printed};
 use crate::gallery::inputs::Inputs;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,6 +25,9 @@ pub struct Record {
     /// None in records of earlier versions.
     #[serde(default)]
     pub claims: Vec<Claim>,
+    /// None in records of earlier versions.
+    #[serde(default)]
+    pub printed: Vec<Printed>,
     pub setup: Setup,
 }
 
@@ -32,6 +35,12 @@ pub struct Record {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Setup {
     pub version: String,
+    /// The commit that the program was built on, in brief; empty where it is unknown.
+    #[serde(default)]
+    pub commit: String,
+    /// The day of the run in UTC, as 2026-01-31; empty in records of earlier versions.
+    #[serde(default)]
+    pub date: String,
     pub seed: u64,
     /// The environment map, as the command line names it.
     pub map: String,
@@ -46,6 +55,8 @@ impl Setup {
     pub fn of(inputs: &Inputs, options: &str) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("ETALON_COMMIT").to_owned(),
+            date: today(),
             seed: inputs.seed,
             map: without_folder(&inputs.map.name),
             options: options.to_owned(),
@@ -55,6 +66,31 @@ impl Setup {
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         }
     }
+}
+
+/// The day in UTC by the Gregorian calendar, as 2026-01-31.
+fn today() -> String {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    date(since.as_secs() / 86_400)
+}
+
+/// The date of a day after 1 January 1970.
+fn date(mut day: u64) -> String {
+    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let mut year = 1970;
+    while day >= 365 + u64::from(leap(year)) {
+        day -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let mut month = 1;
+    for length in [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if day < length {
+            break;
+        }
+        day -= length;
+        month += 1;
+    }
+    format!("{year}-{month:02}-{:02}", day + 1)
 }
 
 /// A path without the place on this machine: absolute paths lose their folders.
@@ -127,6 +163,14 @@ mod tests {
         assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && !checks[1].pass);
         write(FILE);
         assert!(matches!(read_records(dir.path(), &registry()), Err(Error::Input { .. })));
+    }
+
+    #[test]
+    fn days_have_the_dates_of_the_calendar() {
+        let days = [0, 58, 59, 789, 11_016, 20_818, 47_540].map(date);
+        let dates = ["1970-01-01", "1970-02-28", "1970-03-01", "1972-02-29", "2000-02-29", "2026-12-31", "2100-02-28"];
+        assert_eq!(days, dates);
+        assert_eq!(date(47_541), "2100-03-01");
     }
 
     #[test]

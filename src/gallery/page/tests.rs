@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::figure::Drawing;
-use crate::gallery::figure::{Claim, Erratum};
+use crate::gallery::figure::{Claim, Erratum, Place, Printed};
 use crate::gallery::registry;
 use crate::gallery::tests::record;
 
@@ -48,7 +48,10 @@ fn every_figure_is_there_and_nothing_is_loaded_from_elsewhere() {
         }
         if node.has_tag_name("img") {
             assert!(node.attribute("src").unwrap().starts_with("data:image/"));
-            assert!(node.attribute("alt").unwrap().len() > 10);
+            // A thumbnail's text stands beside it, in the same link.
+            let link = node.ancestors().find(|n| n.has_tag_name("a")).unwrap();
+            let texts: String = link.descendants().filter_map(|n| n.text()).collect();
+            assert!(node.attribute("alt").unwrap().len() > 10 || texts.trim().len() > 5);
         }
     }
     assert!(!ids.contains(&"errata"), "no report is said to be wrong without evidence");
@@ -66,7 +69,9 @@ fn failures_and_errata_are_shown_as_text() {
                 test: "t-test".into(),
                 p_value: Some(1e-12),
                 picture_error: "3 %".into(),
+                place: Some(Place { panel: 'c', share: [0.1, 0.2, 0.3, 0.4] }),
             }];
+            record.printed = vec![Printed { quantity: "R₀".into(), report: evil.into(), ours: "0.034".into() }];
             record.claims = vec![Claim {
                 report: "second report".into(),
                 place: "Fig. 4".into(),
@@ -82,7 +87,7 @@ fn failures_and_errata_are_shown_as_text() {
     });
     let tree = parsed(&text);
     let evil_texts = tree.descendants().filter(|n| n.is_text() && n.text().is_some_and(|t| t.contains(evil))).count();
-    assert_eq!(evil_texts, 3, "in the tables of errata and of claims, and in the summary");
+    assert_eq!(evil_texts, 4, "in the tables of errata, claims and printed numbers, and in the footer");
     assert_eq!(tree.descendants().filter(|n| n.has_tag_name("script")).count(), 1);
     let failed: Vec<_> = tree.descendants().filter(|n| n.attribute("data-failed") == Some("1")).collect();
     assert_eq!(failed.iter().map(|n| n.attribute("id")).collect::<Vec<_>>(), [Some("figure-iron")]);
@@ -92,4 +97,40 @@ fn failures_and_errata_are_shown_as_text() {
         "only figures on the page are linked"
     );
     assert!(text.contains("1.0e-12") && text.contains("NaN"));
+    assert!(text.contains("<a href=\"#iron-c\">panel c</a>"), "an error leads to its panel");
+    let target = tree.descendants().find(|n| n.attribute("id") == Some("iron-c")).unwrap();
+    assert_eq!(target.attribute("style"), Some("left:10.00%;top:20.00%;width:30.00%;height:40.00%"));
+    assert!(tree.descendants().any(|n| n.attribute("open").is_some() && n.attribute("class") == Some("checks")));
+}
+
+#[test]
+fn figures_are_numbered_in_the_order_in_which_they_are_read() {
+    let text = page(|_, _| ());
+    let tree = parsed(&text);
+    let articles: Vec<_> = tree.descendants().filter(|n| n.has_tag_name("article")).collect();
+    let links = |class: &str| {
+        let list = tree.descendants().find(|n| n.attribute("class") == Some(class) || n.has_tag_name(class)).unwrap();
+        let links = list.descendants().filter_map(|n| n.attribute("href")?.strip_prefix("#figure-"));
+        links.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let ids: Vec<String> = articles.iter().map(|n| n.attribute("data-id").unwrap().to_owned()).collect();
+    assert_eq!(links("overview"), ids);
+    assert_eq!(links("nav"), ids);
+    for (i, article) in articles.iter().enumerate() {
+        let number = article.descendants().find(|n| n.has_tag_name("h3")).unwrap().first_element_child().unwrap();
+        assert_eq!(number.text(), Some((i + 1).to_string().as_str()));
+    }
+}
+
+#[test]
+fn formulas_break_nowhere() {
+    let shown = tables::with_whole_formulas;
+    let whole = |formula: &str| format!("<span class=\"formula\">{}</span>", escape(formula));
+    assert_eq!(shown("rows of a map"), "rows of a map");
+    let pdf = "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)";
+    assert_eq!(shown(&format!("second report, error: {pdf}")), format!("second report, error: {}", whole(pdf)));
+    let schlick = "F₀ + (1 − F₀)(1 − cos θᵢ)⁵";
+    assert_eq!(shown(&format!("{schlick} on both sides")), format!("{} on both sides", whole(schlick)));
+    assert_eq!(shown("a < b & c"), format!("{} {} c", whole("a < b"), whole("&")));
+    assert_eq!(shown("(open"), whole("(open"));
 }

@@ -4,8 +4,8 @@ use crate::study::validation::Case;
 use etalon_stats::{Outcome, Verdict};
 use serde::Serialize;
 
-/// What kind of error it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+/// What kind of error it is, the most severe first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Nature {
     /// A formula that the report or its course uses and that is wrong.

@@ -13,8 +13,9 @@ pub use erratum::{Erratum, ErratumCurves, Nature};
 use super::validation::{Case, run};
 use crate::error::Result;
 use etalon_stats::Protocol;
+use std::cmp::Ordering;
 
-/// Tests all errors in one run.
+/// Tests all errors in one run. The most severe come first: by their nature, and by the error of an image.
 pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     let mut suspects = metal::suspects()?;
     suspects.extend([
@@ -36,6 +37,8 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
         erratum.right_verdict = right.outcome.verdict;
         erratum.right_p = right.outcome.p;
     }
+    let severity = |erratum: &Erratum| (erratum.nature, -erratum.error_in_picture.abs());
+    errata.sort_by(|a, b| severity(a).partial_cmp(&severity(b)).unwrap_or(Ordering::Equal));
     Ok(errata)
 }
 

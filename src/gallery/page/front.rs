@@ -1,0 +1,120 @@
+//! What surrounds the articles: summary, contents, thumbnails and footer.
+
+use super::article::{Article, join};
+use super::record::Setup;
+use crate::figure::escape;
+use crate::view::text::{counted, seconds};
+use std::collections::BTreeMap;
+
+/// Title, totals, and the figures whose checks have failed.
+pub fn summary(articles: &[Article<'_>]) -> String {
+    let checks: usize = articles.iter().map(|a| a.record.checks.len()).sum();
+    let failed: usize = articles.iter().map(Article::failed).sum();
+    let (figures, passed) = (articles.len(), checks - failed);
+    let count = counted(figures, "figure");
+    let time = seconds(articles.iter().map(|a| a.record.seconds).sum());
+    let verdict = if failed == 0 { "none" } else { "fail" };
+    let with_failures = articles.iter().filter(|a| a.failed() > 0);
+    let links: String = with_failures.map(|a| format!(" <a href=\"#figure-{0}\">{0}</a>", a.figure.id)).collect();
+    let failures = if failed > 0 { format!("<p class=\"fail\">Checks failed in:{links}</p>\n") } else { String::new() };
+    format!(
+        r#"<header>
+<h1>How light is sampled, in {count}</h1>
+<p>Reflectance, environment maps, microfacets and paths: each figure says what is seen and why it matters, where its
+counterpart was published, which values it is checked against, and which command reproduces it.</p>
+<dl class="totals"><div><dt>Figures</dt><dd>{figures}</dd></div>
+<div><dt>Checks passed</dt><dd class="pass">{passed}</dd></div>
+<div><dt>Checks failed</dt><dd class="{verdict}">{failed}</dd></div><div><dt>Total time</dt><dd>{time}</dd></div></dl>
+{failures}</header>
+"#
+    )
+}
+
+/// Search, and the titles of all figures by section.
+pub fn contents(articles: &[Article<'_>], sections: &[&[Article<'_>]]) -> String {
+    let wrong = articles.iter().any(|a| !a.record.errata.is_empty());
+    let claimed = articles.iter().any(|a| !a.record.claims.is_empty());
+    let link = |there: bool, id: &str, text: &str| {
+        if there { format!("<p><a href=\"#{id}\">{text}</a></p>\n") } else { String::new() }
+    };
+    let front = link(true, "overview", "Overview")
+        + &link(wrong, "errata", "Errors in the reports")
+        + &link(claimed, "claims", "Claims of the reports");
+    let entry = |article: &Article<'_>| {
+        let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
+        let (id, number, title) = (article.figure.id, article.number, escape(article.figure.title));
+        format!("<li data-id=\"{id}\"><a href=\"#figure-{id}\"><span>{number}</span>{title}</a>{mark}</li>\n")
+    };
+    let part = |(i, group): (usize, &&[Article<'_>])| {
+        let (number, name) = (i + 1, escape(group[0].figure.section));
+        let entries: String = group.iter().map(entry).collect();
+        format!("<div class=\"part\"><p><a href=\"#part-{number}\">{name}</a></p>\n<ul>\n{entries}</ul></div>\n")
+    };
+    let parts: String = sections.iter().enumerate().map(part).collect();
+    format!(
+        r#"<nav aria-label="Figures">
+<div class="tools" hidden="hidden">
+<label>Find <input type="search" id="find" placeholder="mirror, fresnel, slope" /></label>
+<label><input type="checkbox" id="failed" /> only failed</label><button type="button" id="theme">Dark or light</button>
+<p class="fine" id="found" role="status"></p></div>
+<details open="open"><summary>Contents</summary>
+{front}{parts}</details>
+</nav>
+"#
+    )
+}
+
+/// A small image of every figure, which leads to it.
+pub fn thumbnails(sections: &[&[Article<'_>]]) -> String {
+    let tile = |article: &Article<'_>| {
+        let (id, number, title) = (article.figure.id, article.number, escape(article.figure.title));
+        let (source, kind) = (&article.image.thumbnail, article.image.thumbnail_kind());
+        format!(
+            "<li data-id=\"{id}\"><a href=\"#figure-{id}\"><span class=\"tile {kind}\"><img src=\"{source}\" alt=\"\" \
+             decoding=\"async\" /></span><span><b>{number}</b> {title}</span></a></li>\n"
+        )
+    };
+    let part = |group: &&[Article<'_>]| {
+        let (name, tiles) = (escape(group[0].figure.section), group.iter().map(tile).collect::<String>());
+        format!("<div class=\"part\"><h3>{name}</h3>\n<ul class=\"tiles\">\n{tiles}</ul></div>\n")
+    };
+    let parts: String = sections.iter().map(part).collect();
+    format!("<section class=\"overview\">\n<h2 id=\"overview\">Overview</h2>\n{parts}</section>\n")
+}
+
+/// Program, machine, downloads and licence.
+pub fn footer(articles: &[Article<'_>]) -> String {
+    let mut setups: BTreeMap<&Setup, usize> = BTreeMap::new();
+    for article in articles {
+        *setups.entry(&article.record.setup).or_default() += 1;
+    }
+    let setup = |(setup, count): (&Setup, usize)| {
+        let Setup { version, commit, date, seed, map, options, cpu, cores, threads, system } = setup;
+        let (figures, command) = (counted(count, "figure"), escape(&join("etalon reproduce", options)));
+        let built = if commit.is_empty() { String::new() } else { format!(" (commit {commit})") };
+        let day = if date.is_empty() { String::new() } else { format!(", {date}") };
+        let run = escape(&format!("etalon {version}{built}{day}, seed {seed}, map {map}"));
+        let machine = format!("{cpu}, {}, {}, {system}", counted(*cores, "core"), counted(*threads, "thread"));
+        format!("<p>{figures} by <code>{command}</code>: {run}; {}</p>\n", escape(&machine))
+    };
+    let setups: String = setups.into_iter().map(setup).collect();
+    let repository = env!("CARGO_PKG_REPOSITORY");
+    let source = if repository.is_empty() {
+        "Sources and book come with the program.".to_owned()
+    } else {
+        format!("<a href=\"{repository}\">Sources and book</a>.")
+    };
+    format!(
+        r#"<footer class="fine">
+{setups}<p>A commit names what the program was built on; changes after it are not recorded. The time of a render that
+figures share is counted with the first of them.</p>
+<p>This page is complete without other files: charts are vector graphics, large images are compressed. In full, as SVG, PNG,
+PDF and EXR with their data as CSV, they are in the folder that <code>etalon reproduce</code> writes, beside this page, with
+<a href="checks.csv">checks.csv</a> and <a href="reproduce.json">reproduce.json</a>, which have all numbers with all
+digits.</p>
+<p>{source} Licence: {licence}.</p>
+</footer>
+"#,
+        licence = env!("CARGO_PKG_LICENSE"),
+    )
+}
