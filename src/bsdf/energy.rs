@@ -206,7 +206,7 @@ mod tests {
                 } else {
                     energy.missing::<false>(w.as_vec3())
                 };
-                worst = worst.max((1.0 - f64::from(missing) - albedo(distribution, w.to_array(), 256)).abs());
+                worst = worst.max((1.0 - f64::from(missing) - albedo(distribution, w.to_array(), 128)).abs());
             }
         }
         worst

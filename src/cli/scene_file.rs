@@ -51,7 +51,7 @@ pub struct SceneArgs {
     /// It is scaled to fit.
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Roughness of every metal and of all glass, 0 to 10 [default: the scene's]
+    /// Microfacet width α of all metal and glass, 0 to 10 [default: the scene's]
     ///
     /// The width alpha of the microfacet distribution; below 0.0001 the surface is smooth. Two widths, with a comma between
     /// them: along the surface's tangent and across it.

@@ -49,7 +49,7 @@ fn text(findings: &Findings) -> String {
         }
     }
     text += &format!(
-        "\n{} of {} rejected; false alarms without the fault: {}; {:.1} s\n",
+        "\n{} of {} rejected; tests without the fault that are not accepted: {}; {:.1} s\n",
         findings.rejected,
         counted(tests.len(), "planted fault"),
         findings.false_alarms,

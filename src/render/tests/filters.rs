@@ -101,13 +101,13 @@ struct Bias {
     detectable: f64,
 }
 
-/// Standard errors at which a bias is found: with the 256 images of a test, by chance with a probability of 10⁻⁶.
+/// Standard errors at which a bias is found: with the 96 images of a test, by chance with a probability of 10⁻⁶.
 const FOUND: f64 = 5.0;
 
 /// The bias of `mis+lt` against `mis` in an image of 2 × 2 pixels; and the same if light paths contributed only from inside of the
 /// image, to pixels that have this share of their filter there.
 fn biases_at_the_border(scene: &Scene, inside: f64) -> [Bias; 2] {
-    const ROUNDS: u64 = 256;
+    const ROUNDS: u64 = 96;
     let request = Request { width: 2, height: 2, spp: 1 << 12, light_samples: 1, max_depth: 4 };
     let film = |sampling, seed| {
         let settings = Settings { sampling, stream: StreamKind::Independent, seed, ..Settings::default() };
@@ -145,7 +145,7 @@ fn light_paths_from_outside_of_the_image_contribute_to_its_border() {
         let [rx, ry] = scene.camera.filter.radius();
         let [right, faulty] = biases_at_the_border(&scene, within(rx) * within(ry));
         println!("{filter}: {} and {} standard errors; {} is found", right.z, faulty.z, right.detectable);
-        assert!(right.detectable < 0.03, "{filter}: {}", right.detectable);
+        assert!(right.detectable < 0.05, "{filter}: {}", right.detectable);
         assert!(right.z.abs() < FOUND, "{filter}: {} standard errors", right.z);
         assert!(faulty.z.abs() > FOUND, "{filter}: the planted fault is found: {} standard errors", faulty.z);
     }

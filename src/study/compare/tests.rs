@@ -74,15 +74,15 @@ fn is_different(compared: &Compared) -> bool {
 
 #[test]
 fn estimators_of_one_expectation_are_rarely_called_different() {
-    // More than 3 of 40 at 1 % have a probability of 0.07 %.
+    // More than 2 of 12 at 1 % have a probability of 0.02 %; the ignored test counts the alarms of 1000.
     for (scene, other) in [(scene(), Sampling::Mis), (caustics(), Sampling::MisLt)] {
-        let alarms = false_alarms(40, |i, first| of_replicates(&scene, [Sampling::Bsdf, other][i], first));
-        assert!(alarms.len() <= 3, "{}", show(&alarms));
+        let alarms = false_alarms(12, |i, first| of_replicates(&scene, [Sampling::Bsdf, other][i], first));
+        assert!(alarms.len() <= 2, "{}", show(&alarms));
     }
     // Light paths reach many pixels: errors by pixel stand for camera paths only.
     for scene in [scene(), caustics()] {
-        let alarms = false_alarms(40, |i, seed| of_pixels(&scene, [Sampling::Bsdf, Sampling::Mis][i], seed));
-        assert!(alarms.len() <= 3, "{}", show(&alarms));
+        let alarms = false_alarms(12, |i, seed| of_pixels(&scene, [Sampling::Bsdf, Sampling::Mis][i], seed));
+        assert!(alarms.len() <= 2, "{}", show(&alarms));
     }
 }
 
