@@ -54,7 +54,9 @@ fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
             outcome.mass.filter(|mass| mass.error.is_finite()).map_or("-".into(), |mass| mass.to_string()),
             outcome.seconds
         );
-        for line in outcome.remark().into_iter().chain(outcome.diagnosis.as_deref()) {
+        // A line for each place.
+        let places = outcome.diagnosis.iter().flat_map(|places| places.split("; "));
+        for line in outcome.remark().into_iter().chain(places) {
             text += &format!("  {line}\n");
         }
         for remark in &outcome.remarks {
