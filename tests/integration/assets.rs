@@ -100,7 +100,7 @@ fn damaged_files_are_refused_or_read() {
         let start = Instant::now();
         // Where the shell cannot limit memory, the file is tried all the same.
         let output = std::process::Command::new("sh")
-            .args(["-c", "ulimit -v 1048576 2>/dev/null; exec \"$0\" envmap info \"$1\" --threads 1"])
+            .args(["-c", "ulimit -v 1048576 2>/dev/null; RAYON_NUM_THREADS=1 exec \"$0\" envmap info \"$1\""])
             .arg(assert_cmd::cargo::cargo_bin("etalon"))
             .arg(file)
             .output()
