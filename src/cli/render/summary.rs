@@ -110,8 +110,9 @@ impl<'a> Summary<'a> {
         );
         text +=
             &format!("mean {}, standard error of a pixel {}\n", rgb(self.mean_rgb), rgb(self.standard_error_mean_rgb));
-        let left_out = if self.left_out.is_empty() { "nothing".into() } else { self.left_out.join(", ") };
-        text += &format!("left out: {left_out}\n");
+        if !self.left_out.is_empty() {
+            text += &format!("left out, as the scene does not need it: {}\n", self.left_out.join(", "));
+        }
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));
         }
