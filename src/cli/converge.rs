@@ -243,7 +243,7 @@ fn text(output: &Output<'_>) -> String {
     };
     let width = result.curves.iter().map(|curve| curve.strategy.chars().count()).max().unwrap_or(0).max(8);
     text += &format!(
-        "{:<width$} {:>7} {:>9} {:>8}  {:<12}  {:<14} {:>10} {:>9}\n",
+        "{:<width$} {:>6} {:>7} {:>7}  {:<12} {:<8} {:>10} {:>9}\n",
         "strategy", "spp", "time", "RMSE", "slope", "verdict", "efficiency", "time to *"
     );
     let is_biased = |curve: &&Curve| curve.verdict == CurveVerdict::Biased;
@@ -296,7 +296,7 @@ fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
     let known = |value: f64, text: String| if value.is_nan() { "unknown".into() } else { text };
     let slope = curve.slope.value;
     format!(
-        "{:<width$} {:>7} {:>9} {:>8}  {:<12}  {:<14} {:>10} {end:>9}\n",
+        "{:<width$} {:>6} {:>7} {:>7}  {:<12} {:<8} {:>10} {end:>9}\n",
         curve.strategy,
         level.spp,
         duration(level.cpu_seconds),

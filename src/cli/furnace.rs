@@ -151,7 +151,7 @@ fn text(table: &Table) -> String {
     }) {
         let share = 100.0 * row.lost_by_single_scattering.unwrap_or(0.0);
         text += &format!(
-            "  most light lost  {share:.1} % {}: for a metal that absorbs nothing, because light that facets reflect again is not added\n",
+            "  most light lost  {share:.1} % {}, by a metal that absorbs nothing: single scattering alone\n",
             at(row)
         );
     }

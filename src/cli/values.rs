@@ -23,8 +23,8 @@ pub fn choice<T: Clone + Send + Sync + 'static>(
 /// Parses which formulas to use: the correct ones, or those of the first report.
 pub fn model() -> impl TypedValueParser<Value = Conventions> {
     choice([
-        ("exact", "The correct ones", Conventions::CORRECT),
-        ("report", "The reports', errors included", Conventions::FIRST_REPORT),
+        ("exact", "The correct formulas", Conventions::CORRECT),
+        ("report", "The first report's formulas, with their errors", Conventions::FIRST_REPORT),
     ])
 }
 

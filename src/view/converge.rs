@@ -144,7 +144,7 @@ pub fn sentence(answer: Option<&Answer>) -> String {
 pub fn word(verdict: CurveVerdict) -> &'static str {
     match verdict {
         CurveVerdict::Biased => "biased",
-        CurveVerdict::MonteCarlo => "as Monte Carlo",
+        CurveVerdict::MonteCarlo => "as 1/√N",
         CurveVerdict::Faster => "steeper",
         CurveVerdict::Slower => "flatter",
         CurveVerdict::Unknown => "unknown",
