@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 const OUTPUTS: [&str; 5] = ["out", "file", "resume", "junit", "markdown"];
 
 /// Arguments that do not change the results, only their place, the time that they take and what is printed.
-const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
+const OPERATIONAL: [&str; 10] =
+    ["json", "quiet", "verbose", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
 
 /// The arguments that were given, by their role.
 #[derive(Default)]
