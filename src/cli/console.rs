@@ -82,12 +82,17 @@ impl Console {
         }
     }
 
-    /// A progress bar on standard error; hidden with `--quiet` or where that is no terminal.
-    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+    /// A progress bar on standard error that is not drawn yet; hidden with `--quiet` or where that is no terminal.
+    pub fn bar(&self, steps: u64) -> ProgressBar {
         if self.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
-        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
+        ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
+    }
+
+    /// A progress bar of steps that take the same time.
+    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+        let bar = self.bar(steps);
         let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
             // Writing into memory cannot fail.
             let _ = write!(out, "{}/s", short(state.per_sec()));

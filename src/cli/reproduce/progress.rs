@@ -2,7 +2,11 @@
 
 use crate::cli::console::{Console, bar_style};
 use indicatif::{ProgressBar, ProgressState};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// Longest time of a figure in ms that is believed, eleven days, so that no sum overflows.
+const LONGEST: f64 = 1e9;
 
 /// The figures of a run in their order.
 struct Plan {
@@ -13,7 +17,8 @@ struct Plan {
 
 impl Plan {
     fn new(ids: Vec<&'static str>, seconds: &dyn Fn(&str) -> Option<f64>) -> Self {
-        let time = |id: &&'static str| seconds(id).filter(|s| s.is_finite()).map(|s| (1e3 * s).max(1.0) as u64);
+        let time =
+            |id: &&'static str| seconds(id).filter(|s| s.is_finite()).map(|s| (1e3 * s).clamp(1.0, LONGEST) as u64);
         let times = ids.iter().map(time).collect::<Option<Vec<u64>>>().unwrap_or_default();
         Self { ids, times }
     }
@@ -48,7 +53,7 @@ impl Plan {
 
 /// The bar on the terminal.
 pub struct Progress {
-    plan: std::sync::Arc<Plan>,
+    plan: Arc<Plan>,
     bar: ProgressBar,
     start: Instant,
 }
@@ -57,8 +62,7 @@ impl Progress {
     /// The progress of the figures of `ids`; `seconds` is the time of one in a former run.
     pub fn new(console: &Console, ids: Vec<&'static str>, seconds: &dyn Fn(&str) -> Option<f64>) -> Self {
         let plan = Plan::new(ids, seconds);
-        let bar = console.progress(plan.steps(plan.ids.len()), "reproduce");
-        bar.enable_steady_tick(Duration::from_millis(200));
+        let bar = console.bar(plan.steps(plan.ids.len()));
         Self { plan: plan.into(), bar, start: Instant::now() }
     }
 
@@ -75,6 +79,8 @@ impl Progress {
         self.bar.set_style(if is_timed { style.with_key("end", end) } else { style });
         self.bar.set_message(self.plan.message(i));
         self.bar.set_position(self.plan.steps(i));
+        // The times move on while the figure runs
+        self.bar.enable_steady_tick(Duration::from_millis(200));
     }
 
     /// Prints by `tell` while the bar is away.
@@ -115,6 +121,7 @@ mod tests {
 
     #[test]
     fn an_unknown_time_makes_no_estimate() {
+        assert_eq!(plan(&[Some(1e300), Some(-1.0)]).percent(1), 99);
         for unknown in [None, Some(f64::NAN)] {
             let plan = plan(&[Some(5.0), unknown]);
             assert!(plan.times.is_empty() && plan.steps(2) == 2);
