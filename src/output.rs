@@ -105,28 +105,34 @@ pub struct Written {
 impl Written {
     /// A line for the files of one name: "wrote out/NAME.{csv,svg}".
     pub fn text(&self) -> String {
-        let mut lines: Vec<(&str, PathBuf, Vec<String>)> = Vec::new();
-        for path in &self.files {
-            let verb = if self.replaced.contains(path) { "replaced" } else { "wrote" };
-            let (stem, extension) = match path.extension() {
-                Some(extension) => (path.with_extension(""), vec![extension.to_string_lossy().into_owned()]),
-                None => (path.clone(), Vec::new()),
-            };
-            match lines.iter_mut().find(|line| (line.0, &line.1) == (verb, &stem)) {
-                Some(line) => line.2.extend(extension),
-                None => lines.push((verb, stem, extension)),
-            }
-        }
-        let line = |(verb, stem, extensions): &(&str, PathBuf, Vec<String>)| {
-            let end = match extensions.as_slice() {
-                [] => String::new(),
-                [one] => format!(".{one}"),
-                many => format!(".{{{}}}", many.join(",")),
-            };
-            format!("{verb} {}{end}\n", stem.display())
-        };
-        lines.iter().map(line).collect()
+        let (replaced, wrote): (Vec<_>, Vec<_>) = self.files.iter().partition(|path| self.replaced.contains(path));
+        let lines = |verb, files| braced(files).iter().map(|name| format!("{verb} {name}\n")).collect::<String>();
+        lines("wrote", wrote) + &lines("replaced", replaced)
     }
+}
+
+/// The files of each name in one: "out/NAME.{csv,svg}".
+pub fn braced<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> Vec<String> {
+    let mut names: Vec<(PathBuf, Vec<String>)> = Vec::new();
+    for path in files {
+        let (stem, extension) = match path.extension() {
+            Some(extension) => (path.with_extension(""), vec![extension.to_string_lossy().into_owned()]),
+            None => (path.clone(), Vec::new()),
+        };
+        match names.iter_mut().find(|(name, _)| *name == stem) {
+            Some((_, extensions)) => extensions.extend(extension),
+            None => names.push((stem, extension)),
+        }
+    }
+    let one = |(stem, extensions): &(PathBuf, Vec<String>)| {
+        let end = match extensions.as_slice() {
+            [] => String::new(),
+            [one] => format!(".{one}"),
+            many => format!(".{{{}}}", many.join(",")),
+        };
+        format!("{}{end}", stem.display())
+    };
+    names.iter().map(one).collect()
 }
 
 /// Paths as text; invalid UTF-8 becomes U+FFFD.
@@ -249,7 +255,8 @@ mod tests {
         let files = vec![at("a.csv"), at("b.csv"), at("c/a.csv")];
         let written = Target::new(Some(dir.path())).written(files.clone());
         assert_eq!(written.replaced, [at("a.csv")]);
-        assert!(written.text().starts_with("replaced ") && written.text().matches("wrote ").count() == 2);
+        assert!(written.text().ends_with(&format!("replaced {}\n", at("a.csv").display())));
+        assert_eq!(written.text().matches("wrote ").count(), 2);
         let drawing = DRAWING.map(|extension| at(&format!("v1.5.{extension}"))).to_vec();
         let written = Target::new(Some(dir.path())).written(drawing);
         assert_eq!(written.text(), format!("wrote {}.{{svg,png,pdf}}\n", at("v1.5").display()));

@@ -10,10 +10,11 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Arguments that name what is written.
-const OUTPUTS: [&str; 4] = ["out", "file", "resume", "junit"];
+const OUTPUTS: [&str; 5] = ["out", "file", "resume", "junit", "markdown"];
 
 /// Arguments that do not change the results, only their place, the time that they take and what is printed.
-const OPERATIONAL: [&str; 9] = ["json", "quiet", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
+const OPERATIONAL: [&str; 10] =
+    ["json", "quiet", "verbose", "threads", "memory", "list", "general", "timeout", "figures", "ldr"];
 
 /// The arguments that were given, by their role.
 #[derive(Default)]
@@ -167,7 +168,7 @@ mod tests {
             ("render a.pbrt --envmap maps/sky.v2.exr --flip --ldr -c b/view.txt", "out/x-envmap-sky.v2-flip-c-view"),
             ("envmap sample nave -n 64,256,1024 --compensated", "out/x-compensated"),
             ("envmap sample nave -n 64 --exposure -2.5", "out/x-n64-exposure--2.5"),
-            ("validate warp bsdf/ggx --samples 1000 --junit a.xml", "out/x-warp+bsdf-ggx-samples-1000"),
+            ("validate warp bsdf/ggx --samples 1000 --junit a.xml --markdown a.md", "out/x-warp+bsdf-ggx-samples-1000"),
             ("merge a/p1.exr b/p2.exr", "out/x-p1+p2"),
         ] {
             assert_eq!(stem(line, "x", &["scene", "map"]), expected, "{line}");

@@ -29,11 +29,21 @@ impl Console {
 
     /// Prints a result: `value` as JSON with `--json`, else the text of `human`.
     pub fn result(&self, value: &impl Serialize, human: impl FnOnce() -> String) {
-        let text = if self.json {
-            serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}"))
+        if self.json {
+            self.print(&serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}")));
         } else {
-            human()
-        };
+            self.print(&human());
+        }
+    }
+
+    /// Prints a part of a result ahead of the rest; with `--json` nothing, for the result has all.
+    pub fn part(&self, text: impl FnOnce() -> String) {
+        if !self.json {
+            self.print(&text());
+        }
+    }
+
+    fn print(&self, text: &str) {
         let mut stdout = std::io::stdout();
         let written = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
         // A closed pipe is not an error: the files are written.
@@ -72,21 +82,30 @@ impl Console {
         }
     }
 
-    /// A progress bar on standard error; hidden with `--quiet` or where that is no terminal.
-    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+    /// A progress bar on standard error that is not drawn yet; hidden with `--quiet` or where that is no terminal.
+    pub fn bar(&self, steps: u64) -> ProgressBar {
         if self.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
-        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
-        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left");
+        ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
+    }
+
+    /// A progress bar of steps that take the same time.
+    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+        let bar = self.bar(steps);
         let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
             // Writing into memory cannot fail.
             let _ = write!(out, "{}/s", short(state.per_sec()));
         };
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("rate", rate));
+        bar.set_style(bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left").with_key("rate", rate));
         bar.set_message(what.to_owned());
         bar
     }
+}
+
+/// A style of progress bars.
+pub fn bar_style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// A number of three digits or so: `0.52`, `17.0 k`, `3.25 M`.

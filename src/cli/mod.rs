@@ -16,6 +16,7 @@ mod map_file;
 mod merge;
 mod program;
 mod render;
+mod reports;
 mod reproduce;
 mod scene_file;
 mod scenes;

@@ -2,14 +2,17 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict, out, seed, threads};
+use super::reports::Reports;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
+use crate::view::checks::{Check, Checks};
 use crate::view::text::rounded;
 use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Compare the renderer's functions with exact values over stiff and extreme inputs
 #[derive(Args)]
@@ -26,11 +29,13 @@ pub struct Stability {
     #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
     families: Vec<String>,
     /// Run one input in every variant and precision
-    #[arg(long, value_name = "CASE", conflicts_with = "families")]
+    #[arg(long, value_name = "CASE", conflicts_with_all = ["families", "junit", "markdown"])]
     replay: Option<String>,
     /// List the families and stop
-    #[arg(long, conflicts_with = "replay")]
+    #[arg(long, conflicts_with_all = ["replay", "junit", "markdown"])]
     list: bool,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 #[derive(Serialize)]
@@ -59,6 +64,8 @@ impl Stability {
             console.result(&replay, || replayed(&replay));
             return Ok(Verdict::Good);
         }
+        let start = Instant::now();
+        self.reports.check()?;
         let target = global.target(&[]);
         let stem = target.stem("stability", "", &output::STUDY)?;
         let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
@@ -77,6 +84,7 @@ impl Stability {
         if !self.families.is_empty() && !result.sweeps.is_empty() {
             files.extend(maps::maps(&result.sweeps).write(&maps_stem)?);
         }
+        files.extend(self.reports.write(&checks(&result, start.elapsed().as_secs_f64()))?);
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
         let output = Output { rows, bounds, effort, interrupted };
@@ -84,6 +92,37 @@ impl Stability {
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
     }
+}
+
+/// A check for each bound.
+fn checks(result: &stability::Stability, seconds: f64) -> Checks {
+    let check = |bound: &BoundCheck| Check {
+        group: "stability".into(),
+        name: bound.name.clone(),
+        verdict: if bound.holds { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject },
+        message: found(bound),
+        details: String::new(),
+        seconds: None,
+    };
+    let checks = result.bounds.iter().map(check).collect();
+    let mut checks = Checks { title: "etalon stability".into(), list: checks, seconds };
+    if result.interrupted {
+        checks.interrupted(LEFT_OUT);
+    }
+    checks
+}
+
+/// What is told of an interrupted run.
+const LEFT_OUT: &str = "the other families were not run";
+
+/// The largest error beside the bound, and the input of one that is too large.
+fn found(bound: &BoundCheck) -> String {
+    let limit = match bound.limit {
+        small if small > 0.0 && small < 0.01 => format!("{small:e}"),
+        limit => limit.to_string(),
+    };
+    let place = if bound.holds || bound.worst.is_empty() { String::new() } else { format!("; at {}", bound.worst) };
+    format!("{}, at most {limit}{place}", rounded(bound.got, 3))
 }
 
 fn list(console: &Console) {
@@ -145,16 +184,10 @@ fn human(output: &Output<'_>) -> String {
     text += "condition: at the input of the largest relative error, which the CSV file names for --replay\n\n";
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
-        let limit = match bound.limit {
-            small if small > 0.0 && small < 0.01 => format!("{small:e}"),
-            limit => limit.to_string(),
-        };
-        text += &format!("{verdict} {}: {}, at most {limit}", bound.name, rounded(bound.got, 3));
-        text +=
-            &if bound.holds || bound.worst.is_empty() { "\n".to_owned() } else { format!("; at {}\n", bound.worst) };
+        text += &format!("{verdict} {}: {}\n", bound.name, found(bound));
     }
     if output.interrupted {
-        text += "interrupted: the other families were not run\n";
+        text += &format!("interrupted: {LEFT_OUT}\n");
     }
     text
 }

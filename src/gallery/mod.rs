@@ -14,10 +14,11 @@ mod prelude;
 mod reproduce;
 mod studies;
 
+pub use check::Check;
 pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;
-pub use reproduce::{Reproduced, reproduce};
+pub use reproduce::{Reproduced, Step, reproduce, selected};
 
 #[cfg(test)]
 mod tests;

@@ -35,7 +35,30 @@ pub struct Reproduction {
     pub interrupted: bool,
 }
 
-/// Makes the figures of `ids` (all when empty) in `folder`; `before` is called with each figure before it is made.
+/// What a run tells while it goes on.
+pub enum Step<'a> {
+    /// A figure is begun.
+    Begin(&'a Figure),
+    /// Its files are written.
+    Done(&'a Reproduced),
+}
+
+/// The figures of `ids` (all when empty), in the order in which a run makes them.
+///
+/// # Errors
+/// [`Error::Parameter`] for an unknown id.
+pub fn selected(ids: &[String]) -> Result<Vec<Figure>> {
+    let all = registry();
+    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != id.as_str())) {
+        let known: Vec<_> = all.iter().map(|figure| figure.id).collect();
+        return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
+            .with_hint(format!("figures: {}", known.join(", "))));
+    }
+    let is_wanted = |figure: &Figure| ids.is_empty() || ids.iter().any(|id| id == figure.id);
+    Ok(all.into_iter().filter(is_wanted).collect())
+}
+
+/// Makes the figures of `ids` (all when empty) in `folder`; `tell` is called before and after each.
 ///
 /// Also writes `checks.csv`, `reproduce.json` and the page `index.html` there. They also cover figures that earlier runs
 /// wrote to the folder. `options` are the flags of this run, for the commands on the page. After an interruption,
@@ -48,21 +71,16 @@ pub fn reproduce(
     ids: &[String],
     folder: &Path,
     options: &str,
-    before: &mut dyn FnMut(&Figure),
+    tell: &mut dyn FnMut(Step<'_>),
 ) -> Result<Reproduction> {
-    let all = registry();
-    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != id.as_str())) {
-        let known: Vec<_> = all.iter().map(|figure| figure.id).collect();
-        return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
-            .with_hint(format!("figures: {}", known.join(", "))));
-    }
+    let (all, wanted) = (registry(), selected(ids)?);
     // Make the figures one by one; after an interruption, keep those that are finished
     let mut records = page::read_records(folder, &all)?;
     let setup = Setup::of(inputs, options);
     let mut studies = Studies::default();
     let (mut done, mut interrupted) = (Vec::new(), false);
-    for figure in all.iter().filter(|figure| ids.is_empty() || ids.iter().any(|id| id == figure.id)) {
-        before(figure);
+    for figure in &wanted {
+        tell(Step::Begin(figure));
         let made = match make(figure, inputs, &mut studies, folder) {
             Err(Error::Interrupted) => {
                 interrupted = true;
@@ -70,6 +88,7 @@ pub fn reproduce(
             }
             made => made?,
         };
+        tell(Step::Done(&made));
         let Reproduced { seconds, checks, errata, claims, printed, .. } = made.clone();
         records.insert(figure.id.to_owned(), Record { seconds, checks, errata, claims, printed, setup: setup.clone() });
         done.push(made);

@@ -3,6 +3,7 @@
 //! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
 pub mod audit;
+pub mod checks;
 pub mod claims;
 pub mod compare;
 pub mod converge;
@@ -11,7 +12,6 @@ pub mod converge_series;
 pub mod depth;
 pub mod fresnel;
 pub mod furnace;
-pub mod junit;
 pub mod map;
 pub mod metals;
 pub mod multiple_scattering;

@@ -369,8 +369,30 @@ fn reproduce_lists_and_makes() {
     assert_eq!(tree(dir.path()), written, "files outside the place that was given, or not reported");
 
     // The black map gives no samples to test, so that the check of the proposal must fail.
-    let failing = ["reproduce", "--quick", "--only", "proposal", "--envmap", "black"];
-    assert!([1, 2].contains(&etalon(dir.path(), &failing).code));
+    let failing = ["reproduce", "--quick", "--only", "proposal,fresnel-enter", "--envmap", "black", "-o", "black"];
+    let ran = etalon(dir.path(), &[&failing[..], &["--markdown", "black.md", "--junit", "black.xml"]].concat());
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let lines: Vec<&str> = ran.stdout.lines().collect();
+    assert!(
+        lines[0].starts_with("fresnel-enter  ok, 3 checks    ")
+            && lines[0].ends_with(" s  fresnel-enter.{csv,svg,png,pdf}")
+    );
+    assert!(
+        lines[1].starts_with("proposal       FAILED 1 of 1   ") && lines[2].starts_with("    FAILED: "),
+        "{lines:?}"
+    );
+    assert!(
+        lines[3] == "wrote black.{xml,md}"
+            && lines[4].starts_with("2 figures in black/index.html: 4 checks, 1 failed; ")
+    );
+    let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+    assert!(
+        read("black.md").starts_with("## etalon reproduce: rejected\n") && read("black.md").contains("\n| proposal/")
+    );
+    assert!(read("black.xml").contains("tests=\"4\" failures=\"1\" errors=\"0\""), "{}", read("black.xml"));
+    let ran = etalon(dir.path(), &["reproduce", "--quick", "--only", "fresnel-enter", "-o", "black", "-v"]);
+    assert!(ran.code == 0 && ran.stdout.matches("    ok: ").count() == 3, "{}", ran.stdout);
+    assert_eq!(etalon(dir.path(), &["reproduce", "--list", "-v"]).code, 2);
     let missing = ["reproduce", "--quick", "--only", "metals-table", "--scenes", "nowhere"];
     assert_eq!(etalon(dir.path(), &missing).code, 2);
 }

@@ -51,11 +51,17 @@ fn exit_codes_say_the_verdict() {
     assert!(junit.contains("tests=\"3\" failures=\"0\" errors=\"0\""), "{junit}");
     let ran = run(dir.path(), &same, &["--detect", "0.01%", "--json"]);
     assert!(ran.code == 3 && ran.stdout.contains("\"answer\":\"cannot-tell\""), "{}", ran.stdout);
+    // What is too little to tell is no success in a report either
+    let ran = run(dir.path(), &same, &["--detect", "0.01%", "--markdown", "few.md"]);
+    let few = std::fs::read_to_string(dir.path().join("few.md")).unwrap();
+    assert!(ran.code == 3 && few.starts_with("## etalon compare: inconclusive\n"), "{few}");
 
     let biased = replicates(dir.path(), 16, 1.01);
-    let ran = run(dir.path(), &biased, &["--junit", "t.xml", "--json"]);
+    let ran = run(dir.path(), &biased, &["--junit", "t.xml", "--markdown", "t.md", "--json"]);
     assert!(ran.code == 1 && ran.stdout.contains("\"answer\":\"different\""), "{}", ran.stdout);
     assert!(std::fs::read_to_string(dir.path().join("t.xml")).unwrap().contains("<failure"));
+    let markdown = std::fs::read_to_string(dir.path().join("t.md")).unwrap();
+    assert!(markdown.starts_with("## etalon compare: rejected\n") && markdown.contains("; most at "), "{markdown}");
     // Tiles need 16 replicates.
     let few = replicates(dir.path(), 3, 1.0);
     let ran = run(dir.path(), &few, &[]);

@@ -97,6 +97,7 @@ fn inputs_are_never_replaced() {
         "validate --samples samples.csv --pdf grid.csv --domain square -o samples.csv",
         "validate --samples samples.csv --pdf grid.csv --domain square -o grid.png",
         "validate map/map --envmap map.exr --junit map.exr",
+        "validate map/map --envmap map.exr --markdown map.exr",
         "converge sphere-env --envmap map.exr -o map.exr",
         "reproduce --only sphere-8 --envmap sphere-8.pfm -o .",
         "reproduce --only sphere-8 --envmap link.hdr -o .",

@@ -6,7 +6,7 @@ use tempfile::tempdir;
 #[test]
 fn every_planted_fault_is_rejected_and_told() {
     let folder = tempdir().unwrap();
-    let found = json(folder.path(), &["validate", "--planted"]);
+    let found = json(folder.path(), &["validate", "--planted", "--junit", "planted.xml", "--markdown", "planted.md"]);
     let tests = found["tests"].as_array().unwrap();
     assert!(tests.len() >= 25);
     assert_eq!((found["rejected"].as_u64().unwrap() as usize, &found["false_alarms"]), (tests.len(), &0.into()));
@@ -15,6 +15,9 @@ fn every_planted_fault_is_rejected_and_told() {
         assert!(test["by"].is_string() && test["samples"].as_u64().unwrap() > 0, "{test}");
         assert!(test["mistake"].as_str().unwrap().len() > 20, "{test}");
     }
+    let report = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(report("planted.xml").contains(&format!("tests=\"{}\" failures=\"0\" errors=\"0\"", tests.len())));
+    assert!(report("planted.md").starts_with("## etalon validate --planted: accepted\n"));
     let table = std::fs::read_to_string(folder.path().join("out/planted.csv")).unwrap();
     assert_eq!(table.lines().count(), tests.len() + 1);
     // Integrals that are known: 1 + 0.05², ∫ cos θ sin θ dω/π, and two densities without the probability of either.
@@ -29,8 +32,10 @@ fn every_planted_fault_is_rejected_and_told() {
 #[test]
 fn too_few_samples_do_not_count_as_finding() {
     let folder = tempdir().unwrap();
-    let ran = etalon(folder.path(), &["validate", "--planted", "--samples", "20"]);
+    let ran = etalon(folder.path(), &["validate", "--planted", "--samples", "20", "--markdown", "few.md"]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let few = std::fs::read_to_string(folder.path().join("few.md")).unwrap();
+    assert!(few.starts_with("## etalon validate --planted: rejected\n"), "{few}");
     assert!(ran.stdout.contains("inconclusive"), "{}", ran.stdout);
 }
 

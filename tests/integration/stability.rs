@@ -70,3 +70,21 @@ fn extreme_replays_do_not_panic() {
         assert_eq!(ran.stderr.contains(" is not from "), code == 2, "{case}: {}", ran.stderr);
     }
 }
+
+#[test]
+fn bounds_are_reported() {
+    let dir = tempfile::tempdir().unwrap();
+    let ran = etalon(dir.path(), &["stability", "fresnel", "--junit", "s.xml", "--markdown", "s.md", "--json"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let bounds = value["bounds"].as_array().unwrap();
+    let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+    assert!(read("s.xml").contains(&format!("tests=\"{}\" failures=\"0\" errors=\"0\"", bounds.len())));
+    let markdown = read("s.md");
+    assert!(markdown.starts_with("## etalon stability: accepted\n"), "{markdown}");
+    assert_eq!(markdown.lines().filter(|line| line.starts_with("| stability/")).count(), bounds.len(), "{markdown}");
+    for report in [&["--list", "--markdown", "l.md"][..], &["--replay", "fresnel:eta=1.5,cos=0.5", "--junit", "l.xml"]]
+    {
+        assert_eq!(etalon(dir.path(), &[&["stability"], report].concat()).code, 2, "{report:?}");
+    }
+}

@@ -99,6 +99,34 @@ fn exit_codes_tell_rejected_from_inconclusive() {
 }
 
 #[test]
+fn markdown_is_appended_and_says_where_a_sampler_fails() {
+    let dir = folder();
+    let read = || std::fs::read_to_string(dir.path().join("summary.md")).unwrap();
+    std::fs::write(dir.path().join("summary.md"), "# Of an earlier command").unwrap();
+    let markdown = ["--markdown", "summary.md"];
+    // Samples of the lower half of an interval whose pdf is uniform
+    let samples: String = (0..20_000).map(|i| format!("{}\n", f64::from(i) / 40_000.0)).collect();
+    std::fs::write(dir.path().join("half|<b>*.csv"), format!("x\n{samples}")).unwrap();
+    std::fs::write(dir.path().join("uniform.csv"), "1\n").unwrap();
+    let own = ["validate", "--samples", "half|<b>*.csv", "--pdf", "uniform.csv", "--domain", "line"];
+    let ran = etalon(dir.path(), &[&own[..], &markdown].concat());
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.contains("wrote summary.md\n"), "{}", ran.stdout);
+    let text = read();
+    assert!(text.starts_with("# Of an earlier command\n\n## etalon validate: rejected\n"), "{text}");
+    let row = text.lines().find(|line| line.starts_with("| etalon/half&#124;&#60;b&#62;&#42; | ")).unwrap();
+    assert!(row.contains("p &#60; 1e-300; ") && row.matches('|').count() == 3, "{row}");
+
+    let ran = etalon(dir.path(), &[&["validate", "warp/cosine-hemisphere"], &markdown[..]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(read().starts_with(&text) && read().contains("</details>\n\n## etalon validate: accepted\n"), "{}", read());
+    for bad in [["--junit", "summary.md"], ["--list", "--quiet"]] {
+        let ran = etalon(dir.path(), &[&["validate", "warp"], &markdown[..], &bad].concat());
+        assert!(ran.code == 2 && ran.stderr.contains("--markdown"), "{bad:?}: {}", ran.stderr);
+    }
+}
+
+#[test]
 fn counts_are_drawn_where_asked_for() {
     let dir = folder();
     let args = ["validate", "warp/cosine-hemisphere", "table/cdf/even/37", "bsdf/mirror/outside", "--figures"];

@@ -5,11 +5,11 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
 use crate::error::{Error, Result};
+use crate::output;
 use crate::study::compare::{Answer, Compared, FamilyResult, Noise, Plan, Side, compare};
+use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
-use crate::view::junit::{self, Case};
 use crate::view::text::{counted, p_is, rounded};
-use crate::{files, output};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -50,7 +50,7 @@ impl Compare {
     /// Tests the images of both sides.
     pub(super) fn test(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let start = Instant::now();
-        self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
+        self.reports.check()?;
         let name = format!("{}-against-{}", short_name(self.a[0].as_os_str()), short_name(self.against[0].as_os_str()));
         let target = global.target(&["a", "against"]);
         let stem = target.stem(&name, "", &output::STUDY)?;
@@ -75,11 +75,7 @@ impl Compare {
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
         let mut files = output::write(&stem, &view::drawing(&compared), &output::table(&view::rows(&compared))?)?;
-        if let Some(path) = &self.junit {
-            let cases: Vec<Case> = compared.families.iter().map(|family| case(&compared, family)).collect();
-            files::write_bytes(path, junit::suite("etalon compare", &cases, start.elapsed().as_secs_f64()).as_bytes())?;
-            files.push(path.clone());
-        }
+        files.extend(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64()))?);
         let written = target.written(files);
         for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {
             console.warn(&format!(
@@ -181,23 +177,40 @@ fn text(output: &Output) -> String {
     text
 }
 
-fn case(compared: &Compared, family: &FamilyResult) -> Case {
+/// A check for each family of tests, and one for what would have been found if that is too little.
+fn checks(compared: &Compared, seconds: f64) -> Checks {
+    let mut checks: Vec<Check> = compared.families.iter().map(|family| check(compared, family)).collect();
+    if compared.answer == Answer::CannotTell {
+        checks.push(Check {
+            group: "compare".into(),
+            name: "power".into(),
+            verdict: etalon_stats::Verdict::Inconclusive,
+            message: sentence(compared),
+            details: String::new(),
+            seconds: None,
+        });
+    }
+    Checks { title: "etalon compare".into(), list: checks, seconds }
+}
+
+fn check(compared: &Compared, family: &FamilyResult) -> Check {
     let verdict = match family.adjusted_p {
         Some(p) if p < compared.plan.level => etalon_stats::Verdict::Reject,
         Some(_) if family.dominated == 0 => etalon_stats::Verdict::Accept,
         _ => etalon_stats::Verdict::Inconclusive,
     };
     let p = family.adjusted_p.map_or("not tested".into(), p_is);
-    let worst = family.worst.map_or(String::new(), |test| format!("; most at {}", test.functional));
+    let worst = family.worst.map_or(String::new(), |test| {
+        let ([a, b], channel) = (test.means.map(|mean| rounded(mean, 5)), compared.channels[test.channel]);
+        format!("; most at {}, {channel}: A {a}, B {b}", test.functional)
+    });
     let message = format!("{p}{worst}; {} of {} dominated by a few samples", family.dominated, family.tests.len());
-    let text = sentence(compared);
-    Case {
-        class: "compare".into(),
+    Check {
+        group: "compare".into(),
         name: family.family.name().into(),
-        seconds: 0.0,
         verdict,
         message,
-        text,
-        remarks: String::new(),
+        details: if verdict == etalon_stats::Verdict::Accept { String::new() } else { sentence(compared) },
+        seconds: None,
     }
 }

@@ -5,6 +5,7 @@ mod expectation;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Verdict, out, threads};
 use super::map_file::short_name;
+use super::reports::Reports;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::output;
@@ -30,6 +31,8 @@ use std::path::{Path, PathBuf};
                         etalon compare render.exr --against mitsuba-moment.exr --spp 256"
 )]
 #[command(next_help_heading = "Images and tests", args = [out(), threads()])]
+// Two images alone have no checks to report
+#[command(mut_arg("junit", |arg| arg.requires("against")), mut_arg("markdown", |arg| arg.requires("against")))]
 pub struct Compare {
     /// Two images; with --against, all images of the first renderer
     #[arg(value_name = "IMAGE", required = true, help_heading = None::<&str>)]
@@ -54,9 +57,8 @@ pub struct Compare {
     /// Draw the difference of two images relative to |B| + 0.01
     #[arg(long, help_heading = OUTPUT, conflicts_with = "against")]
     relative: bool,
-    /// Write the tests as JUnit XML too
-    #[arg(long, help_heading = OUTPUT, value_name = "FILE", requires = "against")]
-    junit: Option<PathBuf>,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 impl Compare {

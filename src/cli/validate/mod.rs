@@ -8,11 +8,12 @@ mod summary;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
+use super::reports::Reports;
 use crate::error::{Error, Result};
-use crate::files;
 use crate::output;
 use crate::study::validation::{Tested, Validation, run, select, suite};
-use crate::view::{junit, validation as view, validation_cells as cells};
+use crate::view::checks::{Check, Checks};
+use crate::view::{validation as view, validation_cells as cells};
 use clap::Args;
 use etalon_stats::{Protocol, SampleCount};
 use external::{SampleSource, Subject};
@@ -36,10 +37,10 @@ pub struct Validate {
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["junit", "markdown"])]
     list: bool,
     /// Test samplers with a planted fault each, which must be rejected
-    #[arg(long, conflicts_with_all = ["names", "list", "envmap", "junit"])]
+    #[arg(long, conflicts_with_all = ["names", "list", "envmap"])]
     planted: bool,
     /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
@@ -51,7 +52,7 @@ pub struct Validate {
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Test the tests: are their p-values uniform under K seeds?
-    #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "figures"])]
+    #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "markdown", "figures", "planted"])]
     calibrate: Option<u64>,
     /// Plot the counts of each test [default: of rejected ones]
     ///
@@ -65,15 +66,14 @@ pub struct Validate {
     options: MapOptions,
     #[command(flatten)]
     external: external::Arguments,
-    /// Write the results as JUnit XML too
-    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
-    junit: Option<PathBuf>,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 impl Validate {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
-            return planted::run(&self.protocol(global), global, console);
+            return planted::run(&self.protocol(global), &self.reports, global, console);
         }
         let subject = self.subject(console)?;
         if self.list {
@@ -84,8 +84,7 @@ impl Validate {
         if let (Some(seeds), Subject::Cases(cases)) = (self.calibrate, &subject) {
             return calibration::run(cases, &protocol, seeds, global, console);
         }
-        // Fail before the tests, not after them.
-        self.junit.as_deref().map_or(Ok(()), files::check_writable)?;
+        self.reports.check()?;
         let target = global.target(&[]);
         let stem = target.stem("validation", "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate");
@@ -105,10 +104,7 @@ impl Validate {
             }
         }
         let mut written = target.written(files);
-        if let Some(path) = &self.junit {
-            files::write_bytes(path, junit::document(&validation).as_bytes())?;
-            written.files.push(path.clone());
-        }
+        written.files.extend(self.reports.write(&checks(&validation))?);
         console.saved(&validation, &written, || summary::text(&validation));
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
@@ -153,6 +149,22 @@ fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>>
     };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
     output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
+}
+
+fn checks(validation: &Validation) -> Checks {
+    let check = |Tested { name, outcome }: &Tested| {
+        let (group, own) = name.rsplit_once('/').unwrap_or(("etalon", name));
+        Check {
+            group: group.into(),
+            name: own.into(),
+            verdict: outcome.verdict,
+            message: summary::found(outcome),
+            details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { outcome.to_string() },
+            seconds: Some(outcome.seconds),
+        }
+    };
+    let checks = validation.tests.iter().map(check).collect();
+    Checks { title: "etalon validate".into(), list: checks, seconds: validation.seconds }
 }
 
 fn list(tests: &[String], console: &Console) {

@@ -1,18 +1,21 @@
 //! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
 
-use super::summary::p_value;
+use super::summary::{found, p_value};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
+use crate::cli::reports::Reports;
 use crate::error::Result;
 use crate::files;
 use crate::output;
-use crate::study::validation::planted::{self, By, Findings};
+use crate::study::validation::planted::{self, By, Finding, Findings};
+use crate::view::checks::{Check, Checks};
 use crate::view::planted as view;
 use crate::view::text::counted;
 use etalon_stats::Protocol;
 
 /// Runs all planted faults; writes and prints the findings.
-pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Verdict> {
+pub fn run(protocol: &Protocol, reports: &Reports, global: &Global, console: &Console) -> Result<Verdict> {
+    reports.check()?;
     let target = global.target(&["planted"]);
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
     let all = planted::all();
@@ -20,9 +23,39 @@ pub fn run(protocol: &Protocol, global: &Global, console: &Console) -> Result<Ve
     let findings = planted::run(all, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
-    let written = target.written(vec![path]);
+    let mut written = target.written(vec![path]);
+    written.files.extend(reports.write(&checks(&findings))?);
     console.saved(&findings, &written, || text(&findings));
     Ok(Verdict::of(findings.is_good(), findings.interrupted))
+}
+
+/// A check for each fault, which holds if the fault is rejected and the sampler without it accepted.
+fn checks(findings: &Findings) -> Checks {
+    use etalon_stats::Verdict::{Accept, Inconclusive, Reject};
+    let check = |test: &Finding| {
+        let (group, name) = test.name.rsplit_once('/').unwrap_or(("planted", test.name));
+        let verdict = match (test.outcome.verdict, test.sound) {
+            (Reject, Accept) => Accept,
+            (Inconclusive, _) | (_, Inconclusive) if findings.interrupted => Inconclusive,
+            _ => Reject,
+        };
+        let without = test.sound_remark.as_ref().map_or_else(String::new, |remark| format!(" ({remark})"));
+        Check {
+            group: group.into(),
+            name: name.into(),
+            verdict,
+            message: format!(
+                "with the fault: {}, {}; without it: {}{without}",
+                test.outcome.verdict,
+                found(&test.outcome),
+                test.sound
+            ),
+            details: test.mistake.into(),
+            seconds: Some(test.outcome.seconds),
+        }
+    };
+    let checks = findings.tests.iter().map(check).collect();
+    Checks { title: "etalon validate --planted".into(), list: checks, seconds: findings.seconds }
 }
 
 fn text(findings: &Findings) -> String {

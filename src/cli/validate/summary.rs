@@ -2,8 +2,8 @@
 //! accepted or has a remark.
 
 use crate::study::validation::{Tested, Validation};
-use crate::view::text::{counted, plain_p_value, wrapped};
-use etalon_stats::Verdict;
+use crate::view::text::{counted, p_is, plain_p_value, wrapped};
+use etalon_stats::{Outcome, Verdict};
 
 /// More tests than these are summarized by family.
 const FEW: usize = 40;
@@ -100,6 +100,12 @@ fn families(tests: &[Tested]) -> String {
 fn family(name: &str) -> String {
     let words: Vec<&str> = name.split('/').collect();
     words[..(words.len() - 1).min(2)].join("/")
+}
+
+/// What a test found: a violation or why it is inconclusive, else its p-value; and where samples and pdf differ most.
+pub fn found(outcome: &Outcome) -> String {
+    let why = outcome.remark().map(str::to_owned).or(outcome.p.map(p_is));
+    why.into_iter().chain(outcome.diagnosis.clone()).collect::<Vec<_>>().join("; ")
 }
 
 /// The p-value of a test that has one.

@@ -1,15 +1,21 @@
 //! `etalon reproduce`: all figures, with their checks.
 
+mod lines;
+mod progress;
+
 use super::console::Console;
-use super::global::{DEFAULT_SEED, Global, Verdict, out, seed, threads};
+use super::global::{DEFAULT_SEED, Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
+use super::reports::Reports;
 use crate::envmap::info::Info;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
-use crate::gallery::{self, Effort, Inputs, Originals, Reproduced};
-use crate::output;
-use crate::view::text::counted;
+use crate::gallery::{self, Effort, Inputs, Originals, Reproduced, Step};
+use crate::output::{self, Written};
+use crate::view::checks::{Check, Checks};
 use clap::{ArgAction, Args};
+use lines::Lines;
+use progress::Progress;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -48,8 +54,13 @@ pub struct Reproduce {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     scale: u32,
     /// List the figures and stop
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["junit", "markdown", "verbose"])]
     list: bool,
+    /// Print all checks, not only failed ones
+    #[arg(short, long, help_heading = OUTPUT, conflicts_with = "json")]
+    verbose: bool,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 #[derive(Serialize)]
@@ -81,24 +92,35 @@ impl Reproduce {
             return Ok(Verdict::Good);
         }
         let start = Instant::now();
+        self.reports.check()?;
         let inputs = self.inputs(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
         self.check_map(folder)?;
-        let count = if self.only.is_empty() { gallery::registry().len() } else { self.only.len() };
-        let bar = console.progress(count as u64, "reproduce");
-        let made = gallery::reproduce(&inputs, &self.only, folder, &self.options(global), &mut |figure| {
-            bar.set_message(figure.id);
-            bar.inc(1);
+        // Times of a former run of the same kind, if there was one in this folder
+        let options = self.options(global);
+        let records = gallery::page::read_records(folder, &gallery::registry())?;
+        let seconds = |id: &str| records.get(id).filter(|r| r.setup.options == options).map(|record| record.seconds);
+        let ids: Vec<&'static str> = gallery::selected(&self.only)?.iter().map(|figure| figure.id).collect();
+        let lines = Lines { id: ids.iter().map(|id| id.len()).max().unwrap_or(0), verbose: self.verbose };
+        let progress = Progress::new(console, ids, &seconds);
+        let made = gallery::reproduce(&inputs, &self.only, folder, &options, &mut |step| match step {
+            Step::Begin(figure) => progress.begin(figure.id),
+            Step::Done(figure) => progress.suspend(|| console.part(|| lines.of(figure))),
         })?;
-        bar.finish_and_clear();
+        progress.clear();
         let (figures, interrupted) = (made.figures, made.interrupted);
         if interrupted && figures.is_empty() {
             return Err(Error::Interrupted);
         }
         let passed = figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass).count();
         let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
-        let output = Output { figures: &figures, passed, failed, interrupted, seconds: start.elapsed().as_secs_f64() };
-        console.result(&output, || human(&output, folder));
+        let seconds = start.elapsed().as_secs_f64();
+        let reports =
+            Written { files: self.reports.write(&checks(&figures, interrupted, seconds))?, ..Written::default() };
+        let output = Output { figures: &figures, passed, failed, interrupted, seconds };
+        console.result(&output, || {
+            reports.text() + &lines::summary(&figures, interrupted, &folder.join(gallery::page::FILE), seconds)
+        });
         Ok(Verdict::of(failed == 0, interrupted))
     }
 
@@ -162,29 +184,25 @@ fn quoted(path: &str) -> String {
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
 
-fn human(output: &Output<'_>, folder: &Path) -> String {
-    let checks = || output.figures.iter().flat_map(|figure| &figure.checks);
-    let name = checks().map(|c| c.name.chars().count()).max().unwrap_or(0);
-    let measured = checks().map(|c| c.measured().chars().count()).max().unwrap_or(0);
-    let mut text = String::new();
-    for figure in output.figures {
-        text += &format!("{} ({:.2} s)\n", figure.id, figure.seconds);
-        for c in &figure.checks {
-            let verdict = if c.pass { "pass" } else { "FAIL" };
-            text += &format!("  {verdict}  {:<name$}  {:>measured$}  {}\n", c.name, c.measured(), c.demand());
-        }
+/// The checks of all figures.
+fn checks(figures: &[Reproduced], interrupted: bool, seconds: f64) -> Checks {
+    let of = |figure: &Reproduced| {
+        let check = |check: &gallery::Check| Check {
+            group: figure.id.into(),
+            name: check.name.clone(),
+            verdict: if check.pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject },
+            message: lines::found(check),
+            details: String::new(),
+            seconds: None,
+        };
+        figure.checks.iter().map(check).collect::<Vec<_>>()
+    };
+    let list = figures.iter().flat_map(of).collect();
+    let mut checks = Checks { title: "etalon reproduce".into(), list, seconds };
+    if interrupted {
+        checks.interrupted("the other figures were not made");
     }
-    if output.interrupted {
-        text += "interrupted: the other figures were not made\n";
-    }
-    text + &format!(
-        "{} in {}: {} passed, {} failed, {:.1} s\n",
-        counted(output.figures.len(), "figure"),
-        folder.join(gallery::page::FILE).display(),
-        counted(output.passed, "check"),
-        output.failed,
-        output.seconds
-    )
+    checks
 }
 
 #[cfg(test)]

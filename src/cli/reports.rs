@@ -1,0 +1,64 @@
+//! `--junit` and `--markdown`: reports of checks for continuous integration.
+
+use super::global::OUTPUT;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::view::checks::Checks;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// The options, of subcommands with checks.
+#[derive(Args)]
+pub struct Reports {
+    /// Write the checks as JUnit XML too
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Append the checks to FILE as Markdown
+    ///
+    /// For the summary of a job, "$GITHUB_STEP_SUMMARY". FILE is made if it is missing.
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+}
+
+impl Reports {
+    /// Refuses files that cannot be written: before the work, not after it.
+    pub fn check(&self) -> Result<()> {
+        if let Some(path) = &self.junit {
+            files::check_writable(path)?;
+        }
+        if let Some(path) = &self.markdown {
+            if self.junit.as_ref().is_some_and(|junit| junit == path || files::is_same_file(junit, path)) {
+                let message = format!("{} is the file of the other report", path.display());
+                return Err(Error::parameter("markdown", message).with_hint("name another file than that of `junit`"));
+            }
+            files::check_writable(path)?;
+            before(path)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the reports that were asked for; returns their paths.
+    pub fn write(&self, checks: &Checks) -> Result<Vec<PathBuf>> {
+        if let Some(path) = &self.junit {
+            files::write_bytes(path, checks.junit().as_bytes())?;
+        }
+        if let Some(path) = &self.markdown {
+            // Several commands of a step share its summary
+            let mut text = before(path)?;
+            if !text.is_empty() {
+                text.extend(if text.ends_with(b"\n") { "\n" } else { "\n\n" }.bytes());
+            }
+            text.extend(checks.markdown().bytes());
+            files::write_bytes(path, &text)?;
+        }
+        Ok([&self.junit, &self.markdown].into_iter().flatten().cloned().collect())
+    }
+}
+
+/// Most bytes of a file that is appended to; summaries of GitHub have at most one MiB.
+const LONGEST: u64 = 16 << 20;
+
+/// What stands in the file already.
+fn before(path: &Path) -> Result<Vec<u8>> {
+    if path.exists() { files::read_bounded(path, LONGEST) } else { Ok(Vec::new()) }
+}
