@@ -1,77 +1,184 @@
-//! `etalon fresnel`: reflectance curves.
+//! `etalon fresnel`: reflectance curves of one interface, or of several media side by side.
 
 use super::console::Console;
 use super::global::{Global, Verdict, out};
-use super::values::model;
+use super::values::{choice, model};
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
+use crate::optics::D_LINE_NM;
+use crate::optics::media::{self, Medium};
 use crate::optics::metals;
 use crate::output;
-use crate::study::{fresnel, metal};
-use crate::view::fresnel as view;
-use clap::Args;
+use crate::study::media::{Interface, MediumCurves};
+use crate::study::{fresnel, media as study, metal};
+use crate::view::media::{CURVES, Curve};
+use crate::view::{fresnel as view, media as media_view};
+use clap::{ArgAction, Args};
+use serde::Serialize;
 
-/// Plot the reflectance of a dielectric or a metal over the angle of incidence
+/// Plot the reflectance of dielectrics and metals over the angle of incidence
 #[derive(Args)]
-#[command(after_long_help = "Examples:\n  etalon fresnel\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel \
-                        --metal Au\n  etalon fresnel --eta-t 0.2 --k 3.9")]
+#[command(
+    after_long_help = "Examples:\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel --metal Au\n  etalon \
+                        fresnel water diamond --metal Au\n  etalon fresnel water diamond --show unpolarized,schlick,error\n  \
+                        etalon fresnel --eta-t 0.2 --k 3.9"
+)]
 #[command(next_help_heading = "Media", args = [out()])]
 pub struct Fresnel {
+    /// Media on the other side, by name or index (see --list)
+    ///
+    /// One is drawn with all its curves; several are drawn in one panel, at 587.56 nm.
+    #[arg(value_name = "MEDIUM", allow_negative_numbers = true, conflicts_with_all = ["k", "eta_t"])]
+    media: Vec<String>,
     /// Index of refraction on the side that the light comes from
     #[arg(long, value_name = "ETA", default_value_t = 1.0, allow_negative_numbers = true)]
     eta_i: f64,
     /// Index of refraction on the other side
     #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
     eta_t: f64,
-    /// A metal, by symbol or name
-    #[arg(long, value_name = "NAME", long_help = metal_help(), conflicts_with_all = ["k", "eta_i", "eta_t"])]
-    metal: Option<String>,
+    /// Metals, by symbol or name
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
+    #[arg(long_help = metal_help(), conflicts_with_all = ["k", "eta_t"])]
+    metal: Vec<String>,
     /// Extinction coefficient: makes the other side a conductor of index ETA + iK
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     k: Option<f64>,
+    /// List the media known by name, with their sources
+    #[arg(long, conflicts_with_all = ["media", "metal", "k", "eta_i", "eta_t", "show", "points", "model", "out"])]
+    list: bool,
+    /// The curves to draw, of each medium in one panel
+    ///
+    /// By default a single medium is drawn with all its curves, and several with `unpolarized`.
+    #[arg(help_heading = "Curves", long, value_name = "CURVE,...", value_delimiter = ',', action = ArgAction::Set)]
+    #[arg(value_parser = choice(CURVES))]
+    show: Option<Vec<Curve>>,
     /// Number of angles from 0 to 90 degrees
-    #[arg(long, value_name = "N", default_value_t = 901)]
+    #[arg(help_heading = "Curves", long, value_name = "N", default_value_t = 901)]
     points: usize,
     /// The correct formulas, or what the first report plots
     ///
     /// `report`: Schlick with the incident cosine on the exit side (an error of up to 0.97 beside the critical angle), curves
     /// ended at the critical angle.
-    #[arg(long, value_parser = model(), default_value = "exact")]
+    #[arg(help_heading = "Curves", long, value_parser = model(), default_value = "exact")]
     model: Conventions,
 }
 
 fn metal_help() -> String {
     let [r, g, b] = metals::WAVELENGTHS_NM;
     let known: Vec<String> = metals::METALS.iter().map(|m| format!("{}: {}", m.symbol, m.source)).collect();
-    format!("A metal at {r}, {g} and {b} nm, by symbol or name. {}", known.join("; "))
+    format!("Metals, by symbol or name. One alone is drawn at {r}, {g} and {b} nm. {}", known.join("; "))
+}
+
+/// An entry of `--list`.
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    kind: &'static str,
+    eta: f64,
+    k: f64,
+    source: &'static str,
 }
 
 impl Fresnel {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        match (&self.metal, self.k) {
-            (Some(name), _) => self.metal(&metal::by_name(name, self.points)?, name, global, console),
-            (None, Some(k)) => {
-                let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
-                self.metal(&curves, "index", global, console)
+        if self.list {
+            list(console);
+            return Ok(Verdict::Good);
+        }
+        let mut interfaces = self.media.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
+        for name in &self.metal {
+            interfaces.push(Interface::of(Medium::Metal(metal::find(name)?)));
+        }
+        if self.model != Conventions::CORRECT && (self.k.is_some() || interfaces.iter().any(|other| other.k > 0.0)) {
+            return Err(Error::parameter("model", "the first report plots no metals")
+                .with_hint("the second report's approximation is always plotted beside the exact curves"));
+        }
+        match &*interfaces {
+            [] if self.show.is_none() => match self.k {
+                Some(k) => {
+                    let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
+                    self.metal(&curves, "-index", global, console)
+                }
+                None => self.dielectric(&Interface::dielectric(self.eta_t), "", global, console),
+            },
+            [] => {
+                let mut interface = Interface::dielectric(self.eta_t);
+                if let Some(k) = self.k {
+                    interface = Interface { name: format!("η = {}, k = {k}", self.eta_t), k, ..interface };
+                }
+                self.side_by_side(&[interface], "", global, console)
             }
-            (None, None) => self.dielectric(global, console),
+            [only] if self.show.is_none() => {
+                let name = format!("-{}", only.short);
+                match only.medium {
+                    Some(Medium::Metal(metal)) => {
+                        let curves = metal::of_metal(self.eta_i, metal, self.points)?;
+                        self.metal(&curves, &name, global, console)
+                    }
+                    _ => self.dielectric(only, &name, global, console),
+                }
+            }
+            several => {
+                let names: String = several.iter().map(|interface| format!("-{}", interface.short)).collect();
+                self.side_by_side(several, &names, global, console)
+            }
         }
     }
 
-    fn dielectric(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let curves = fresnel::curves(self.eta_i, self.eta_t, self.points, self.model)?;
-        let target = global.target(&[]);
-        let stem = target.stem("fresnel", "", &output::STUDY)?;
+    fn side_by_side(
+        &self,
+        interfaces: &[Interface],
+        names: &str,
+        global: &Global,
+        console: &Console,
+    ) -> Result<Verdict> {
+        let curves = study::curves(self.eta_i, interfaces, self.points, self.model)?;
+        let drawing = media_view::drawing(&curves, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
+        let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
+        let target = global.target(&["media", "metal"]);
+        let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
+        let written = target.written(output::write(&stem, &drawing, &output::table(&rows)?)?);
+        console.saved(&curves, &written, || {
+            let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
+            let line = |c: &MediumCurves| {
+                format!(
+                    "{:<14} {:>9.4} {:>7.4} {:>9.5} {:>9} {:>9} {:>8.4} at {:.1}°{}\n",
+                    c.name,
+                    c.eta,
+                    c.k,
+                    c.r_normal,
+                    angle(c.brewster_deg),
+                    angle(c.critical_deg),
+                    c.schlick_max_abs_error,
+                    c.schlick_max_abs_error_deg,
+                    c.source.map_or(String::new(), |source| format!("\n  index: {source}"))
+                )
+            };
+            let header = format!(
+                "{:<14} {:>9} {:>7} {:>9} {:>9} {:>9} {:>8}\n",
+                "medium", "eta", "k", "R at 0°", "Brewster", "critical", "largest error of Schlick"
+            );
+            std::iter::once(header).chain(curves.media.iter().map(line)).collect()
+        });
+        Ok(Verdict::Good)
+    }
+
+    fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
+        let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
+        let target = global.target(&["media"]);
+        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
         let written = target.written(files);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
+            let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));
+            // An index from a dispersion formula has no more digits than its source.
+            let eta_t = if source.is_empty() { curves.eta_t.to_string() } else { format!("{:.4}", curves.eta_t) };
             format!(
-                "eta {} -> {}\nreflectance at normal incidence  {:.9} (both components)\nBrewster angle                   {}\n\
-                 critical angle                   {}\nSchlick's largest absolute error {:.6} at {:.2}°\n\
-                 Schlick's largest relative error {:.6} at {:.2}°\n",
+                "eta {} -> {eta_t}{source}\nreflectance at normal incidence  {:.9} (both components)\n\
+                 Brewster angle                   {}\ncritical angle                   {}\n\
+                 Schlick's largest absolute error {:.6} at {:.2}°\nSchlick's largest relative error {:.6} at {:.2}°\n",
                 curves.eta_i,
-                curves.eta_t,
                 curves.r_normal,
                 angle(curves.brewster_deg),
                 angle(curves.critical_deg),
@@ -91,13 +198,9 @@ impl Fresnel {
         global: &Global,
         console: &Console,
     ) -> Result<Verdict> {
-        if self.model != Conventions::CORRECT {
-            return Err(Error::parameter("model", "the first report plots no metals")
-                .with_hint("the second report's approximation is always plotted beside the exact curves"));
-        }
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
-        let target = global.target(&["metal"]);
-        let stem = target.stem(&format!("fresnel-{name}"), "", &output::STUDY)?;
+        let target = global.target(&["media", "metal"]);
+        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &view::metal(curves), &output::table(&rows)?)?);
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
             console.warn(&format!(
@@ -128,4 +231,22 @@ impl Fresnel {
         });
         Ok(Verdict::Good)
     }
+}
+
+fn list(console: &Console) {
+    let listed = |medium: Medium| {
+        let [eta, k] = medium.index_d();
+        let kind = match medium {
+            Medium::Dielectric(_) => "dielectric",
+            Medium::Metal(_) => "metal",
+        };
+        Listed { name: medium.name(), kind, eta, k, source: medium.source() }
+    };
+    let list: Vec<Listed> = media::all().map(listed).collect();
+    console.result(&std::collections::BTreeMap::from([("media", &list)]), || {
+        let line = |m: &Listed| format!("{:<15} {:<11} {:>7.4} {:>7.4}  {}\n", m.name, m.kind, m.eta, m.k, m.source);
+        let header =
+            format!("{:<15} {:<11} {:>7} {:>7}  source (n and k at {} nm)\n", "medium", "kind", "n", "k", D_LINE_NM);
+        std::iter::once(header).chain(list.iter().map(line)).collect()
+    });
 }

@@ -3,6 +3,7 @@
 //! A new metal is one entry in [`METALS`]'s list below: everything that speaks of metals (the command line, scene files,
 //! the statue scenes, the figure of all metals, the tests) takes its list from there.
 
+use super::D_LINE_NM;
 use crate::math::Rgb;
 
 /// η + i k of a metal in air, for the three colour channels.
@@ -35,10 +36,23 @@ impl Metal {
     pub fn k_rgb(&self) -> Rgb {
         Rgb::from_array(self.k.map(|x| x as f32))
     }
+
+    /// η and k at the d line ([`D_LINE_NM`]), interpolated linearly in the published table.
+    #[must_use]
+    pub fn index_d(&self) -> [f64; 2] {
+        // The rows about the red channel's wavelength lie about the d line, too.
+        interpolated(self.published[0], D_LINE_NM)
+    }
 }
 
 /// Wavelengths of the three channels in nanometres.
 pub const WAVELENGTHS_NM: [f64; 3] = [614.0, 549.0, 466.0];
+
+/// η and k at a wavelength between two rows of a published table.
+fn interpolated([low, high]: [[f64; 3]; 2], nm: f64) -> [f64; 2] {
+    let t = (nm - low[0]) / (high[0] - low[0]);
+    [1, 2].map(|i| low[i] + t * (high[i] - low[i]))
+}
 
 /// Makes a constant of each metal, and [`METALS`] of them all.
 macro_rules! metals {
@@ -158,10 +172,12 @@ mod tests {
     #[test]
     fn the_indices_are_those_of_the_published_tables() {
         for metal in METALS {
+            let [low, high] = metal.published[0];
+            assert!((low[0]..=high[0]).contains(&D_LINE_NM), "{}: the d line is not between these rows", metal.name);
             for (channel, [low, high]) in metal.published.into_iter().enumerate() {
-                let t = (WAVELENGTHS_NM[channel] - low[0]) / (high[0] - low[0]);
-                assert!((0.0..=1.0).contains(&t), "{} {channel}: not between these wavelengths", metal.name);
-                let [eta, k] = [1, 2].map(|i| low[i] + t * (high[i] - low[i]));
+                let nm = WAVELENGTHS_NM[channel];
+                assert!((low[0]..=high[0]).contains(&nm), "{} {channel}: not between these wavelengths", metal.name);
+                let [eta, k] = interpolated([low, high], nm);
                 // Iron, as the second report has it, differs from the published table in one number.
                 let tolerance = if (metal.symbol, channel) == ("Fe", 2) { 2.1e-3 } else { 6e-5 };
                 let (off_eta, off_k) = ((metal.eta[channel] - eta).abs(), (metal.k[channel] - k).abs());

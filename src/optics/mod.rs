@@ -1,5 +1,5 @@
-//! Reflection and refraction at an interface: scalars in, scalars out, generic over the float type. Beside them, in f64, tables of
-//! metals and glasses, and spectra as colours.
+//! Reflection and refraction at an interface: scalars in, scalars out, generic over the float type. Beside them, in f64, the
+//! media known by name, and spectra as colours.
 //!
 //! Cosines are of the angle between the normal and a direction; `eta` is the index on the far side over the
 //! index on the near side (the side of `wo`), `k` the extinction coefficient relative to the near side's index.
@@ -7,7 +7,10 @@
 pub mod colorimetry;
 pub mod conductor;
 pub mod dielectric;
-pub mod glasses;
+pub mod media;
 pub mod metals;
 pub mod microfacet;
 pub mod schlick;
+
+/// The line of helium at which catalogues state the index of a medium, in nanometres.
+pub const D_LINE_NM: f64 = 587.5618;

@@ -3,7 +3,8 @@
 
 use super::fresnel::{angles, check_index, cos_deg, largest};
 use crate::error::{Error, Result};
-use crate::optics::{conductor, metals, schlick};
+use crate::optics::metals::{self, Metal};
+use crate::optics::{conductor, schlick};
 use serde::Serialize;
 
 /// One angle of incidence in one channel. Field names are the CSV columns.
@@ -34,9 +35,9 @@ pub struct ConductorRow {
 pub struct Channel {
     /// "614 nm" and so on, or "η + ik" for an index given freely.
     pub name: String,
-    /// Index of refraction.
+    /// Index of refraction over that of the near side.
     pub eta: f64,
-    /// Extinction coefficient.
+    /// Extinction coefficient over the index of the near side.
     pub k: f64,
     /// Reflectance at normal incidence.
     pub r_normal: f64,
@@ -66,16 +67,29 @@ pub struct ConductorCurves {
     pub channels: Vec<Channel>,
 }
 
-/// The curves of a metal known by symbol or name, in air.
-pub fn by_name(name: &str, points: usize) -> Result<ConductorCurves> {
-    let Some(metal) = metals::by_name(name) else {
+/// Looks a metal up by symbol or name.
+///
+/// # Errors
+/// [`Error::Parameter`] with the known metals.
+pub fn find(name: &str) -> Result<&'static Metal> {
+    metals::by_name(name).ok_or_else(|| {
         let known: Vec<_> = metals::METALS.iter().map(|m| m.symbol).collect();
-        return Err(Error::parameter("metal", format!("\"{name}\" is not in the table"))
-            .with_hint(format!("known metals: {}; any other by `eta_t` and `k`", known.join(", "))));
+        Error::parameter("metal", format!("\"{name}\" is not in the table"))
+            .with_hint(format!("known metals: {}; any other by `eta_t` and `k`", known.join(", ")))
+    })
+}
+
+/// The curves of a metal, met by light from index `eta_i`.
+///
+/// # Errors
+/// [`Error::Parameter`] for an impossible index and numbers of points.
+pub fn of_metal(eta_i: f64, metal: &Metal, points: usize) -> Result<ConductorCurves> {
+    check_index("eta_i", eta_i)?;
+    let in_channel = |c: usize| {
+        let name = format!("{} nm", metals::WAVELENGTHS_NM[c]);
+        channel(name, metal.eta[c] / eta_i, metal.k[c] / eta_i, points)
     };
-    let channels = (0..3)
-        .map(|c| channel(format!("{} nm", metals::WAVELENGTHS_NM[c]), metal.eta[c], metal.k[c], points))
-        .collect::<Result<_>>()?;
+    let channels = (0..3).map(in_channel).collect::<Result<_>>()?;
     Ok(ConductorCurves { metal: format!("{} ({})", metal.name, metal.symbol), source: Some(metal.source), channels })
 }
 
@@ -197,7 +211,7 @@ impl MetalTable {
 }
 
 /// The largest value; NaN if any value is, or if there is none.
-fn worst(values: impl Iterator<Item = f64>) -> f64 {
+pub fn worst(values: impl Iterator<Item = f64>) -> f64 {
     values.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN)
 }
 
@@ -209,7 +223,7 @@ pub fn table(points: usize) -> Result<MetalTable> {
     let mut rows = Vec::new();
     let mut all_curves = Vec::new();
     for known in metals::METALS {
-        let curves = by_name(known.symbol, points)?;
+        let curves = of_metal(1.0, known, points)?;
         for (channel, wavelength_nm) in curves.channels.iter().zip(metals::WAVELENGTHS_NM) {
             let (eta, k) = (channel.eta, channel.k);
             let exact = |c: f64| conductor::fresnel(c, eta, k);
@@ -276,8 +290,12 @@ mod tests {
         // For the tables of these metals the approximation is known to stay below 0.008 unpolarized, and to be
         // worst where η² + k² is small: gold's blue, copper's green.
         for (name, worst) in [("Au", 2), ("copper", 1)] {
-            let errors: Vec<f64> =
-                by_name(name, 2).unwrap().channels.iter().map(|c| c.approximate_max_abs_error).collect();
+            let errors: Vec<f64> = of_metal(1.0, find(name).unwrap(), 2)
+                .unwrap()
+                .channels
+                .iter()
+                .map(|c| c.approximate_max_abs_error)
+                .collect();
             assert!(errors.iter().all(|e| *e > 1e-4 && *e < 0.008), "{name}: {errors:?}");
             assert!(errors.iter().all(|e| *e <= errors[worst] * 1.3), "{name}: {errors:?}");
         }
@@ -292,10 +310,10 @@ mod tests {
 
     #[test]
     fn bad_input_is_refused() {
-        assert!(by_name("glass", 10).is_err());
+        assert!(find("glass").is_err());
         assert!(by_index(1.0, 1.0, -0.1, 10).is_err());
         assert!(by_index(1.0, 1.0, f64::NAN, 10).is_err());
-        assert!(by_name("Au", 1).is_err());
+        assert!(of_metal(1.0, metals::GOLD, 1).is_err() && of_metal(0.0, metals::GOLD, 9).is_err());
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod fit;
 pub mod fresnel;
 pub mod furnace;
 pub mod map_samples;
+pub mod media;
 pub mod median_cut;
 pub mod metal;
 pub mod multiple_scattering;

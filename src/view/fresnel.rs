@@ -4,11 +4,11 @@ use super::text::capitalized;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::{fresnel, metal};
 
-fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {
+pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {
     Stroke { colour, width: theme::LINE, dash }
 }
 
-fn angle_axis() -> Axis {
+pub(super) fn angle_axis() -> Axis {
     Axis::linear("angle of incidence /{θ} (degrees)").range(0.0, 90.0).every(15.0)
 }
 

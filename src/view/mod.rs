@@ -13,6 +13,7 @@ pub mod depth;
 pub mod fresnel;
 pub mod furnace;
 pub mod map;
+pub mod media;
 pub mod metals;
 pub mod multiple_scattering;
 pub mod planted;

@@ -145,6 +145,28 @@ fn fresnel_of_a_conductor() {
 }
 
 #[test]
+fn fresnel_of_several_media() {
+    let dir = folder();
+    let args = ["fresnel", "water", "1.5", "--metal", "Au,iron", "--show", "unpolarized,error", "--points", "46"];
+    let value = json(dir.path(), &args);
+    let csv = "out/fresnel-water-1.5-Au-Fe-show-unpolarized+error-points-46.csv";
+    assert!(assert_files(dir.path(), &value).iter().any(|file| file == csv));
+    let media = value["media"].as_array().unwrap();
+    let names: Vec<&str> = media.iter().map(|medium| medium["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["water", "η = 1.5", "gold (Au)", "iron (Fe)"]);
+    assert_eq!(table(&dir.path().join(csv)).1.len(), 46 * media.len());
+    let brewster = media[1]["brewster_deg"].as_f64().unwrap();
+    assert!((brewster - 1.5_f64.atan().to_degrees()).abs() < 1e-9, "{brewster}");
+    // A medium alone has the figure of its kind.
+    let files = |args: &[&str]| assert_files(dir.path(), &json(dir.path(), args));
+    assert!(files(&["fresnel", "gold"]).iter().any(|file| file == "out/fresnel-Au.csv"));
+    assert!(files(&["fresnel", "Diamond"]).iter().any(|file| file == "out/fresnel-diamond.csv"));
+    let list = json(dir.path(), &["fresnel", "--list"]);
+    let listed = list["media"].as_array().unwrap();
+    assert!(listed.len() > 15 && listed.iter().all(|medium| !medium["source"].as_str().unwrap().is_empty()));
+}
+
+#[test]
 fn envmap_info() {
     const KEYS: &str = "width, height, min, max, mean_rgb, solid_angle_mean_rgb, flux_rgb, nonfinite, negative, \
                         peak_to_mean, effective_texels";

@@ -12,6 +12,7 @@ mod error_depth;
 mod error_time;
 mod error_time_roughness;
 mod fresnel;
+mod fresnel_media;
 mod median_cut;
 mod median_cut_error;
 mod metals_table;
@@ -30,7 +31,7 @@ use super::figure::Figure;
 /// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
 pub fn registry() -> Vec<Figure> {
     let sections = [
-        ("Reflectance of an interface", vec![fresnel::figures()]),
+        ("Reflectance of an interface", vec![fresnel::figures(), fresnel_media::figures()]),
         ("Samples of an environment map", vec![envmap_samples::figures(), proposal::figures()]),
         ("Sphere under the map", vec![sphere::figures(), error_time::sphere()]),
         ("Lights in place of the map", vec![median_cut::figures(), median_cut_error::figures()]),

@@ -5,8 +5,9 @@ use crate::error::Result;
 use crate::files::{read_bounded, without_bom};
 use crate::import::number::finite;
 use crate::import::place::quote;
+use crate::optics::D_LINE_NM;
 use crate::optics::colorimetry::{ILLUMINANTS, black_body, light_rgb, reflectance_rgb, rgb_of_chromaticity};
-use crate::optics::glasses::{D_LINE_NM, GLASSES, Glass};
+use crate::optics::media::{DIELECTRICS, Dielectric};
 use crate::optics::metals::{self, METALS};
 use std::path::Path;
 
@@ -26,7 +27,7 @@ pub enum Meaning {
 enum Spectrum {
     /// A metal's `eta` or `k`, which the name says, in the three channels.
     Metal(&'static str, [f64; 3]),
-    Glass(&'static Glass),
+    Glass(&'static Dielectric),
     /// Chromaticity.
     Illuminant([f64; 2]),
     Samples(Samples),
@@ -193,7 +194,7 @@ impl Param {
         let families = ["metal-", "glass-", "stdillum-", "illum-"];
         let path = folder.join(name);
         if families.iter().any(|family| name.starts_with(family)) || !path.is_file() {
-            let known: Vec<&str> = GLASSES.iter().map(|glass| glass.name).collect();
+            let known: Vec<&str> = DIELECTRICS.iter().filter_map(|glass| glass.spectrum).collect();
             let metals: Vec<&str> = METALS.iter().map(|metal| metal.symbol).collect();
             let message = format!("{owner}: the spectrum {} is not known, and no file", quote(name));
             return Err(self.at.unsupported(message).with_hint(format!(
@@ -228,7 +229,7 @@ impl Param {
 
 /// A spectrum by pbrt-v4's name.
 fn named(name: &str) -> Option<Spectrum> {
-    if let Some(glass) = GLASSES.iter().find(|glass| glass.name == name) {
+    if let Some(glass) = DIELECTRICS.iter().find(|glass| glass.spectrum == Some(name)) {
         return Some(Spectrum::Glass(glass));
     }
     if let Some((_, chromaticity)) = ILLUMINANTS.iter().find(|(known, _)| *known == name) {
