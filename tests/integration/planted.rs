@@ -40,9 +40,26 @@ fn too_few_samples_do_not_count_as_finding() {
 }
 
 #[test]
+fn one_fault_is_explained() {
+    let folder = tempdir().unwrap();
+    let ran = etalon(folder.path(), &["validate", "--planted", "hemisphere/disc-without-root"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for said in ["mistake: ", "found: ", " % too many within ", "1 of 1 planted fault rejected"] {
+        assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
+    }
+    let list = json(folder.path(), &["validate", "--planted", "--list", "hemisphere"]);
+    let names = list["tests"].as_array().unwrap();
+    assert!(names.len() > 3 && names.iter().all(|name| name.as_str().unwrap().starts_with("hemisphere/")));
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let folder = tempdir().unwrap();
-    for bad in [&["validate", "--planted", "warp"][..], &["validate", "--planted", "--samples", "0"]] {
+    for bad in [
+        &["validate", "--planted", "warp"][..],
+        &["validate", "--planted", "--samples", "0"],
+        &["validate", "--planted", "--figures"],
+    ] {
         assert_eq!(etalon(folder.path(), bad).code, 2, "{bad:?}");
     }
 }

@@ -40,7 +40,9 @@ pub struct Validate {
     #[arg(long, conflicts_with_all = ["junit", "markdown"])]
     list: bool,
     /// Test samplers with a planted fault each, which must be rejected
-    #[arg(long, conflicts_with_all = ["names", "list", "envmap"])]
+    ///
+    /// NAME and --list then mean planted faults.
+    #[arg(long, conflicts_with_all = ["envmap", "figures", "exec"])]
     planted: bool,
     /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
@@ -73,7 +75,19 @@ pub struct Validate {
 impl Validate {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if self.planted {
-            return planted::run(&self.protocol(global), &self.reports, global, console);
+            let faults = select(planted::all(), &self.names)?;
+            if self.list {
+                list(&faults.iter().map(|fault| fault.name.to_owned()).collect::<Vec<_>>(), console);
+                return Ok(Verdict::Good);
+            }
+            return planted::run(
+                faults,
+                !self.names.is_empty(),
+                &self.protocol(global),
+                &self.reports,
+                global,
+                console,
+            );
         }
         let subject = self.subject(console)?;
         if self.list {

@@ -7,25 +7,34 @@ use crate::cli::reports::Reports;
 use crate::error::Result;
 use crate::files;
 use crate::output;
-use crate::study::validation::planted::{self, By, Finding, Findings};
+use crate::study::validation::planted::{self, By, Finding, Findings, PlantedFault};
 use crate::view::checks::{Check, Checks};
 use crate::view::planted as view;
-use crate::view::text::counted;
+use crate::view::text::{counted, wrapped};
 use etalon_stats::Protocol;
 
-/// Runs all planted faults; writes and prints the findings.
-pub fn run(protocol: &Protocol, reports: &Reports, global: &Global, console: &Console) -> Result<Verdict> {
+pub use planted::all;
+
+/// Runs planted faults; writes and prints the findings, and of each fault what the mistake is and what the test says if
+/// `explain`.
+pub fn run(
+    faults: Vec<PlantedFault>,
+    explain: bool,
+    protocol: &Protocol,
+    reports: &Reports,
+    global: &Global,
+    console: &Console,
+) -> Result<Verdict> {
     reports.check()?;
     let target = global.target(&["planted"]);
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
-    let all = planted::all();
-    let bar = console.progress(2 * all.len() as u64, "planted faults");
-    let findings = planted::run(all, protocol, &|_| bar.inc(1))?;
+    let bar = console.progress(2 * faults.len() as u64, "planted faults");
+    let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
     let mut written = target.written(vec![path]);
     written.files.extend(reports.write(&checks(&findings))?);
-    console.saved(&findings, &written, || text(&findings));
+    console.saved(&findings, &written, || text(&findings, explain));
     Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
 
@@ -58,7 +67,7 @@ fn checks(findings: &Findings) -> Checks {
     Checks { title: "etalon validate --planted".into(), list: checks, seconds: findings.seconds }
 }
 
-fn text(findings: &Findings) -> String {
+fn text(findings: &Findings, explain: bool) -> String {
     let tests = &findings.tests;
     let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
     let mut text =
@@ -74,6 +83,12 @@ fn text(findings: &Findings) -> String {
             test.outcome.samples,
             test.sound,
         );
+        if explain {
+            text += &wrapped(&format!("mistake: {}", test.mistake), "  ", 100);
+            let found = test.outcome.violation.iter().chain(&test.outcome.diagnosis);
+            let said = found.flat_map(|said| said.split("; "));
+            said.for_each(|said| text += &wrapped(&format!("found: {said}"), "  ", 100));
+        }
         if test.outcome.verdict != etalon_stats::Verdict::Reject {
             text += &format!("  {}\n", test.outcome.remark().unwrap_or(test.mistake));
         }

@@ -4,7 +4,6 @@
 
 mod anisotropy;
 mod audit;
-mod bsdf_fault;
 mod claims;
 mod depth;
 mod envmap_samples;
@@ -17,6 +16,7 @@ mod median_cut;
 mod median_cut_error;
 mod metals_table;
 mod multiple_scattering;
+mod planted_fault;
 mod proposal;
 mod rough_glass;
 mod roughness;
@@ -47,7 +47,7 @@ pub fn registry() -> Vec<Figure> {
             ],
         ),
         ("More materials", vec![multiple_scattering::figures(), anisotropy::figures(), rough_glass::figures()]),
-        ("Tests of samplers", vec![validation::figures(), bsdf_fault::figures()]),
+        ("Tests of samplers", vec![planted_fault::figures(), validation::figures()]),
         ("What the reports print and claim", vec![audit::figures(), claims::figures()]),
         ("Numerical errors and cost", vec![stability::figures(), scaling::figures()]),
     ];

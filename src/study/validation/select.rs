@@ -1,21 +1,41 @@
-//! Selection of cases by their names: whole ones, families, patterns.
+//! Selection of tests by their names: whole ones, families, patterns.
 
 use super::case::Case;
+use super::planted::PlantedFault;
 use crate::error::{Error, Result};
 
-/// The cases that any of `patterns` names, in their own order; all of them without patterns.
+/// A test that is chosen by its name.
+pub trait Named {
+    /// A path such as `bsdf/ggx/visible/0.25/60`.
+    fn name(&self) -> &str;
+}
+
+impl Named for Case {
+    fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+impl Named for PlantedFault {
+    fn name(&self) -> &str {
+        self.name
+    }
+}
+
+/// The tests that any of `patterns` names, in their own order; all of them without patterns.
 ///
 /// A pattern names a case (`bsdf/ggx/visible/0.25/60`) or all of a family (`bsdf/ggx`); `*` stands for any text, `?` for
 /// one character.
 ///
 /// # Errors
 /// When a pattern names nothing; the hint has the nearest names.
-pub fn select(cases: Vec<Case>, patterns: &[String]) -> Result<Vec<Case>> {
-    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !matches_name(pattern, &case.name))) {
+pub fn select<T: Named>(cases: Vec<T>, patterns: &[String]) -> Result<Vec<T>> {
+    if let Some(unknown) = patterns.iter().find(|pattern| cases.iter().all(|case| !matches_name(pattern, case.name())))
+    {
         return Err(Error::parameter("names", format!("there is no test \"{unknown}\""))
             .with_hint(format!("the nearest: {}; `list` shows all", nearest(&cases, unknown).join(", "))));
     }
-    let wanted = |case: &Case| patterns.is_empty() || patterns.iter().any(|pattern| matches_name(pattern, &case.name));
+    let wanted = |case: &T| patterns.is_empty() || patterns.iter().any(|pattern| matches_name(pattern, case.name()));
     Ok(cases.into_iter().filter(wanted).collect())
 }
 
@@ -47,10 +67,10 @@ fn matches(pattern: &str, name: &str) -> bool {
 }
 
 /// The three names of cases or families that take the fewest changes to become `wanted`.
-fn nearest(cases: &[Case], wanted: &str) -> Vec<String> {
-    let mut known: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
+fn nearest<T: Named>(cases: &[T], wanted: &str) -> Vec<String> {
+    let mut known: Vec<String> = cases.iter().map(|case| case.name().to_owned()).collect();
     let families = |name: &str| name.match_indices('/').map(|(i, _)| name[..i].to_owned()).collect::<Vec<_>>();
-    known.extend(cases.iter().flat_map(|case| families(&case.name)));
+    known.extend(cases.iter().flat_map(|case| families(case.name())));
     known.sort();
     known.dedup();
     known.sort_by_key(|name| strsim::levenshtein(name, wanted));
