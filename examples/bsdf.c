@@ -1,8 +1,7 @@
-/* A BSDF for `etalon validate --exec ./bsdf`, after `cc -O2 examples/bsdf.c -o bsdf -lm`: smooth glass, which has delta lobes
-   alone. With an argument it forgets that radiance is divided by the square of the index of refraction. */
+/* A BSDF for `etalon validate --exec ./bsdf`, after `cc -O2 -Iinclude examples/bsdf.c -o bsdf -lm`: smooth glass, which has
+   delta lobes alone. With an argument it forgets that radiance is divided by the square of the index of refraction. */
+#include "etalon.h"
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 static double index_of_glass = 1.5;
 static int wrong;
@@ -25,42 +24,41 @@ static void refract(const double *wo, double eta, double *wi) {
     wi[0] = -wo[0] / eta, wi[1] = -wo[1] / eta, wi[2] = copysign(sqrt(fmax(1 - sin2, 0)), -wo[2]);
 }
 
+/* Both delta lobes: reflection, and refraction unless reflection is total. */
+static int lobes(const double *wo, etalon_bsdf_sample *s) {
+    double eta, r = fresnel(wo[2], &eta);
+    etalon_bsdf_sample reflection = {{-wo[0], -wo[1], wo[2]}, {1, 0, 0}, r, 1};
+    etalon_bsdf_sample refraction = {{0, 0, 0}, {wrong ? 1 : 1 / (eta * eta), 0, 0}, 1 - r, 1};
+    s[0] = reflection;
+    if (r == 1)
+        return 1;
+    refract(wo, eta, refraction.wi);
+    s[1] = refraction;
+    return 2;
+}
+
+/* One of them, with its probability. */
+static int sample(const double *wo, const double *u, etalon_bsdf_sample *s) {
+    etalon_bsdf_sample both[ETALON_LOBES];
+    lobes(wo, both);
+    *s = both[u[0] < both[0].pdf ? 0 : 1];
+    return 1;
+}
+
+/* Delta lobes have neither a value nor a pdf. */
+static void eval(const double *wo, const double *wi, double *f) { (void)wo, (void)wi, f[0] = 0; }
+static double pdf(const double *wo, const double *wi) { return (void)wo, (void)wi, 0; }
+
+/* What the parameter changes: the index that the greeting has. */
+static const char *set(const double *values) {
+    static char keys[32];
+    snprintf(keys, sizeof keys, "eta=%a", index_of_glass = values[0]);
+    return keys;
+}
+
 int main(int argc, char **argv) {
-    char line[512], verb[16];
+    etalon_bsdf glass = {"glass-c", "scatters=both delta=yes energy=conserved", 1, 1, eval, pdf, sample, lobes,
+                         1, "eta 1.5 1.01 3\n", set};
     wrong = argc > 1 && argv[1][0];
-    while (fgets(line, sizeof line, stdin)) {
-        unsigned long count = 0;
-        if (sscanf(line, "%15s %lu", verb, &count) < 1 || !strcmp(verb, "quit"))
-            break;
-        if (!strcmp(verb, "etalon")) {
-            puts("etalon 1 kind=bsdf name=glass-c scatters=both delta=yes energy=conserved");
-            puts("eta 1.5 1.01 3"); /* name, usual value, range */
-            count = 0;
-        } else if (!strcmp(verb, "set")) {
-            sscanf(line, "set %lf", &index_of_glass);
-            printf("eta=%a\n", index_of_glass); /* what the parameters change */
-            count = 0;
-        }
-        for (unsigned long i = 0; i < count && fgets(line, sizeof line, stdin); i++) {
-            double wo[3], wi[3], u, eta;
-            if (sscanf(line, "%lf %lf %lf %lf", wo, wo + 1, wo + 2, &u) < 3)
-                return 1;
-            double r = fresnel(wo[2], &eta), scale = wrong ? 1 : 1 / (eta * eta);
-            refract(wo, eta, wi);
-            if (!strcmp(verb, "lobes")) {
-                printf("%a %a %a %a %a", -wo[0], -wo[1], wo[2], r, r);
-                if (r < 1)
-                    printf(" %a %a %a %a %a", wi[0], wi[1], wi[2], 1 - r, (1 - r) * scale);
-                puts("");
-            } else if (strcmp(verb, "sample"))
-                puts("0"); /* f and pdf, which delta lobes have not */
-            else if (u < r)
-                printf("delta %a %a %a 1 %a\n", -wo[0], -wo[1], wo[2], r);
-            else
-                printf("delta %a %a %a %a %a\n", wi[0], wi[1], wi[2], scale, 1 - r);
-        }
-        puts("end");
-        fflush(stdout);
-    }
-    return 0;
+    return etalon_serve_bsdf(&glass);
 }

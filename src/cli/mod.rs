@@ -2,6 +2,7 @@
 
 mod arguments;
 mod compare;
+mod completions;
 mod console;
 mod converge;
 mod envmap;
@@ -76,6 +77,7 @@ enum Command {
     Validate(validate::Validate),
     Sweep(sweep::Sweep),
     Reproduce(reproduce::Reproduce),
+    Completions(completions::Completions),
 }
 
 /// Runs the program on the process's arguments.
@@ -124,6 +126,7 @@ fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
         Command::Validate(args) => args.run(&cli.global, console),
         Command::Sweep(args) => args.run(&cli.global, console),
         Command::Reproduce(args) => args.run(&cli.global, console),
+        Command::Completions(args) => args.run(Cli::command(), console),
     }
 }
 

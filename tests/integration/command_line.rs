@@ -436,3 +436,23 @@ fn a_reader_that_goes_away_is_no_crash() {
         assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"), "{args:?}");
     }
 }
+
+#[test]
+fn every_shell_has_completions() {
+    let dir = folder();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let ran = etalon(dir.path(), &["completions", shell]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        assert!(["fresnel", "max-spp"].iter().all(|word| ran.stdout.contains(word)), "{shell}");
+        // Shells that are here read the script without complaint.
+        let file = dir.path().join(shell);
+        std::fs::write(&file, &ran.stdout).unwrap();
+        match std::process::Command::new(shell).arg("-n").arg(&file).output() {
+            Ok(read) if ["bash", "zsh", "fish"].contains(&shell) => {
+                assert!(read.status.success(), "{shell}: {}", String::from_utf8_lossy(&read.stderr));
+            }
+            _ => eprintln!("skipped: {shell} did not read its script"),
+        }
+    }
+    assert_eq!(etalon(dir.path(), &["completions", "tcsh"]).code, 2);
+}

@@ -1,6 +1,6 @@
 //! BSDFs of other programs: the example clients, wrong ones among them, and programs that misbehave.
 
-use super::{example, has};
+use super::{c_header, example, has};
 use crate::program::{Ran, etalon};
 use tempfile::tempdir;
 
@@ -49,7 +49,7 @@ fn a_numpy_client_is_tested() {
 fn a_client_in_c_is_tested() {
     let folder = tempdir().unwrap();
     let binary = folder.path().join("bsdf").display().to_string();
-    if !has("cc", &["-O2", "-std=c99", &example("bsdf.c"), "-o", &binary, "-lm"]) {
+    if !c_header::compiles("bsdf.c", &binary) {
         return;
     }
     for more in [&[][..], &["--set", "eta=2.4"]] {

@@ -1,6 +1,7 @@
 //! External samplers: the example clients, programs that misbehave, how programs end, and files of samples.
 
 mod bsdfs;
+mod c_header;
 mod files;
 #[cfg(unix)]
 mod group;
@@ -59,7 +60,7 @@ fn python_clients_are_tested() {
 fn a_client_with_its_own_numbers_gives_the_same_again() {
     let folder = tempdir().unwrap();
     let binary = folder.path().join("sampler").display().to_string();
-    if !has("cc", &["-O2", &example("sampler.c"), "-o", &binary, "-lm"]) {
+    if !c_header::compiles("sampler.c", &binary) {
         return;
     }
     let statistic = |args: &[&str]| {
