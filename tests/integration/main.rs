@@ -22,6 +22,7 @@ mod outputs;
 mod page;
 mod pbrt_files;
 mod planted;
+mod platforms;
 mod program;
 mod raster_files;
 mod render;

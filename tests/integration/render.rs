@@ -12,7 +12,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 /// The layers of an OpenEXR file by their names, as bits.
-fn layers(path: &Path) -> BTreeMap<String, Vec<[u32; 3]>> {
+pub fn layers(path: &Path) -> BTreeMap<String, Vec<[u32; 3]>> {
     let file = ExrFile::open(path).unwrap_or_else(|e| panic!("{e}"));
     let bits = |image: Image| image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect();
     file.layers().unwrap().into_iter().map(|(name, image)| (name, bits(image))).collect()
