@@ -1,6 +1,6 @@
 //! Arrays that callbacks take and return: conversion, and errors that name the array, its shape and the shape wanted.
 
-use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -32,11 +32,13 @@ pub fn numbers<T: Element + Copy>(value: &Bound<'_, PyAny>, name: &str) -> PyRes
         let given = value.get_type().name()?;
         return Err(PyTypeError::new_err(format!("{name}: {given} of dtype {dtype}; wanted real numbers")));
     }
+    // The shape before the conversion, which makes a single number an array of one
+    let shape = array.getattr("shape")?.extract()?;
     let options = PyDict::new(py);
     options.set_item("dtype", numpy::dtype::<T>(py))?;
     let array = numpy.call_method("ascontiguousarray", (&array,), Some(&options))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
-    let (shape, values) = (array.shape().to_vec(), array.readonly().as_slice()?.to_vec());
+    let values = array.readonly().as_slice()?.to_vec();
     Ok(Numbers { name: name.to_owned(), shape, values })
 }
 

@@ -117,7 +117,7 @@ impl<D: Coordinates> Functions<D> {
     ) -> etalon_stats::Result<()> {
         let (domain, sample) = (self.domain, Arc::clone(&self.sample));
         let job = move |py: Python<'_>| samples(&domain, call(sample.bind(py))?.bind(py), count);
-        out.extend(self.caller.call(job)?);
+        out.append(&mut self.caller.call(job)?);
         Ok(())
     }
 }
@@ -216,7 +216,7 @@ fn samples<D: Coordinates>(
             Some(values)
         }
     };
-    let of_row = |(i, row): (usize, &[f64])| {
+    let of_row = |(i, row): (usize, &[f64])| -> PyResult<_> {
         if !valid[i] {
             return Ok(None);
         }
@@ -225,5 +225,9 @@ fn samples<D: Coordinates>(
         let pdf = pdf.as_ref().map(|pdf| pdf[i]).filter(|_| !atom[i]);
         Ok(Some(Sample { point, pdf, atom: atom[i] }))
     };
-    coordinates.chunks_exact(d).enumerate().map(of_row).collect()
+    let mut samples = Vec::with_capacity(n);
+    for row in coordinates.chunks_exact(d).enumerate() {
+        samples.push(of_row(row)?);
+    }
+    Ok(samples)
 }
