@@ -61,25 +61,37 @@ impl<T> Numbers<T> {
     }
 }
 
+/// What a function was given, by the names of its arguments: rows of it are named in messages.
+pub type Given<'a, 'py> = &'a [(&'a str, &'a Bound<'py, PyAny>)];
+
 /// One number for each of `n` entries; not NaN.
 ///
 /// # Errors
 /// TypeError and ValueError.
-pub fn column(value: &Bound<'_, PyAny>, name: &str, n: usize) -> PyResult<Vec<f64>> {
+pub fn column(value: &Bound<'_, PyAny>, name: &str, n: usize, given: Given<'_, '_>) -> PyResult<Vec<f64>> {
     let values = numbers(value, name)?.of_shape(&[&[n]])?;
-    no_nan(&values, 1, name, |_| true).map(|()| values)
+    no_nan(&values, 1, name, |_| true, given).map(|()| values)
 }
 
 /// Refuses NaN in rows of `width` numbers that `counts`.
 ///
 /// # Errors
-/// ValueError that names the first row.
-pub fn no_nan(values: &[f64], width: usize, name: &str, counts: impl Fn(usize) -> bool) -> PyResult<()> {
-    let rows = values.chunks_exact(width.max(1)).enumerate();
-    match rows.into_iter().find(|(i, row)| row.iter().any(|x| x.is_nan()) && counts(*i)) {
-        Some((i, row)) => Err(PyValueError::new_err(format!("{name}: NaN in row {i}: {row:?}"))),
-        None => Ok(()),
+/// ValueError that names the first row, and what it was returned for.
+pub fn no_nan(
+    values: &[f64],
+    width: usize,
+    name: &str,
+    counts: impl Fn(usize) -> bool,
+    given: Given<'_, '_>,
+) -> PyResult<()> {
+    let mut rows = values.chunks_exact(width.max(1)).enumerate();
+    let Some((i, row)) = rows.find(|(i, row)| row.iter().any(|x| x.is_nan()) && counts(*i)) else { return Ok(()) };
+    let mut message = format!("{name}: NaN in row {i}: {row:?}");
+    for (argument, array) in given {
+        let entry = array.get_item(i)?.call_method0("tolist")?;
+        message += &format!(", for {argument} = {}", entry.repr()?);
     }
+    Err(PyValueError::new_err(message))
 }
 
 /// One truth value for each of `n` entries; `default` for all if there is none.

@@ -1,6 +1,6 @@
 //! BSDFs that are functions of Python.
 
-use crate::arrays::{column, flags, no_nan, numbers, rows};
+use crate::arrays::{Given, column, flags, no_nan, numbers, rows};
 use crate::caller::{Caller, run};
 use crate::found::Found;
 use crate::sampler::Plan;
@@ -179,12 +179,12 @@ impl BatchBsdf for PythonBsdf {
         }
         self.call(move |py, functions| {
             let (n, dimension) = (pairs.len(), functions.properties.eval_dimension);
-            let [wo, wi] = [0, 1].map(|side| directions(py, pairs.iter().map(|pair| pair[side])));
+            let (wo, wi) = directions_of(py, &pairs)?;
             let f = match dimension {
-                0 => functions.eval.bind(py).call1((wo?, wi?)),
-                _ => functions.eval.bind(py).call1((wo?, wi?, rows(py, u, dimension)?)),
+                0 => functions.eval.bind(py).call1((&wo, &wi)),
+                _ => functions.eval.bind(py).call1((&wo, &wi, rows(py, u, dimension)?)),
             }?;
-            spectra(&f, "eval", &[n], channels, |_| true)
+            spectra(&f, "eval", &[n], channels, |_| true, &[("wo", &wo), ("wi", &wi)])
         })
     }
 
@@ -196,8 +196,8 @@ impl BatchBsdf for PythonBsdf {
         let pairs = pairs.to_vec();
         self.call(move |py, functions| {
             let Some(pdf) = &functions.pdf else { return Ok(vec![0.0; pairs.len()]) };
-            let [wo, wi] = [0, 1].map(|side| directions(py, pairs.iter().map(|pair| pair[side])));
-            column(&pdf.bind(py).call1((wo?, wi?))?, "pdf", pairs.len())
+            let (wo, wi) = directions_of(py, &pairs)?;
+            column(&pdf.bind(py).call1((&wo, &wi))?, "pdf", pairs.len(), &[("wo", &wo), ("wi", &wi)])
         })
     }
 
@@ -208,8 +208,8 @@ impl BatchBsdf for PythonBsdf {
         }
         self.call(move |py, functions| {
             let (n, dimension) = (wos.len(), functions.properties.dimension);
-            let wo = directions(py, wos.into_iter())?;
-            samples(&functions.sample.bind(py).call1((wo, rows(py, u, dimension)?))?, n, channels)
+            let (wo, u) = (directions(py, wos.into_iter())?, rows(py, u, dimension)?);
+            samples(&functions.sample.bind(py).call1((&wo, &u))?, n, channels, &[("wo", &wo), ("u", &u)])
         })
     }
 
@@ -217,8 +217,8 @@ impl BatchBsdf for PythonBsdf {
         let (wos, channels) = (wos.to_vec(), self.channels());
         self.call(move |py, functions| {
             let Some(lobes) = &functions.lobes else { return Ok(vec![Vec::new(); wos.len()]) };
-            let n = wos.len();
-            delta_lobes(&lobes.bind(py).call1((directions(py, wos.into_iter())?,))?, n, channels)
+            let (n, wo) = (wos.len(), directions(py, wos.into_iter())?);
+            delta_lobes(&lobes.bind(py).call1((&wo,))?, n, channels, &[("wo", &wo)])
         })
     }
 }
@@ -228,6 +228,12 @@ fn directions(py: Python<'_>, directions: impl Iterator<Item = Direction>) -> Py
     rows(py, directions.flatten().collect(), 3)
 }
 
+/// The directions of pairs as two arrays.
+fn directions_of<'py>(py: Python<'py>, pairs: &[Pair]) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let side = |side: usize| directions(py, pairs.iter().map(move |pair| pair[side]));
+    Ok((side(0)?, side(1)?))
+}
+
 /// A value in every channel for each entry of an array of the shape `entries`; those that do not count may be NaN.
 fn spectra(
     value: &Bound<'_, PyAny>,
@@ -235,11 +241,12 @@ fn spectra(
     entries: &[usize],
     channels: usize,
     counts: impl Fn(usize) -> bool,
+    given: Given<'_, '_>,
 ) -> PyResult<Vec<Spectrum>> {
     let of_all = [entries, &[channels]].concat();
     let wanted: &[&[usize]] = if channels == 1 { &[entries, &of_all] } else { &[&of_all] };
     let values: Vec<f64> = numbers(value, name)?.of_shape(wanted)?;
-    no_nan(&values, channels, name, counts)?;
+    no_nan(&values, channels, name, counts, given)?;
     let spectrum = |row: &[f64]| std::array::from_fn(|c| row[if channels == 1 { 0 } else { c }]);
     Ok(values.chunks_exact(channels).map(spectrum).collect())
 }
@@ -256,20 +263,25 @@ fn parts<'py, const N: usize>(value: &Bound<'py, PyAny>, wanted: &str) -> PyResu
 }
 
 /// The samples that a function has returned as `BsdfSamples`.
-fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<Option<BsdfSample>>> {
+fn samples(
+    value: &Bound<'_, PyAny>,
+    n: usize,
+    channels: usize,
+    given: Given<'_, '_>,
+) -> PyResult<Vec<Option<BsdfSample>>> {
     let [wi, weight, pdf, delta, valid] = parts::<5>(value, "sample: wanted BsdfSamples(wi, weight, …)")?;
     let missing = |what: &str| PyTypeError::new_err(format!("sample: no {what}"));
     let (wi, weight) = (wi.ok_or_else(|| missing("wi"))?, weight.ok_or_else(|| missing("weight"))?);
     let valid = flags(valid.as_ref(), "sample.valid", n, true)?;
     let delta = flags(delta.as_ref(), "sample.delta", n, false)?;
     let wi: Vec<f64> = numbers(&wi, "sample.wi")?.of_shape(&[&[n, 3]])?;
-    no_nan(&wi, 3, "sample.wi", |i| valid[i])?;
-    let weight = spectra(&weight, "sample.weight", &[n], channels, |i| valid[i])?;
+    no_nan(&wi, 3, "sample.wi", |i| valid[i], given)?;
+    let weight = spectra(&weight, "sample.weight", &[n], channels, |i| valid[i], given)?;
     let pdf = match pdf {
         None => None,
         Some(pdf) => {
             let values: Vec<f64> = numbers(&pdf, "sample.pdf")?.of_shape(&[&[n]])?;
-            no_nan(&values, 1, "sample.pdf", |i| valid[i])?;
+            no_nan(&values, 1, "sample.pdf", |i| valid[i], given)?;
             Some(values)
         }
     };
@@ -288,7 +300,12 @@ fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<
 
 /// The delta lobes that a function has returned: directions (n, k, 3), probabilities (n, k), throughputs (n, k) or (n, k, 3); a
 /// lobe of probability 0 is none.
-fn delta_lobes(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<Vec<DeltaLobe>>> {
+fn delta_lobes(
+    value: &Bound<'_, PyAny>,
+    n: usize,
+    channels: usize,
+    given: Given<'_, '_>,
+) -> PyResult<Vec<Vec<DeltaLobe>>> {
     let [wi, probability, throughput] = parts::<3>(value, "lobes: wanted (wi, probability, throughput)")?;
     let missing = || PyTypeError::new_err("lobes: wanted (wi, probability, throughput), none of them None");
     let wi = numbers::<f64>(&wi.ok_or_else(missing)?, "lobes.wi")?;
@@ -297,11 +314,11 @@ fn delta_lobes(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<
         _ => return Err(wi.wrong_shape(&format!("({n}, k, 3)"))),
     };
     let wi = wi.values;
-    no_nan(&wi, 3, "lobes.wi", |_| true)?;
+    no_nan(&wi, 3 * k, "lobes.wi", |_| true, given)?;
     let probability: Vec<f64> =
         numbers(&probability.ok_or_else(missing)?, "lobes.probability")?.of_shape(&[&[n, k]])?;
-    no_nan(&probability, 1, "lobes.probability", |_| true)?;
-    let throughput = spectra(&throughput.ok_or_else(missing)?, "lobes.throughput", &[n, k], channels, |_| true)?;
+    no_nan(&probability, k, "lobes.probability", |_| true, given)?;
+    let throughput = spectra(&throughput.ok_or_else(missing)?, "lobes.throughput", &[n, k], channels, |_| true, &[])?;
     let lobe = |i: usize| DeltaLobe {
         wi: std::array::from_fn(|c| wi[3 * i + c]),
         probability: probability[i],

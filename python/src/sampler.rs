@@ -1,6 +1,6 @@
 //! Samplers and pdfs that are functions of Python.
 
-use crate::arrays::{Numbers, column, flags, no_nan, numbers, rows};
+use crate::arrays::{Given, Numbers, column, flags, no_nan, numbers, rows};
 use crate::caller::{Caller, run};
 use crate::found::Found;
 use etalon::import::sampler::{Coordinates, Space, Visitor};
@@ -108,16 +108,14 @@ struct Functions<D: Coordinates> {
 }
 
 impl<D: Coordinates> Functions<D> {
-    /// Appends `count` samples, which `call` has the function return.
+    /// Appends the samples that `call` has the function return.
     fn append(
         &self,
-        count: usize,
-        call: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<Py<PyAny>> + Send + 'static,
+        call: impl FnOnce(&D, &Bound<'_, PyAny>) -> PyResult<Vec<Option<Sample<D::Point>>>> + Send + 'static,
         out: &mut Vec<Option<Sample<D::Point>>>,
     ) -> etalon_stats::Result<()> {
         let (domain, sample) = (self.domain, Arc::clone(&self.sample));
-        let job = move |py: Python<'_>| samples(&domain, call(sample.bind(py))?.bind(py), count);
-        out.append(&mut self.caller.call(job)?);
+        out.append(&mut self.caller.call(move |py| call(&domain, sample.bind(py)))?);
         Ok(())
     }
 }
@@ -129,8 +127,12 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
         let (u, dimension) = (u.to_vec(), self.dimension);
-        let count = u.len() / dimension;
-        self.append(count, move |sample| Ok(sample.call1((rows(sample.py(), u, dimension)?,))?.unbind()), out)
+        let call = move |domain: &D, sample: &Bound<'_, PyAny>| {
+            let count = u.len() / dimension;
+            let u = rows(sample.py(), u, dimension)?;
+            samples(domain, &sample.call1((&u,))?, count, &[("u", &u)])
+        };
+        self.append(call, out)
     }
 
     fn sample_seeded(
@@ -139,7 +141,7 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
         seed: u32,
         out: &mut Vec<Option<Sample<D::Point>>>,
     ) -> etalon_stats::Result<()> {
-        self.append(count, move |sample| Ok(sample.call1((count, seed))?.unbind()), out)
+        self.append(move |domain, sample| samples(domain, &sample.call1((count, seed))?, count, &[]), out)
     }
 
     fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
@@ -158,9 +160,11 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
             return Ok(());
         }
         let (at, pdf) = (at.to_vec(), Arc::clone(&self.pdf));
-        out.extend(
-            self.caller.call(move |py| column(&pdf.bind(py).call1((points::<D>(py, &at)?,))?, "pdf", at.len()))?,
-        );
+        let job = move |py: Python<'_>| {
+            let x = points::<D>(py, &at)?;
+            column(&pdf.bind(py).call1((&x,))?, "pdf", at.len(), &[("x", &x)])
+        };
+        out.append(&mut self.caller.call(job)?);
         Ok(())
     }
 
@@ -189,6 +193,7 @@ fn samples<D: Coordinates>(
     domain: &D,
     returned: &Bound<'_, PyAny>,
     n: usize,
+    given: Given<'_, '_>,
 ) -> PyResult<Vec<Option<Sample<D::Point>>>> {
     let [x, pdf, valid, atom] = match returned.cast::<PyTuple>() {
         Err(_) => [Some(returned.clone()), None, None, None],
@@ -207,12 +212,12 @@ fn samples<D: Coordinates>(
     let x: Numbers<f64> = numbers(&x, "sample")?;
     let d = width::<D>();
     let coordinates = if d == 1 { x.of_shape(&[&[n], &[n, 1]])? } else { x.of_shape(&[&[n, d]])? };
-    no_nan(&coordinates, d, "sample", |i| valid[i])?;
+    no_nan(&coordinates, d, "sample", |i| valid[i], given)?;
     let pdf = match pdf {
         None => None,
         Some(pdf) => {
             let values: Vec<f64> = numbers(&pdf, "sample.pdf")?.of_shape(&[&[n]])?;
-            no_nan(&values, 1, "sample.pdf", |i| valid[i] && !atom[i])?;
+            no_nan(&values, 1, "sample.pdf", |i| valid[i] && !atom[i], given)?;
             Some(values)
         }
     };
