@@ -1,8 +1,11 @@
 """The extension module: what the package's own modules call."""
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any, Literal, final
 
+__all__ = ["Found", "check_bsdf", "check_sampler", "compare_images", "detectable", "furnace", "main", "samples_for"]
+
+@final
 class Found:
     @property
     def name(self) -> str: ...
