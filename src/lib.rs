@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call, print |
 //! | `gallery` | one file per figure, the registry of figures, their checks and the page |
+//! | [`summary`] | results of studies for other user interfaces: text, SVG, CSV |
 //! | `view` | results of studies as drawings and tables |
 //! | [`study`] | one file or folder per experiment: computes a plain result |
 //! | [`render`], [`import`], [`export`] | the path tracer and its film; scene files, meshes, external samplers; scenes as files of other renderers |
@@ -43,6 +44,7 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod study;
+pub mod summary;
 mod view;
 
 pub use error::{Error, Result};

@@ -1,5 +1,5 @@
 //! The `etalon` program: everything is in the library.
 
 fn main() -> std::process::ExitCode {
-    etalon::cli::main()
+    etalon::cli::main(std::env::args_os()).into()
 }

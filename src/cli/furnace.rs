@@ -7,7 +7,7 @@ use super::program::ExternalBsdf;
 use super::values::setting;
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::albedo::{Request, Table, WEAK_FURNACE_TOLERANCE, albedo_table};
+use crate::study::albedo::{Request, albedo_table};
 use crate::study::validation::families;
 use crate::view::furnace as view;
 use clap::{ArgAction, Args};
@@ -82,12 +82,11 @@ impl Furnace {
         }
         bar.finish_and_clear();
         let written = target.written(files);
-        console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(text).collect());
-        let is_bad = |table: &Table| table.violations() > 0 || table.weak_deviation().is_some_and(is_wrong);
-        let is_coarse = |table: &Table| table.with_largest_error().is_some_and(|row| row.error > error);
-        Ok(if tables.iter().any(is_bad) {
+        console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(view::text).collect());
+        let verdicts: Vec<etalon_stats::Verdict> = tables.iter().map(|table| table.verdict(error)).collect();
+        Ok(if verdicts.contains(&etalon_stats::Verdict::Reject) {
             Verdict::Rejected
-        } else if tables.iter().any(is_coarse) {
+        } else if verdicts.contains(&etalon_stats::Verdict::Inconclusive) {
             Verdict::Inconclusive
         } else {
             Verdict::Good
@@ -105,72 +104,4 @@ fn find<'a>(all: &'a [families::Family], name: &str) -> Result<&'a families::Fam
     all.iter()
         .find(|family| Family::name(*family) == name)
         .ok_or_else(|| Error::parameter("names", format!("there is no BSDF \"{name}\"")).with_hint("`list` shows all"))
-}
-
-/// Whether a deviation of the weak furnace test is an error; NaN is.
-fn is_wrong(deviation: f64) -> bool {
-    deviation.is_nan() || deviation > WEAK_FURNACE_TOLERANCE
-}
-
-/// What a table says, in a few lines.
-fn text(table: &Table) -> String {
-    let Some([least, most]) = table.extremes() else { return String::new() };
-    let over = table.over.join(" = ");
-    let at = |row: &crate::study::albedo::Row| match over.is_empty() {
-        true => format!("at {:.2}°", row.theta_deg),
-        false => format!("at {:.2}°, {over} = {:.4}", row.theta_deg, row.parameter),
-    };
-    let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    let mut text = format!(
-        "{}{}\n",
-        table.family,
-        if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
-    );
-    for (name, row) in [("smallest", least), ("largest", most)] {
-        text += &format!("  {name} albedo   {:.5} ± {:.1e} {}\n", row.albedo, row.error, at(row));
-    }
-    if let Some(row) = table.with_largest_error() {
-        text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
-    }
-    for (basis, count) in table.bases() {
-        let of = if count == table.rows.len() { String::new() } else { format!(" of {count} albedos") };
-        let confidence = format!("  confidence       99 % for each error{of}");
-        text += &match basis {
-            "certified" => format!("{confidence}, as no weight exceeds what the BSDF declares\n"),
-            "exceeded" => {
-                format!(
-                    "  {count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors\n"
-                )
-            }
-            _ => format!("{confidence}, if means are normally distributed\n"),
-        };
-    }
-    let lost = table.rows.iter().filter(|row| row.lost_by_single_scattering.is_some());
-    if let Some(row) = lost.max_by(|a, b| {
-        a.lost_by_single_scattering.partial_cmp(&b.lost_by_single_scattering).unwrap_or(std::cmp::Ordering::Equal)
-    }) {
-        let share = 100.0 * row.lost_by_single_scattering.unwrap_or(0.0);
-        text += &format!(
-            "  most light lost  {share:.1} % {}, by a metal that absorbs nothing: single scattering alone\n",
-            at(row)
-        );
-    }
-    if let Some(weak) = table.weak_deviation() {
-        let verdict =
-            if is_wrong(weak) { "D and G1 DO NOT BELONG TOGETHER" } else { "D and G1 belong together at these angles" };
-        text += &format!("  weak furnace     1 within {weak:.1e}: {verdict}\n");
-    }
-    text += &match table.violations() {
-        0 if table.above_one() > 0 => {
-            format!(
-                "  {} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares",
-                table.above_one()
-            )
-        }
-        0 => "  no albedo contradicts what the BSDF declares".to_owned(),
-        n => format!(
-            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that are not finite"
-        ),
-    };
-    text + &format!("; {:.1} s\n", table.seconds)
 }

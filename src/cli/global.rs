@@ -4,7 +4,6 @@ use super::arguments::{Arguments, called};
 use crate::output::Target;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, value_parser};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 pub const DEFAULT_SEED: u64 = 1;
 
@@ -119,15 +118,14 @@ impl Verdict {
             false => Self::Rejected,
         }
     }
-}
 
-impl From<Verdict> for ExitCode {
-    fn from(verdict: Verdict) -> Self {
-        Self::from(match verdict {
-            Verdict::Good => 0,
-            Verdict::Rejected => 1,
-            Verdict::Inconclusive => 3,
-        })
+    /// The exit code.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Good => 0,
+            Self::Rejected => 1,
+            Self::Inconclusive => 3,
+        }
     }
 }
 

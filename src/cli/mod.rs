@@ -34,7 +34,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use flags::Flags;
 use global::{Global, Verdict};
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, disable_help_flag = true, after_help = AFTER_HELP)]
@@ -80,14 +80,24 @@ enum Command {
     Completions(completions::Completions),
 }
 
-/// Runs the program on the process's arguments.
-#[must_use]
-pub fn main() -> ExitCode {
+/// Runs the program on `args`, the first of which is its name, and returns the exit code.
+///
+/// It sets what belongs to the whole process: handlers of signals, the number of threads, the limit of memory.
+pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     // Parse the arguments
     let mut command = Cli::command();
     command.build();
-    let matches = command.get_matches_mut();
-    let mut cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
+    let parsed =
+        command.try_get_matches_from_mut(args).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (mut cli, matches) = match parsed {
+        Ok(parsed) => parsed,
+        // The text of --help and --version is an error, too; there is no other place to report that it cannot be printed
+        Err(e) => {
+            let e = e.format(&mut command);
+            let _ = e.print();
+            return if e.use_stderr() { 2 } else { 0 };
+        }
+    };
     cli.global.complete(&command, &matches);
     let console = Console::new(cli.global.json, cli.global.quiet);
     // Set up the process and run
@@ -99,11 +109,11 @@ pub fn main() -> ExitCode {
     }
     let verdict = run(&cli, &console);
     match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
-        Ok(verdict) => verdict.into(),
+        Ok(verdict) => verdict.code(),
         Err(error) => {
             let code = if matches!(error, Error::Interrupted) { 3 } else { 2 };
             Console::error(&Flags::of(&command, &matches).named(error));
-            ExitCode::from(code)
+            code
         }
     }
 }

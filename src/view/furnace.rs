@@ -4,7 +4,7 @@ use super::renders::grid;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::math::Rgb;
 use crate::raster::Image;
-use crate::study::albedo::Table;
+use crate::study::albedo::{Row, Table, is_wrong};
 
 /// Pixels across a sphere's image.
 const PIXELS: usize = 160;
@@ -85,4 +85,67 @@ fn interpolate(places: &[f64], values: &[f64], x: f64) -> f64 {
     let Some((&high, &to)) = places.get(next).zip(values.get(next)) else { return values[0] };
     let (low, from) = (places[next - 1], values[next - 1]);
     from + (to - from) * ((x - low) / (high - low)).clamp(0.0, 1.0)
+}
+
+/// What a table says, in a few lines.
+pub fn text(table: &Table) -> String {
+    let Some([least, most]) = table.extremes() else { return String::new() };
+    let over = table.over.join(" = ");
+    let at = |row: &Row| match over.is_empty() {
+        true => format!("at {:.2}°", row.theta_deg),
+        false => format!("at {:.2}°, {over} = {:.4}", row.theta_deg, row.parameter),
+    };
+    let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    let mut text = format!(
+        "{}{}\n",
+        table.family,
+        if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
+    );
+    for (name, row) in [("smallest", least), ("largest", most)] {
+        text += &format!("  {name} albedo   {:.5} ± {:.1e} {}\n", row.albedo, row.error, at(row));
+    }
+    if let Some(row) = table.with_largest_error() {
+        text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
+    }
+    for (basis, count) in table.bases() {
+        let of = if count == table.rows.len() { String::new() } else { format!(" of {count} albedos") };
+        let confidence = format!("  confidence       99 % for each error{of}");
+        text += &match basis {
+            "certified" => format!("{confidence}, as no weight exceeds what the BSDF declares\n"),
+            "exceeded" => {
+                format!(
+                    "  {count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors\n"
+                )
+            }
+            _ => format!("{confidence}, if means are normally distributed\n"),
+        };
+    }
+    let lost = table.rows.iter().filter(|row| row.lost_by_single_scattering.is_some());
+    if let Some(row) = lost.max_by(|a, b| {
+        a.lost_by_single_scattering.partial_cmp(&b.lost_by_single_scattering).unwrap_or(std::cmp::Ordering::Equal)
+    }) {
+        let share = 100.0 * row.lost_by_single_scattering.unwrap_or(0.0);
+        text += &format!(
+            "  most light lost  {share:.1} % {}, by a metal that absorbs nothing: single scattering alone\n",
+            at(row)
+        );
+    }
+    if let Some(weak) = table.weak_deviation() {
+        let verdict =
+            if is_wrong(weak) { "D and G1 DO NOT BELONG TOGETHER" } else { "D and G1 belong together at these angles" };
+        text += &format!("  weak furnace     1 within {weak:.1e}: {verdict}\n");
+    }
+    text += &match table.violations() {
+        0 if table.above_one() > 0 => {
+            format!(
+                "  {} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares",
+                table.above_one()
+            )
+        }
+        0 => "  no albedo contradicts what the BSDF declares".to_owned(),
+        n => format!(
+            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that are not finite"
+        ),
+    };
+    text + &format!("; {:.1} s\n", table.seconds)
 }

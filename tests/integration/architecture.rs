@@ -20,7 +20,7 @@ const LAYERS: &[&[&str]] = &[
     &["import", "export", "render"],
     &["study"],
     &["view"],
-    &["gallery"],
+    &["gallery", "summary"],
     &["cli"],
 ];
 

@@ -9,6 +9,7 @@ use crate::output;
 use crate::study::compare::{Answer, Compared, FamilyResult, Noise, Plan, Side, compare};
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
+use crate::view::compare_text::{sentence, text};
 use crate::view::text::{counted, p_is, rounded};
 use serde::Serialize;
 use std::time::Instant;
@@ -88,7 +89,7 @@ impl Compare {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
         }
         let shown = result(&compared);
-        console.saved(&shown, &written, || text(&shown));
+        console.saved(&shown, &written, || text(&compared));
         Ok(match compared.answer {
             Answer::Different => Verdict::Rejected,
             Answer::NoDifferenceFound => Verdict::Good,
@@ -123,58 +124,6 @@ fn result(compared: &Compared) -> Output {
         tile_side: compared.tile_side,
         families: compared.families.iter().map(family).collect(),
     }
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
-}
-
-/// The verdict in words.
-fn sentence(compared: &Compared) -> String {
-    let power = compared
-        .uniform_bias
-        .map(|bias| format!("a uniform bias of {} would have been found with 90 %", percent(bias)));
-    match (compared.answer, power) {
-        (Answer::Different, _) => "different".into(),
-        (Answer::NoDifferenceFound, Some(power)) => format!("no difference found; {power}"),
-        (_, Some(power)) => {
-            format!("cannot tell: no difference found, but only {power}, not one of {}", percent(compared.plan.detect))
-        }
-        (_, None) if compared.families.iter().any(|family| family.dominated > 0) => {
-            "cannot tell: a few samples dominate the mean of the image".into()
-        }
-        (_, None) => {
-            "cannot tell: too few replicates to know which bias would have been found, or the image is black".into()
-        }
-    }
-}
-
-fn text(output: &Output) -> String {
-    let mut text = format!("{}\n", output.sentence);
-    for family in &output.families {
-        text += &format!("{:<14} ", family.family);
-        text += &match (family.untested, family) {
-            (Some(reason), _) => format!("not tested: {reason}"),
-            (None, Family { p: Some(p), worst: Some(worst), channel, mean_a, mean_b, .. }) => {
-                let [a, b] = [mean_a, mean_b].map(|mean| mean.unwrap_or(f64::NAN));
-                let (p, tests) = (p_is(*p), counted(family.tests, "test"));
-                let [a, b] = [a, b].map(|mean| rounded(mean, 5));
-                format!("{p:<12} of {tests}; most at {worst}, {}: A {a}, B {b}", channel.unwrap_or(""))
-            }
-            _ => "nothing that can be tested".into(),
-        };
-        if family.dominated > 0 {
-            text += &format!("\n{:<15}{} inconclusive: a few samples dominate", "", family.dominated);
-        }
-        text.push('\n');
-    }
-    if let Some(bias) = output.tile_bias {
-        text += &format!(
-            "in half of the tiles, a bias of {} of the image's mean would have been found with 90 %\n",
-            percent(bias)
-        );
-    }
-    text
 }
 
 /// A check for each family of tests, and one for what would have been found if that is too little.

@@ -3,7 +3,6 @@
 mod calibration;
 mod external;
 mod planted;
-mod summary;
 
 use super::console::Console;
 use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
@@ -13,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::output;
 use crate::study::validation::{Tested, Validation, run, select, suite};
 use crate::view::checks::{Check, Checks};
-use crate::view::{validation as view, validation_cells as cells};
+use crate::view::{validation as view, validation_cells as cells, validation_text};
 use clap::Args;
 use etalon_stats::{Protocol, SampleCount};
 use external::{SampleSource, Subject};
@@ -119,7 +118,7 @@ impl Validate {
         }
         let mut written = target.written(files);
         written.files.extend(self.reports.write(&checks(&validation))?);
-        console.saved(&validation, &written, || summary::text(&validation));
+        console.saved(&validation, &written, || validation_text::text(&validation));
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
             Validation { rejected: 1.., .. } => Verdict::Rejected,
@@ -172,7 +171,7 @@ fn checks(validation: &Validation) -> Checks {
             group: group.into(),
             name: own.into(),
             verdict: outcome.verdict,
-            message: summary::found(outcome),
+            message: validation_text::found(outcome),
             details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { outcome.to_string() },
             seconds: Some(outcome.seconds),
         }

@@ -1,6 +1,5 @@
 //! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
 
-use super::summary::{found, p_value};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::reports::Reports;
@@ -11,6 +10,7 @@ use crate::study::validation::planted::{self, By, Finding, Findings, PlantedFaul
 use crate::view::checks::{Check, Checks};
 use crate::view::planted as view;
 use crate::view::text::{counted, wrapped};
+use crate::view::validation_text::{found, p_value};
 use etalon_stats::Protocol;
 
 pub use planted::all;

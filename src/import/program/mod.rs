@@ -11,7 +11,7 @@ mod connection;
 mod greeting;
 mod group;
 mod process;
-mod properties;
+pub mod properties;
 pub mod sampler;
 
 pub use answer::Answer;

@@ -10,17 +10,25 @@ use etalon_stats::bsdf::{Energy, PdfKind, Properties, Reciprocity};
 pub fn declared(known: Properties, greeting: &Greeting) -> Result<Properties> {
     let mut properties = known;
     for (key, value) in &greeting.keys {
-        apply(&mut properties, key, value).ok_or_else(|| greeting.meaningless(key, value))?;
+        declare(&mut properties, key, value).ok_or_else(|| greeting.meaningless(key, value))?;
     }
-    let in_range = |axis: usize| axis < properties.dimension;
-    if properties.map.is_some_and(|[a, b]| a == b || !in_range(a) || !in_range(b)) {
-        return Err(greeting.wrong("has a map that is not of two different random numbers of a sample"));
+    if has_sound_map(&properties) {
+        Ok(properties)
+    } else {
+        Err(greeting.wrong("has a map that is not of two different random numbers of a sample"))
     }
-    Ok(properties)
 }
 
-/// `None` where key or value has no meaning.
-fn apply(properties: &mut Properties, key: &str, value: &str) -> Option<()> {
+/// Whether the map, if there is one, is of two different random numbers of a sample.
+#[must_use]
+pub fn has_sound_map(properties: &Properties) -> bool {
+    let in_range = |axis: usize| axis < properties.dimension;
+    properties.map.is_none_or(|[a, b]| a != b && in_range(a) && in_range(b))
+}
+
+/// Declares a property by its key; `None` where key or value has no meaning.
+#[must_use]
+pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()> {
     let yes = || match value {
         "yes" => Some(true),
         "no" => Some(false),

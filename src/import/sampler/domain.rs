@@ -15,6 +15,9 @@ pub trait Coordinates: Domain + Copy + Send + 'static {
     /// The point with coordinates of the list `names` of [`NAMES`](Self::NAMES); `None` if no point can have them.
     fn point(&self, names: usize, coordinates: &[f64]) -> Option<Self::Point>;
 
+    /// Appends the coordinates of the first list of [`NAMES`](Self::NAMES).
+    fn coordinates(point: Self::Point, out: &mut Vec<f64>);
+
     /// Appends the coordinates, with spaces between them, to be read back to the last bit.
     fn write(point: Self::Point, out: &mut String);
 
@@ -53,6 +56,10 @@ impl Coordinates for Directions {
         })
     }
 
+    fn coordinates(point: [f64; 3], out: &mut Vec<f64>) {
+        out.extend(point);
+    }
+
     fn write(point: [f64; 3], out: &mut String) {
         write_numbers(&point, out);
     }
@@ -72,6 +79,10 @@ impl Coordinates for Square {
         coordinates.try_into().ok()
     }
 
+    fn coordinates(point: [f64; 2], out: &mut Vec<f64>) {
+        out.extend(point);
+    }
+
     fn write(point: [f64; 2], out: &mut String) {
         write_numbers(&point, out);
     }
@@ -83,6 +94,10 @@ impl Coordinates for Line {
 
     fn point(&self, _: usize, coordinates: &[f64]) -> Option<f64> {
         coordinates.first().copied()
+    }
+
+    fn coordinates(point: f64, out: &mut Vec<f64>) {
+        out.push(point);
     }
 
     fn write(point: f64, out: &mut String) {
@@ -97,6 +112,10 @@ impl Coordinates for Discrete {
     fn point(&self, _: usize, coordinates: &[f64]) -> Option<usize> {
         let i = coordinates.first().copied()?;
         (i >= 0.0 && i.fract() == 0.0 && i < 2f64.powi(53)).then_some(i as usize)
+    }
+
+    fn coordinates(point: usize, out: &mut Vec<f64>) {
+        out.push(point as f64);
     }
 
     fn write(point: usize, out: &mut String) {

@@ -1,13 +1,14 @@
 //! Results of tests as text: a line for each test if they are few, else one for each family and one for each test that is not
 //! accepted or has a remark.
 
+use super::text::{counted, p_is, plain_p_value, rounded, wrapped};
 use crate::study::validation::{Tested, Validation};
-use crate::view::text::{counted, p_is, plain_p_value, wrapped};
 use etalon_stats::{Outcome, Verdict};
 
 /// More tests than these are summarized by family.
 const FEW: usize = 40;
 
+/// What a run found.
 pub fn text(validation: &Validation) -> String {
     let tests = &validation.tests;
     let mut text = String::new();
@@ -24,7 +25,7 @@ pub fn text(validation: &Validation) -> String {
     text += &format!(
         "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
         counted(tests.len(), "test"),
-        validation.level,
+        rounded(validation.level, 3).parse().unwrap_or(validation.level),
         validation.seed,
         validation.accepted,
         validation.rejected,

@@ -1,0 +1,220 @@
+"""Tests of whole BSDFs, and furnace tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from . import _native
+from ._plan import function, plan
+from ._result import Result
+
+
+class BsdfSamples(NamedTuple):
+    """What `sample` of a `Bsdf` returns.
+
+    Attributes:
+        wi: directions to the light, shape (n, 3).
+        weight: f |cos| / pdf, shape (n,) or (n, channels); of a delta lobe, what it does to radiance over its probability.
+        pdf: per sr, shape (n,), as `Bsdf.pdf` returns it, to the last bit; of a delta lobe, its probability.
+        delta: bool, shape (n,): True where `wi` is the direction of a delta lobe.
+        valid: bool, shape (n,): False where no light is scattered. Other values of such a row do not count, NaN included.
+    """
+
+    wi: Any
+    weight: Any
+    pdf: Any = None
+    delta: Any = None
+    valid: Any = None
+
+
+@dataclass(frozen=True)
+class Bsdf:
+    """A BSDF under test: its functions, and what it declares of itself.
+
+    Directions are unit vectors, shape (n, 3), in the local frame with the normal at +z, and point away from the surface.
+
+    Attributes:
+        sample: maps wo and uniform random numbers, shape (n, dimension), to `BsdfSamples`.
+        eval: f(wo, wi) without the cosine, in 1/sr, shape (n,) or (n, channels), of all lobes but delta lobes. A stochastic one gets
+            random numbers, shape (n, stochastic), as a third argument and returns values whose mean is f.
+        pdf: pdf(wo, wi) of the samples per sr, shape (n,), delta lobes left out; None if there is none.
+        lobes: the delta lobes for wo: directions, shape (n, k, 3), probabilities, shape (n, k), and the factors of radiance, shape
+            (n, k) or (n, k, channels). A lobe of probability 0 is none.
+        channels: 1 or 3.
+        scatters: to which sides.
+        eta: the index of refraction below the surface over that above it.
+        reciprocal: whether f(wi, wo) = f(wo, wi), with the factor eta² of refracted radiance.
+        energy: "at-most-1", "any", or "conserved:E": all light is scattered, within E.
+        approximate_pdf: whether samples follow `pdf` only about.
+        dimension: random numbers of a sample, 1 to 64.
+        map: the two of them, counted from 0, that a lobe maps to directions one to one; the first of the others chooses the lobe.
+        stochastic: random numbers of `eval`.
+        precision: of the arithmetic: exact checks allow for its rounding.
+    """
+
+    sample: Callable[..., Any]
+    eval: Callable[..., Any]
+    pdf: Callable[..., Any] | None = None
+    lobes: Callable[..., Any] | None = None
+    channels: Literal[1, 3] = 1
+    scatters: Literal["reflection", "transmission", "both"] = "reflection"
+    eta: float = 1.0
+    reciprocal: bool = True
+    energy: str = "at-most-1"
+    approximate_pdf: bool = False
+    dimension: int = 3
+    map: tuple[int, int] | None = None
+    stochastic: int = 0
+    precision: Literal["single", "double"] = "double"
+
+    def __post_init__(self) -> None:
+        for name in ("sample", "eval", "pdf", "lobes"):
+            if name in ("sample", "eval") or getattr(self, name) is not None:
+                function(getattr(self, name), name)
+
+    @property
+    def properties(self) -> list[tuple[str, str]]:
+        """What it declares, by the keys of the protocol for external programs."""
+        kind = "none" if self.pdf is None else "approximate" if self.approximate_pdf else "exact"
+        # The map refers to the dimension, which comes first
+        declared = {
+            "channels": self.channels,
+            "scatters": self.scatters,
+            "delta": "no" if self.lobes is None else "yes",
+            "eta": float(self.eta),
+            "reciprocal": "yes" if self.reciprocal else "no",
+            "energy": self.energy,
+            "pdf": kind,
+            "dimension": self.dimension,
+            "stochastic": self.stochastic,
+            "precision": self.precision,
+        } | ({} if self.map is None else {"map": f"{self.map[0]},{self.map[1]}"})
+        return [(key, str(value)) for key, value in declared.items()]
+
+
+@dataclass(frozen=True)
+class _Bsdfs:
+    """BSDFs over their parameters as the extension takes them."""
+
+    name: str
+    make: Callable[..., Bsdf]
+    parameters: list[tuple[str, float, float, float]]
+
+
+def check_bsdf(
+    bsdf: Bsdf,
+    *,
+    name: str = "bsdf",
+    level: float = 0.01,
+    detect: float = 0.02,
+    samples: int | None = None,
+    seed: int = 1,
+) -> Result:
+    """Tests a whole BSDF, values, weights, pdf, delta lobes and energy, each against the others, for six directions wo.
+
+    The checks are those of `etalon validate --exec` for BSDFs, with the same result for the same functions and seed. Each is one of
+    the result's `checks`.
+
+    Args:
+        bsdf: the functions.
+        name: of the test, in messages and figures.
+        level: the probability that any check rejects a BSDF that is right.
+        detect: the relative error to be detected with a probability of 90 %.
+        samples: the number of samples of each statistical check, in place of what `detect` asks for.
+        seed: of all random numbers.
+
+    Raises:
+        ValueError: for an argument out of range, and for an array of a wrong shape or with NaN from a function.
+        TypeError: for an array of something else than real numbers.
+        Exception: whatever a function raises, unchanged.
+    """
+    if not isinstance(bsdf, Bsdf):
+        raise TypeError(f"bsdf: wanted a Bsdf, not {type(bsdf).__name__}")
+    bsdfs = _Bsdfs(name, lambda: bsdf, [])
+    return Result(_native.check_bsdf(bsdfs, plan(level, detect, samples, seed)))
+
+
+def assert_bsdf(bsdf: Bsdf, **options: Any) -> Result:
+    """As `check_bsdf`, for tests.
+
+    Raises:
+        AssertionError: if a check does not accept, with all that was found.
+    """
+    __tracebackhide__ = True
+    return check_bsdf(bsdf, **options).check()
+
+
+@dataclass(frozen=True)
+class _Tabulated:
+    """What a furnace test tabulates, as the extension takes it."""
+
+    over: list[str]
+    set: list[tuple[str, float]]
+    size: tuple[int, int]
+    error: float
+    seed: int
+
+
+def furnace(
+    bsdf: Bsdf | Callable[..., Bsdf] | str,
+    *,
+    parameters: Mapping[str, tuple[float, float, float]] | None = None,
+    over: Sequence[str] = (),
+    set: Mapping[str, float] | None = None,
+    size: tuple[int, int] = (32, 32),
+    error: float | None = None,
+    name: str = "bsdf",
+    seed: int = 1,
+) -> Result:
+    """Tabulates the directional albedo over the angle and a parameter, and tests that no light is created.
+
+    Args:
+        bsdf: a BSDF; a function that makes one for values of its `parameters`, given by name; or a BSDF of the program (see
+            `etalon furnace --list`).
+        parameters: the usual value, the lower and the upper end of each parameter of a function.
+        over: the parameters that vary together; by default the first.
+        set: values of others, in place of their usual ones.
+        size: numbers of angles and of values of the parameter, 1 to 4096 of each.
+        error: the largest error of an albedo; 0.01 by default, 0.0001 for a BSDF of the program.
+        name: of the BSDF, in messages and figures.
+        seed: of all random numbers.
+
+    Raises:
+        ValueError: for an argument out of range, and for an array of a wrong shape or with NaN from a function.
+        TypeError: for an array of something else than real numbers.
+        Exception: whatever a function raises, unchanged.
+    """
+    tabulated = _Tabulated(
+        list(over),
+        [(key, float(value)) for key, value in (set or {}).items()],
+        size,
+        error if error is not None else 1e-4 if isinstance(bsdf, str) else 0.01,
+        seed,
+    )
+    if isinstance(bsdf, str):
+        if parameters is not None:
+            raise ValueError(f'parameters: "{bsdf}" is a BSDF of the program, which has its own')
+        return Result(_native.furnace(bsdf, tabulated))
+    if isinstance(bsdf, Bsdf):
+        one = bsdf
+        if parameters:
+            raise ValueError("parameters: wanted a function that makes the BSDF for their values")
+        return Result(_native.furnace(_Bsdfs(name, lambda: one, []), tabulated))
+    function(bsdf, "bsdf")
+    ranges = [(key, float(value), float(low), float(high)) for key, (value, low, high) in (parameters or {}).items()]
+    for key, value, low, high in ranges:
+        if not low <= value <= high:
+            raise ValueError(f"parameters: {key} = {value} is not from {low} to {high}")
+    return Result(_native.furnace(_Bsdfs(name, bsdf, ranges), tabulated))
+
+
+def assert_furnace(bsdf: Bsdf | Callable[..., Bsdf] | str, **options: Any) -> Result:
+    """As `furnace`, for tests.
+
+    Raises:
+        AssertionError: if a BSDF creates light, or errors are larger than asked for.
+    """
+    __tracebackhide__ = True
+    return furnace(bsdf, **options).check()

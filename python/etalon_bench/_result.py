@@ -1,0 +1,152 @@
+"""What a test found."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import html
+import io
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Found
+
+Verdict = Literal["accept", "reject", "inconclusive"]
+
+
+class Result:
+    """What a test found. True in a condition if the verdict is "accept".
+
+    In a notebook, a result shows its text and its figure.
+    """
+
+    def __init__(self, found: Found) -> None:
+        self._found = found
+
+    @property
+    def name(self) -> str:
+        """The name of the test."""
+        return self._found.name
+
+    @property
+    def verdict(self) -> Verdict:
+        """"accept", "reject" or "inconclusive".
+
+        A test that accepts would have detected an error of the size `detectable` with a probability of 90 %. An inconclusive one
+        has too few samples, or an integral too uncertain, to say anything: it is not a pass.
+        """
+        return self._found.verdict
+
+    @property
+    def p(self) -> float | None:
+        """Probability of findings at least this bad if what is tested is right; of a run of several tests, of its worst one."""
+        return self._found.p
+
+    @property
+    def detectable(self) -> float | None:
+        """The smallest error that is detected with a probability of 90 %.
+
+        Of a sampler: the relative error of the pdf, root mean square over the cells. Of a BSDF: the largest of all its statistical
+        tests. Of images: the relative bias of a whole image. Of a furnace test: the largest error of an albedo.
+        """
+        return self._found.detectable
+
+    @property
+    def statistic(self) -> float | None:
+        """Pearson's chi-square, of a sampler."""
+        return self._found.statistic
+
+    @property
+    def degrees_of_freedom(self) -> int | None:
+        """Those of `statistic`."""
+        return self._found.dof
+
+    @property
+    def integral(self) -> float | None:
+        """What the pdf integrates to, atoms included."""
+        return self._found.integral
+
+    @property
+    def samples(self) -> int:
+        """Samples that were taken; of a comparison of images, their number."""
+        return self._found.samples
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time of the test."""
+        return self._found.seconds
+
+    @property
+    def reason(self) -> str | None:
+        """What an exact check found wrong, or why the test is inconclusive."""
+        return self._found.reason
+
+    @property
+    def places(self) -> list[str]:
+        """Where it fails, in words: "17 % too few within 2.0° of the horizon"."""
+        return self._found.places
+
+    @cached_property
+    def checks(self) -> list[Result]:
+        """The single tests of a BSDF, which share its level."""
+        return [Result(check) for check in self._found.checks]
+
+    @cached_property
+    def table(self) -> dict[str, NDArray[Any]]:
+        """The numbers behind the result: columns by name, as in the program's CSV files.
+
+        Of a sampler, a row for each cell (`x_from`, `x_to`, … in the domain's chart, `observed`, `expected`, `residual`); of a BSDF,
+        for each test; of images, for each functional and channel; of a furnace test, for each albedo. Missing numbers are NaN.
+        """
+        text = self._found.csv()
+        if text is None:
+            return {}
+        header, *rows = csv.reader(io.StringIO(text))
+        return {name: _column([row[i] for row in rows]) for i, name in enumerate(header)}
+
+    def __bool__(self) -> bool:
+        return self.verdict == "accept"
+
+    def __str__(self) -> str:
+        return self._found.text.rstrip()
+
+    def __repr__(self) -> str:
+        p = "" if self.p is None else f", p={self.p:.3g}"
+        detectable = "" if self.detectable is None else f", detectable={self.detectable:.3g}"
+        return f"<Result {self.name}: {self.verdict}{p}{detectable}>"
+
+    def _repr_svg_(self) -> str | None:
+        return self._found.svg()
+
+    def _repr_html_(self) -> str:
+        svg = self._repr_svg_()
+        return f"<pre>{html.escape(str(self))}</pre>{'' if svg is None else image(svg)}"
+
+    def check(self) -> Result:
+        """Returns the result itself if it accepts.
+
+        Raises:
+            AssertionError: with all that the test found, otherwise.
+        """
+        __tracebackhide__ = True
+        if not self:
+            raise AssertionError(f"{self.name}: {self.verdict}\n{self}")
+        return self
+
+
+def image(svg: str) -> str:
+    """A figure as an element of HTML that shares no names with others of its page."""
+    return f'<img alt="figure" src="data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}">'
+
+
+def _column(texts: list[str]) -> NDArray[Any]:
+    """Numbers or truth values if all texts are, else the texts."""
+    if texts and all(text in ("true", "false") for text in texts):
+        return np.array([text == "true" for text in texts])
+    try:
+        return np.array([float(text) if text else np.nan for text in texts])
+    except ValueError:
+        return np.array(texts)

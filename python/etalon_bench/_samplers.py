@@ -1,0 +1,126 @@
+"""Tests of samplers against their pdfs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from . import _native
+from ._plan import function, plan
+from ._result import Result
+
+
+class Samples(NamedTuple):
+    """What `sample` returns where an array of points does not say all.
+
+    Attributes:
+        x: the points, shape (n, d).
+        pdf: the pdf that the sampler returns with each point, shape (n,): it must be what `pdf` returns, to the last bit.
+        valid: bool, shape (n,): False where there is no sample, such as a direction below the horizon. The probability of that is
+            1 minus the integral of the pdf. Other values of such a row do not count, NaN included.
+        atom: bool, shape (n,): True where the point is one of the `atoms`.
+    """
+
+    x: Any
+    pdf: Any = None
+    valid: Any = None
+    atom: Any = None
+
+
+@dataclass(frozen=True)
+class _Sampler:
+    """A sampler as the extension takes it."""
+
+    name: str
+    sample: Callable[..., Any]
+    pdf: Callable[..., Any]
+    invert: Callable[..., Any] | None
+    dimension: int | None
+    mass: float | None
+    atoms: list[tuple[list[float], float]]
+
+
+def check_sampler(
+    sample: Callable[..., Any],
+    pdf: Callable[..., Any],
+    domain: str,
+    *,
+    dimension: int | None = None,
+    mass: float | Literal["at-most-1"] = 1.0,
+    atoms: Sequence[tuple[Sequence[float] | float, float]] = (),
+    invert: Callable[..., Any] | None = None,
+    name: str = "sampler",
+    level: float = 0.01,
+    detect: float = 0.02,
+    samples: int | None = None,
+    seed: int = 1,
+) -> Result:
+    """Tests whether samples follow their pdf: exact checks first, then Pearson's chi-square over cells and finer parts.
+
+    The functions get and return arrays of float64; whatever `numpy.asarray` takes may be returned. They run in the thread that calls
+    this function, one at a time, for some thousand samples each time. With equal functions, `seed` and `name`, the result is
+    that of `etalon validate --exec`.
+
+    Args:
+        sample: maps uniform random numbers from [0, 1), shape (n, dimension), to points, shape (n, d), or to `Samples`. With
+            dimension 0, it is called as sample(n, seed) and has random numbers of its own; equal seeds give equal samples.
+        pdf: the pdf at points, shape (n, d), in the domain's measure; shape (n,).
+        domain: "sphere" (unit vectors, d = 3, per sr), "hemisphere" (those with z >= 0), "square" (d = 2, from 0 to 1),
+            "line" (from 0 to 1) or "discrete:N" (the integers below N). Points of the last two have the shape (n,).
+        dimension: random numbers of a sample, 0 to 64; by default 2, and 1 on a line and for a discrete domain.
+        mass: what the pdf integrates to, atoms included; below 1 where there may be no sample, "at-most-1" if it is not known.
+        atoms: points that are sampled with a probability of their own, such as the direction of a mirror, and the probability.
+        invert: the inverse of `sample`, to be tested too: points, shape (1, d), to random numbers, shape (1, dimension).
+        name: of the test, in messages and figures. The random numbers depend on it.
+        level: the probability of rejecting a sampler that is right.
+        detect: the relative error of the pdf (root mean square over 200 cells) that is detected with a probability of 90 %: it
+            decides on the number of samples.
+        samples: the number of samples, in place of what `detect` asks for.
+        seed: of all random numbers.
+
+    Raises:
+        ValueError: for an argument out of range, and for an array of a wrong shape or with NaN from a function.
+        TypeError: for an array of something else than real numbers.
+        Exception: whatever a function raises, unchanged.
+    """
+    function(sample, "sample")
+    function(pdf, "pdf")
+    if invert is not None:
+        function(invert, "invert")
+    if dimension is not None and not 0 <= dimension <= 64:
+        raise ValueError(f"dimension: {dimension}; wanted 0 to 64 random numbers")
+    share = None if mass == "at-most-1" else float(mass)
+    if share is not None and not 0 <= share <= 1:
+        raise ValueError(f'mass: {mass}; wanted a number from 0 to 1, or "at-most-1"')
+    points = [([float(x) for x in (at if isinstance(at, Sequence) else [at])], float(share)) for at, share in atoms]
+    sampler = _Sampler(name, sample, pdf, invert, dimension, share, points)
+    return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
+
+
+def assert_sampler(sample: Callable[..., Any], pdf: Callable[..., Any], domain: str, **options: Any) -> Result:
+    """As `check_sampler`, for tests.
+
+    Raises:
+        AssertionError: if the verdict is not "accept", with all that the test found.
+    """
+    __tracebackhide__ = True
+    return check_sampler(sample, pdf, domain, **options).check()
+
+
+def min_discrepancy_of_pdfs_detectable(samples: int, *, level: float = 0.01) -> float:
+    """The smallest relative error of a pdf (root mean square over 200 cells) that so many samples detect with a probability of 90 %.
+
+    Raises:
+        ValueError: for a number of samples below 1 and a level that is not between 0 and 1.
+    """
+    return _native.detectable(samples, level)
+
+
+def min_num_samples_for_sampler_test(discrepancy: float, *, level: float = 0.01) -> int:
+    """The number of samples that detect a relative error of a pdf with a probability of 90 %.
+
+    Raises:
+        ValueError: for a discrepancy that is not above 0 and at most 1, and a level that is not between 0 and 1.
+    """
+    return _native.samples_for(discrepancy, level)

@@ -1,0 +1,183 @@
+//! What a test found, as Python sees it.
+
+use crate::errors;
+use etalon::study::albedo::Table;
+use etalon::study::compare::{Answer, Compared};
+use etalon::study::validation::{Tested, Validation};
+use etalon::summary::Summary;
+use etalon_stats::Verdict;
+use etalon_stats::multiple::any_of;
+use pyo3::prelude::*;
+
+/// A result; see `etalon_bench.Result`.
+#[pyclass(frozen, module = "etalon_bench._native")]
+pub struct Found {
+    #[pyo3(get)]
+    name: String,
+    /// "accept", "reject" or "inconclusive".
+    #[pyo3(get)]
+    verdict: String,
+    #[pyo3(get)]
+    p: Option<f64>,
+    #[pyo3(get)]
+    statistic: Option<f64>,
+    #[pyo3(get)]
+    dof: Option<usize>,
+    #[pyo3(get)]
+    detectable: Option<f64>,
+    #[pyo3(get)]
+    integral: Option<f64>,
+    #[pyo3(get)]
+    samples: u64,
+    #[pyo3(get)]
+    seconds: f64,
+    #[pyo3(get)]
+    reason: Option<String>,
+    /// Where it fails, a place each.
+    #[pyo3(get)]
+    places: Vec<String>,
+    #[pyo3(get)]
+    text: String,
+    /// The single tests of a run.
+    #[pyo3(get)]
+    checks: Vec<Py<Found>>,
+    summary: Box<dyn Summary + Send + Sync>,
+}
+
+#[pymethods]
+impl Found {
+    /// The figure as an SVG document, if there is one.
+    fn svg(&self, py: Python<'_>) -> Option<String> {
+        py.detach(|| self.summary.svg())
+    }
+
+    /// The table as a CSV document, if there is one.
+    fn csv(&self) -> PyResult<Option<String>> {
+        let csv = self.summary.csv().map_err(errors::of)?;
+        Ok(csv.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
+    }
+}
+
+impl Found {
+    fn new(name: &str, verdict: Verdict, text: String, summary: impl Summary + Send + Sync + 'static) -> Self {
+        Self {
+            name: name.to_owned(),
+            verdict: verdict.to_string(),
+            p: None,
+            statistic: None,
+            dof: None,
+            detectable: None,
+            integral: None,
+            samples: 0,
+            seconds: 0.0,
+            reason: None,
+            places: Vec::new(),
+            text,
+            checks: Vec::new(),
+            summary: Box::new(summary),
+        }
+    }
+
+    /// One test, with `text` in place of its summary's, if given.
+    pub fn of_test(tested: Tested, text: Option<String>) -> Self {
+        let outcome = tested.outcome.clone();
+        let text = text.unwrap_or_else(|| tested.text());
+        let places = outcome.diagnosis.iter().flat_map(|places| places.split("; ")).map(str::to_owned).collect();
+        Self {
+            p: outcome.p,
+            statistic: Some(outcome.statistic).filter(|_| outcome.dof > 0),
+            dof: Some(outcome.dof).filter(|dof| *dof > 0),
+            detectable: outcome.detectable,
+            integral: outcome.mass.map(|mass| mass.value),
+            samples: outcome.samples,
+            seconds: outcome.seconds,
+            reason: outcome.remark().map(str::to_owned),
+            places,
+            ..Self::new(&tested.name.clone(), outcome.verdict, text, tested)
+        }
+    }
+
+    /// A run of tests that share a level.
+    pub fn of_run(py: Python<'_>, name: &str, run: Validation) -> PyResult<Self> {
+        let outcomes = || run.tests.iter().map(|test| &test.outcome);
+        let verdict = match &run {
+            Validation { rejected: 1.., .. } => Verdict::Reject,
+            Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
+            _ => Verdict::Accept,
+        };
+        let least = outcomes().filter_map(|outcome| outcome.p).min_by(f64::total_cmp);
+        let bad = || run.tests.iter().filter(|test| !test.outcome.is_accepted());
+        let places = bad().map(|test| format!("{}: {}", test.name, why(test))).collect();
+        let checks = run.tests.iter().map(|test| Py::new(py, Self::of_test(test.clone(), None)));
+        Ok(Self {
+            // Below the level if and only if the step-down rejects at least one
+            p: least.map(|p| any_of(p, run.tests.len())),
+            // Exact checks state what they tolerate, which is no power
+            detectable: outcomes()
+                .filter(|outcome| outcome.p.is_some())
+                .filter_map(|outcome| outcome.detectable)
+                .max_by(f64::total_cmp),
+            samples: outcomes().map(|outcome| outcome.samples).sum(),
+            seconds: run.seconds,
+            reason: bad().next().map(|test| format!("{}: {}", test.name, why(test))),
+            places,
+            checks: checks.collect::<PyResult<_>>()?,
+            ..Self::new(name, verdict, run.text(), run)
+        })
+    }
+
+    /// Two renderers.
+    pub fn of_comparison(name: &str, compared: Compared, seconds: f64) -> Self {
+        let (verdict, text) = (
+            match compared.answer {
+                Answer::Different => Verdict::Reject,
+                Answer::NoDifferenceFound => Verdict::Accept,
+                Answer::CannotTell => Verdict::Inconclusive,
+            },
+            compared.text(),
+        );
+        let level = compared.plan.level;
+        let is_different = |p: &Option<f64>| p.is_some_and(|p| p < level);
+        let worst = compared.families.iter().filter(|family| is_different(&family.adjusted_p));
+        let place = |worst: &etalon::study::compare::Tested| {
+            let [a, b] = worst.means;
+            format!("{}, {}: {a:.6} and {b:.6}", worst.functional, compared.channels[worst.channel])
+        };
+        let places = worst.filter_map(|family| family.worst.as_ref()).map(place).collect();
+        Self {
+            p: compared.families.iter().filter_map(|family| family.adjusted_p).min_by(f64::total_cmp),
+            detectable: compared.uniform_bias,
+            samples: compared.images.iter().map(|count| *count as u64).sum(),
+            seconds,
+            reason: (verdict != Verdict::Accept).then(|| text.lines().next().unwrap_or_default().to_owned()),
+            places,
+            ..Self::new(name, verdict, text, compared)
+        }
+    }
+
+    /// A furnace test whose albedos should have errors of at most `error`.
+    pub fn of_albedos(table: Table, error: f64) -> Self {
+        let at = |row: &etalon::study::albedo::Row| {
+            format!(
+                "at {:.2}°, parameter {}: albedo {:.5} ± {:.1e}",
+                row.theta_deg, row.parameter, row.albedo, row.error
+            )
+        };
+        let places: Vec<String> = table.rows.iter().filter(|row| row.is_violation).map(at).collect();
+        Self {
+            detectable: table.with_largest_error().map(|row| row.error),
+            seconds: table.seconds,
+            reason: places.first().cloned(),
+            places,
+            ..Self::new(&table.family.clone(), table.verdict(error), table.text(), table)
+        }
+    }
+}
+
+/// Why a test does not accept.
+fn why(test: &Tested) -> String {
+    let outcome = &test.outcome;
+    let p = || outcome.p.map_or_else(String::new, |p| format!("p = {p:.2e}"));
+    let why = outcome.remark().map_or_else(p, str::to_owned);
+    outcome.diagnosis.as_ref().map_or(why.clone(), |places| format!("{why}; {places}"))
+}

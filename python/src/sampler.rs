@@ -1,0 +1,238 @@
+//! Samplers and pdfs that are functions of Python.
+
+use crate::arrays::{Given, Numbers, column, flags, no_nan, numbers, rows};
+use crate::caller::{Caller, run};
+use crate::found::Found;
+use etalon::import::sampler::{Coordinates, Space, Visitor};
+use etalon::study::validation::{Case, Tested, run as validate};
+use etalon_stats::{Atom, Density, Mass, Protocol, Sample, SampleCount, Sampler, examine, explain};
+use numpy::IntoPyArray;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::Arc;
+
+/// How a test is done.
+#[derive(FromPyObject)]
+pub struct Plan {
+    level: f64,
+    detect: f64,
+    samples: Option<u64>,
+    seed: u64,
+}
+
+impl Plan {
+    pub fn protocol(&self) -> Protocol {
+        let samples = self.samples.map_or(SampleCount::Detect(self.detect), SampleCount::Fixed);
+        Protocol { seed: self.seed, samples, level: self.level, ..Protocol::default() }
+    }
+}
+
+/// A sampler's functions, and what is declared of them.
+#[derive(FromPyObject)]
+pub struct Declared {
+    name: String,
+    sample: Py<PyAny>,
+    pdf: Py<PyAny>,
+    invert: Option<Py<PyAny>>,
+    /// Random numbers of a sample; the coordinates of the domain by default.
+    dimension: Option<usize>,
+    /// The integral of the pdf; at most 1 by default.
+    mass: Option<f64>,
+    /// Points with their probabilities.
+    atoms: Vec<(Vec<f64>, f64)>,
+}
+
+/// Tests samples against their pdf.
+#[pyfunction]
+pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Plan) -> PyResult<Found> {
+    let space: Space = domain.parse().map_err(crate::errors::of)?;
+    space.with(Test { py, declared, plan })
+}
+
+struct Test<'py> {
+    py: Python<'py>,
+    declared: Declared,
+    plan: Plan,
+}
+
+impl Visitor for Test<'_> {
+    type Output = PyResult<Found>;
+
+    fn visit<D: Coordinates>(self, domain: D) -> PyResult<Found> {
+        let Self { py, declared, plan } = self;
+        let atom = |(point, probability): &(Vec<f64>, f64)| {
+            let is_right = point.len() == width::<D>() && (0.0..=1.0).contains(probability);
+            let point = D::point(&domain, 0, point).filter(|_| is_right);
+            let wrong = || PyValueError::new_err(format!("atoms: ({:?}, {probability})", declared.atoms));
+            Ok(Atom { point: point.ok_or_else(wrong)?, probability: *probability })
+        };
+        let atoms = declared.atoms.iter().map(atom).collect::<PyResult<Vec<_>>>()?;
+        let dimension = declared.dimension.unwrap_or(if D::NAMES[0].len() > 1 { 2 } else { 1 });
+        let mass = declared.mass.map_or(Mass::AtMostOne, Mass::Exactly);
+        let (name, protocol) = (declared.name, plan.protocol());
+        let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
+        let invert = declared.invert.map(Arc::new);
+        run(py, move |caller| {
+            let functions = Functions { caller, domain, sample, pdf, invert, dimension, mass, atoms };
+            let case =
+                Case::new(name, move |protocol, round| Ok(examine(&domain, &functions, &functions, protocol, round)?));
+            let validation = validate(&[case], &protocol, &|_| ())?;
+            let texts =
+                validation.tests.iter().map(|test| explain(&domain, &test.outcome, &protocol)).collect::<Vec<_>>();
+            Ok((validation.tests, texts))
+        })
+        .and_then(|(tests, texts): (Vec<Tested>, Vec<String>)| {
+            let one = tests.into_iter().zip(texts).next();
+            let (test, text) = one.ok_or_else(|| PyValueError::new_err("no test was done"))?;
+            Ok(Found::of_test(test, Some(text)))
+        })
+    }
+}
+
+/// The coordinates of a point.
+fn width<D: Coordinates>() -> usize {
+    D::NAMES[0].len()
+}
+
+/// A sampler and its pdf over a domain.
+struct Functions<D: Coordinates> {
+    caller: Caller,
+    domain: D,
+    sample: Arc<Py<PyAny>>,
+    pdf: Arc<Py<PyAny>>,
+    invert: Option<Arc<Py<PyAny>>>,
+    dimension: usize,
+    mass: Mass,
+    atoms: Vec<Atom<D::Point>>,
+}
+
+impl<D: Coordinates> Functions<D> {
+    /// Appends the samples that `call` has the function return.
+    fn append(
+        &self,
+        call: impl FnOnce(&D, &Bound<'_, PyAny>) -> PyResult<Vec<Option<Sample<D::Point>>>> + Send + 'static,
+        out: &mut Vec<Option<Sample<D::Point>>>,
+    ) -> etalon_stats::Result<()> {
+        let (domain, sample) = (self.domain, Arc::clone(&self.sample));
+        out.append(&mut self.caller.call(move |py| call(&domain, sample.bind(py)))?);
+        Ok(())
+    }
+}
+
+impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
+        let (u, dimension) = (u.to_vec(), self.dimension);
+        let call = move |domain: &D, sample: &Bound<'_, PyAny>| {
+            let count = u.len() / dimension;
+            let u = rows(sample.py(), u, dimension)?;
+            samples(domain, &sample.call1((&u,))?, count, &[("u", &u)])
+        };
+        self.append(call, out)
+    }
+
+    fn sample_seeded(
+        &self,
+        count: usize,
+        seed: u32,
+        out: &mut Vec<Option<Sample<D::Point>>>,
+    ) -> etalon_stats::Result<()> {
+        self.append(move |domain, sample| samples(domain, &sample.call1((count, seed))?, count, &[]), out)
+    }
+
+    fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
+        let Some(invert) = self.invert.clone() else { return Ok(None) };
+        let dimension = self.dimension;
+        self.caller.call(move |py| {
+            let u = invert.bind(py).call1((points::<D>(py, &[point])?,))?;
+            numbers(&u, "invert")?.of_shape(&[&[1, dimension]]).map(Some)
+        })
+    }
+}
+
+impl<D: Coordinates> Density<D::Point> for Functions<D> {
+    fn pdf(&self, at: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
+        if at.is_empty() {
+            return Ok(());
+        }
+        let (at, pdf) = (at.to_vec(), Arc::clone(&self.pdf));
+        let job = move |py: Python<'_>| {
+            let x = points::<D>(py, &at)?;
+            column(&pdf.bind(py).call1((&x,))?, "pdf", at.len(), &[("x", &x)])
+        };
+        out.append(&mut self.caller.call(job)?);
+        Ok(())
+    }
+
+    fn mass(&self) -> Mass {
+        self.mass
+    }
+
+    fn atoms(&self) -> Vec<Atom<D::Point>> {
+        self.atoms.clone()
+    }
+}
+
+/// Points as an array: (n, d); (n,) for points with one coordinate, of integers for a finite set.
+fn points<'py, D: Coordinates>(py: Python<'py>, points: &[D::Point]) -> PyResult<Bound<'py, PyAny>> {
+    let mut values = Vec::with_capacity(width::<D>() * points.len());
+    points.iter().for_each(|&point| D::coordinates(point, &mut values));
+    match D::NAMES[0] {
+        ["i"] => Ok(values.into_iter().map(|i| i as i64).collect::<Vec<_>>().into_pyarray(py).into_any()),
+        [_] => Ok(values.into_pyarray(py).into_any()),
+        names => rows(py, values, names.len()),
+    }
+}
+
+/// The samples that a function has returned: an array of points, or `Samples`.
+fn samples<D: Coordinates>(
+    domain: &D,
+    returned: &Bound<'_, PyAny>,
+    n: usize,
+    given: Given<'_, '_>,
+) -> PyResult<Vec<Option<Sample<D::Point>>>> {
+    let [x, pdf, valid, atom] = match returned.cast::<PyTuple>() {
+        Err(_) => [Some(returned.clone()), None, None, None],
+        Ok(parts) if parts.len() == 4 => {
+            let part = |i: usize| parts.get_item(i).map(|part| Some(part).filter(|part| !part.is_none()));
+            [part(0)?, part(1)?, part(2)?, part(3)?]
+        }
+        Ok(parts) => {
+            let found = format!("sample: a tuple of {}; wanted an array of points, or Samples(x, …)", parts.len());
+            return Err(PyTypeError::new_err(found));
+        }
+    };
+    let x = x.ok_or_else(|| PyTypeError::new_err("sample: no points"))?;
+    let (valid, atom) =
+        (flags(valid.as_ref(), "sample.valid", n, true)?, flags(atom.as_ref(), "sample.atom", n, false)?);
+    let x: Numbers<f64> = numbers(&x, "sample")?;
+    let d = width::<D>();
+    let coordinates = if d == 1 { x.of_shape(&[&[n], &[n, 1]])? } else { x.of_shape(&[&[n, d]])? };
+    no_nan(&coordinates, d, "sample", |i| valid[i], given)?;
+    let pdf = match pdf {
+        None => None,
+        Some(pdf) => {
+            let values: Vec<f64> = numbers(&pdf, "sample.pdf")?.of_shape(&[&[n]])?;
+            no_nan(&values, 1, "sample.pdf", |i| valid[i] && !atom[i], given)?;
+            Some(values)
+        }
+    };
+    let of_row = |(i, row): (usize, &[f64])| -> PyResult<_> {
+        if !valid[i] {
+            return Ok(None);
+        }
+        let no_point = || PyValueError::new_err(format!("sample: {row:?} in row {i} is no point of the domain"));
+        let point = domain.point(0, row).ok_or_else(no_point)?;
+        let pdf = pdf.as_ref().map(|pdf| pdf[i]).filter(|_| !atom[i]);
+        Ok(Some(Sample { point, pdf, atom: atom[i] }))
+    };
+    let mut samples = Vec::with_capacity(n);
+    for row in coordinates.chunks_exact(d).enumerate() {
+        samples.push(of_row(row)?);
+    }
+    Ok(samples)
+}

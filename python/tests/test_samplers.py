@@ -1,0 +1,182 @@
+"""Samplers against their pdfs: right ones, planted faults, what results say."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import etalon_bench as eb
+
+
+def cosine(u):
+    r, phi = np.sqrt(u[:, 0]), 2 * np.pi * u[:, 1]
+    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 0])], axis=1)
+
+
+def cosine_pdf(w):
+    return w[:, 2] / np.pi
+
+
+def test_a_right_sampler_is_accepted():
+    result = eb.check_sampler(cosine, cosine_pdf, "hemisphere")
+    assert result and result.verdict == "accept" and result.p > 1e-4
+    assert result.detectable <= 0.0201 and abs(result.integral - 1) < 1e-6 and result.degrees_of_freedom == 199
+    assert not result.places and result.reason is None
+    assert "verdict: accept" in str(result) and "hemisphere" not in repr(result)
+
+
+def test_a_wrong_pdf_is_rejected_and_the_place_is_told():
+    uniform = eb.check_sampler(cosine, lambda w: np.full(len(w), 0.5 / np.pi), "hemisphere")
+    assert not uniform and uniform.verdict == "reject" and uniform.p < 1e-9
+    assert any("horizon" in place or "theta" in place for place in uniform.places), uniform.places
+    mass = eb.check_sampler(cosine, lambda w: 1.01 * cosine_pdf(w), "hemisphere")
+    assert mass.verdict == "reject" and "integrates to 1.01" in mass.reason
+
+
+def test_the_smallest_error_is_found():
+    # 3 % more in one half: three times what 1 % of detectable error asks for
+    def biased(u):
+        w = cosine(np.stack([u[:, 0], np.where(u[:, 1] < 0.515, u[:, 1] / 1.03, 0.5 + (u[:, 1] - 0.515) / 0.97)], axis=1))
+        return w
+
+    assert eb.check_sampler(biased, cosine_pdf, "hemisphere", detect=0.01).verdict == "reject"
+    assert eb.check_sampler(cosine, cosine_pdf, "hemisphere", detect=0.01).verdict == "accept"
+
+
+def test_table_has_the_counts():
+    result = eb.check_sampler(cosine, cosine_pdf, "hemisphere")
+    table = result.table
+    assert set(table) >= {"kind", "x_from", "x_to", "y_from", "y_to", "observed", "expected", "residual"}
+    assert table["observed"].sum() == result.samples and table["expected"].sum() == pytest.approx(result.samples)
+    cells = table["kind"] == "cell"
+    assert cells.sum() == 200 and table["residual"].dtype == float
+    # Pearson's statistic is the sum of the squared residuals
+    assert np.sum(table["residual"][cells] ** 2) == pytest.approx(result.statistic)
+
+
+def test_notebooks_show_figure_and_text():
+    result = eb.check_sampler(cosine, cosine_pdf, "hemisphere", name="<cosine>")
+    assert result._repr_svg_().startswith("<svg") and "Observed" in result._repr_svg_()
+    page = result._repr_html_()
+    assert "data:image/svg+xml;base64," in page and "verdict: accept" in page
+
+
+def test_equal_seeds_and_names_give_equal_results():
+    def run(**options):
+        result = eb.check_sampler(cosine, cosine_pdf, "hemisphere", **options)
+        return result.statistic, result.p
+
+    assert run() == run() and run(seed=2) != run() and run(name="other") != run()
+
+
+def test_lines_and_finite_sets_have_points_of_one_coordinate():
+    shapes = []
+
+    def pdf(x):
+        shapes.append(x.shape)
+        return 2 * x
+
+    assert eb.check_sampler(np.sqrt, pdf, "line")
+    assert {len(shape) for shape in shapes} == {1}
+    p = np.array([0.5, 0.25, 0.125, 0.125])
+    edges = np.cumsum(p)[:-1]
+    assert eb.check_sampler(lambda u: np.searchsorted(edges, u[:, 0], side="right"), lambda i: p[i], "discrete:4")
+    assert eb.check_sampler(lambda u: np.searchsorted(edges, u[:, 0]) // 2 * 2, lambda i: p[i], "discrete:4").verdict == "reject"
+
+
+def test_missing_samples_are_counted():
+    def sample(u):  # uniform on the sphere, of which the upper half is kept
+        z, phi = 1 - 2 * u[:, 0], 2 * np.pi * u[:, 1]
+        r = np.sqrt(1 - z * z)
+        x = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1)
+        x[z < 0] = np.nan
+        return eb.Samples(x, valid=z >= 0)
+
+    def pdf(w):
+        return np.full(len(w), 1 / (4 * np.pi))
+
+    result = eb.check_sampler(sample, pdf, "hemisphere", mass=0.5)
+    assert result and 0.49 < result.table["observed"][-1] / result.samples < 0.51
+    assert eb.check_sampler(sample, pdf, "hemisphere", mass="at-most-1")
+    assert eb.check_sampler(sample, lambda w: 2 * pdf(w), "hemisphere").verdict == "reject"
+
+
+def test_atoms_and_the_pdf_of_a_sample():
+    up = (0.0, 0.0, 1.0)
+
+    def sample(u):  # a mirror with a probability of 1/4, else the cosine
+        mirror = u[:, 0] < 0.25
+        w = cosine(np.stack([np.where(mirror, 0, (u[:, 0] - 0.25) / 0.75), u[:, 1]], axis=1))
+        return eb.Samples(np.where(mirror[:, None], up, w), pdf=pdf(w), atom=mirror)
+
+    def pdf(w):
+        return 0.75 * cosine_pdf(w)
+
+    assert eb.check_sampler(sample, pdf, "hemisphere", atoms=[(up, 0.25)])
+    assert eb.check_sampler(sample, pdf, "hemisphere", atoms=[(up, 0.2)], mass=0.95).verdict == "reject"
+    carried = eb.check_sampler(lambda u: eb.Samples(cosine(u), pdf=2 * cosine_pdf(cosine(u))), cosine_pdf, "hemisphere")
+    assert carried.verdict == "reject" and "carries the pdf" in carried.reason
+
+
+def test_an_inverse_is_tested():
+    def invert(x, wrong=0.0):
+        return (x**2)[:, None] + wrong
+
+    assert eb.check_sampler(np.sqrt, lambda x: 2 * x, "line", invert=invert)
+    wrong = eb.check_sampler(np.sqrt, lambda x: 2 * x, "line", invert=lambda x: invert(x, 1e-3))
+    assert wrong.verdict == "reject" and "inverse" in wrong.reason
+
+
+def test_random_numbers_of_its_own():
+    def sample(n, seed):
+        return np.random.default_rng(seed).random((n, 2))
+
+    assert eb.check_sampler(sample, lambda x: np.ones(len(x)), "square", dimension=0)
+    constant = eb.check_sampler(lambda n, seed: sample(n, 7), lambda x: np.ones(len(x)), "square", dimension=0)
+    assert constant.verdict == "reject" and "repeat" in constant.reason
+
+
+def test_too_few_samples_are_inconclusive():
+    result = eb.check_sampler(cosine, cosine_pdf, "hemisphere", samples=500)
+    assert result.verdict == "inconclusive" and not result and "too few samples" in result.reason
+
+
+def test_assertions_say_what_was_found():
+    assert eb.assert_sampler(cosine, cosine_pdf, "hemisphere")
+    with pytest.raises(AssertionError, match="where counts differ most"):
+        eb.assert_sampler(cosine, lambda w: np.full(len(w), 0.5 / np.pi), "hemisphere")
+    with pytest.raises(AssertionError, match="too few samples"):
+        eb.assert_sampler(cosine, cosine_pdf, "hemisphere", samples=500)
+
+
+def test_sample_counts_are_those_of_the_test():
+    n = eb.min_num_samples_for_sampler_test(0.02)
+    assert eb.min_discrepancy_of_pdfs_detectable(n) == pytest.approx(0.02, rel=1e-4)
+    assert eb.check_sampler(cosine, cosine_pdf, "hemisphere", detect=0.02).samples == n
+    assert eb.min_num_samples_for_sampler_test(0.01, level=0.001) > 4 * n
+    with pytest.raises(ValueError, match="level"):
+        eb.min_discrepancy_of_pdfs_detectable(1000, level=2)
+
+
+def test_the_result_is_that_of_the_program(validate_exec, examples, monkeypatch):
+    import sys
+
+    command = [sys.executable, str(examples / "sampler_numpy.py"), "0.4"]
+    for seed in (1, 20):
+        found = validate_exec(command, "--seed", str(seed))["tests"][0]
+        source = (examples / "sampler_numpy.py").read_text().split("for line in sys.stdin")[0]
+        client: dict = {}
+        monkeypatch.setattr(sys, "argv", command[1:])
+        exec(source, client)
+        result = eb.check_sampler(
+            lambda u: eb.Samples(client["sample"](u), client["pdf"](client["sample"](u))),
+            client["pdf"],
+            "hemisphere",
+            name=found["name"],
+            seed=seed,
+        )
+        # Equal to the last bit: JSON has all digits
+        own = {"p": result.p, "statistic": result.statistic, "detectable": result.detectable, "samples": result.samples}
+        assert own == {key: found[key] for key in own}, json.dumps(found)

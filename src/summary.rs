@@ -1,0 +1,83 @@
+//! Results of studies for other user interfaces than the command line: as text, as a figure, as a table.
+
+use crate::error::Result;
+use crate::output::table;
+use crate::study::albedo::Table;
+use crate::study::compare::Compared;
+use crate::study::validation::{Tested, Validation};
+use crate::view;
+
+/// What the command line prints and writes of a result.
+pub trait Summary {
+    /// The result in words, over several lines.
+    fn text(&self) -> String;
+
+    /// The figure as an SVG document; `None` if there is nothing to draw.
+    fn svg(&self) -> Option<String>;
+
+    /// The table as a CSV document with a header; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) if the table cannot be put together.
+    fn csv(&self) -> Result<Option<Vec<u8>>>;
+}
+
+/// One test: its counts by cell.
+impl Summary for Tested {
+    fn text(&self) -> String {
+        self.outcome.to_string()
+    }
+
+    fn svg(&self) -> Option<String> {
+        view::validation_cells::drawing(self).map(|drawing| drawing.svg())
+    }
+
+    fn csv(&self) -> Result<Option<Vec<u8>>> {
+        self.outcome.counts.as_ref().map(|counts| table(&view::validation_cells::rows(counts))).transpose()
+    }
+}
+
+/// A run of tests: a row for each.
+impl Summary for Validation {
+    fn text(&self) -> String {
+        view::validation_text::text(self)
+    }
+
+    fn svg(&self) -> Option<String> {
+        Some(view::validation::drawing(self).svg())
+    }
+
+    fn csv(&self) -> Result<Option<Vec<u8>>> {
+        table(&view::validation::rows(self)).map(Some)
+    }
+}
+
+/// Two renderers: a row for each functional in each channel.
+impl Summary for Compared {
+    fn text(&self) -> String {
+        view::compare_text::text(self)
+    }
+
+    fn svg(&self) -> Option<String> {
+        Some(view::compare::drawing(self).svg())
+    }
+
+    fn csv(&self) -> Result<Option<Vec<u8>>> {
+        table(&view::compare::rows(self)).map(Some)
+    }
+}
+
+/// Directional albedos: a row for each, and for each channel that differs.
+impl Summary for Table {
+    fn text(&self) -> String {
+        view::furnace::text(self)
+    }
+
+    fn svg(&self) -> Option<String> {
+        Some(view::furnace::drawing(self).svg())
+    }
+
+    fn csv(&self) -> Result<Option<Vec<u8>>> {
+        table(&self.rows).map(Some)
+    }
+}
