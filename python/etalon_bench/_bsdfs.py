@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _native
 from ._plan import function, plan
-from ._result import Result
+from ._result import Result, asserting
 
 
 class BsdfSamples(NamedTuple):
@@ -136,14 +136,7 @@ def check_bsdf(
     return Result(_native.check_bsdf(bsdfs, plan(level, detect, samples, seed)))
 
 
-def assert_bsdf(bsdf: Bsdf, **options: Any) -> Result:
-    """As `check_bsdf`, for tests.
-
-    Raises:
-        AssertionError: if a check does not accept, with all that was found.
-    """
-    __tracebackhide__ = True
-    return check_bsdf(bsdf, **options).check()
+assert_bsdf = asserting(check_bsdf, "assert_bsdf")
 
 
 @dataclass(frozen=True)
@@ -210,11 +203,4 @@ def furnace(
     return Result(_native.furnace(_Bsdfs(name, bsdf, ranges), tabulated))
 
 
-def assert_furnace(bsdf: Bsdf | Callable[..., Bsdf] | str, **options: Any) -> Result:
-    """As `furnace`, for tests.
-
-    Raises:
-        AssertionError: if a BSDF creates light, or errors are larger than asked for.
-    """
-    __tracebackhide__ = True
-    return furnace(bsdf, **options).check()
+assert_furnace = asserting(furnace, "assert_furnace")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _native
-from ._result import Result
+from ._result import Result, asserting
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,4 @@ def compare_images(
     return Result(_native.compare_images(name, of_a, of_b, float(level), float(detect)))
 
 
-def assert_images(a: Any, b: Any, **options: Any) -> Result:
-    """As `compare_images`, for tests.
-
-    Raises:
-        AssertionError: if the images are different, or too noisy to say.
-    """
-    __tracebackhide__ = True
-    return compare_images(a, b, **options).check()
+assert_images = asserting(compare_images, "assert_images")

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import base64
 import csv
+import functools
 import html
 import io
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,6 +137,25 @@ class Result:
         if not self:
             raise AssertionError(f"{self.name}: {self.verdict}\n{self}")
         return self
+
+
+Parameters = ParamSpec("Parameters")
+
+
+def asserting(check: Callable[Parameters, Result], name: str) -> Callable[Parameters, Result]:
+    """The function `name` that does what `check` does and raises AssertionError unless the result accepts."""
+
+    @functools.wraps(check)
+    def asserted(*args: Parameters.args, **options: Parameters.kwargs) -> Result:
+        __tracebackhide__ = True
+        return check(*args, **options).check()
+
+    asserted.__name__ = asserted.__qualname__ = name
+    asserted.__doc__ = (
+        f"As `{check.__name__}`, for tests: raises AssertionError, with all that was found, unless the result accepts.\n\n"
+        f"    {check.__doc__}"
+    )
+    return asserted
 
 
 def image(svg: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _native
 from ._plan import function, plan
-from ._result import Result
+from ._result import Result, asserting
 
 
 class Samples(NamedTuple):
@@ -98,14 +98,7 @@ def check_sampler(
     return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
 
 
-def assert_sampler(sample: Callable[..., Any], pdf: Callable[..., Any], domain: str, **options: Any) -> Result:
-    """As `check_sampler`, for tests.
-
-    Raises:
-        AssertionError: if the verdict is not "accept", with all that the test found.
-    """
-    __tracebackhide__ = True
-    return check_sampler(sample, pdf, domain, **options).check()
+assert_sampler = asserting(check_sampler, "assert_sampler")
 
 
 def min_discrepancy_of_pdfs_detectable(samples: int, *, level: float = 0.01) -> float:

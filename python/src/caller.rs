@@ -69,7 +69,7 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(Caller) -> etalon::Result<
     let pool = rayon::ThreadPoolBuilder::new().build().map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
     let (jobs, asked) = channel::<Job>();
     let (asked, pool) = (Mutex::new(asked), &pool);
-    let mut failure: Option<PyErr> = None;
+    let (mut failure, mut is_interrupted): (Option<PyErr>, bool) = (None, false);
     let result = thread::scope(|scope| {
         let caller = Caller { jobs };
         let worker = scope.spawn(move || pool.install(move || work(caller)));
@@ -80,19 +80,18 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(Caller) -> etalon::Result<
             }
             failure = job.and_then(|job| job(py).err());
             if let Err(interrupted) = py.check_signals() {
+                // Work that asks for nothing looks at the flag
+                is_interrupted = true;
                 interrupt::flag().store(true, Ordering::Relaxed);
                 failure.get_or_insert(interrupted);
             }
         }
         py.detach(|| worker.join()).unwrap_or_else(|panic| resume_unwind(panic))
     });
-    match failure {
-        Some(error) => {
-            interrupt::flag().store(false, Ordering::Relaxed);
-            Err(error)
-        }
-        None => result.map_err(errors::of),
+    if is_interrupted {
+        interrupt::flag().store(false, Ordering::Relaxed);
     }
+    failure.map_or_else(|| result.map_err(errors::of), Err)
 }
 
 /// The next job; `Some(None)` if there is none for a while, `None` when there will be none.

@@ -128,17 +128,13 @@ impl Found {
 
     /// Two renderers.
     pub fn of_comparison(name: &str, compared: Compared, seconds: f64) -> Self {
-        let (verdict, text) = (
-            match compared.answer {
-                Answer::Different => Verdict::Reject,
-                Answer::NoDifferenceFound => Verdict::Accept,
-                Answer::CannotTell => Verdict::Inconclusive,
-            },
-            compared.text(),
-        );
-        let level = compared.plan.level;
-        let is_different = |p: &Option<f64>| p.is_some_and(|p| p < level);
-        let worst = compared.families.iter().filter(|family| is_different(&family.adjusted_p));
+        let verdict = match compared.answer {
+            Answer::Different => Verdict::Reject,
+            Answer::NoDifferenceFound => Verdict::Accept,
+            Answer::CannotTell => Verdict::Inconclusive,
+        };
+        let (text, level) = (compared.text(), compared.plan.level);
+        let worst = compared.families.iter().filter(|family| family.adjusted_p.is_some_and(|p| p < level));
         let place = |worst: &etalon::study::compare::Tested| {
             let [a, b] = worst.means;
             format!("{}, {}: {a:.6} and {b:.6}", worst.functional, compared.channels[worst.channel])
@@ -164,12 +160,18 @@ impl Found {
             )
         };
         let places: Vec<String> = table.rows.iter().filter(|row| row.is_violation).map(at).collect();
+        let verdict = table.verdict(error);
+        let reason = match verdict {
+            Verdict::Accept => None,
+            Verdict::Reject => Some(places.first().map_or("the weak furnace test fails", String::as_str).to_owned()),
+            Verdict::Inconclusive => Some(format!("errors of albedos are larger than {error}")),
+        };
         Self {
             detectable: table.with_largest_error().map(|row| row.error),
             seconds: table.seconds,
-            reason: places.first().cloned(),
+            reason,
             places,
-            ..Self::new(&table.family.clone(), table.verdict(error), table.text(), table)
+            ..Self::new(&table.family.clone(), verdict, table.text(), table)
         }
     }
 }

@@ -4,10 +4,10 @@ use crate::arrays::{Given, Numbers, column, flags, no_nan, numbers, rows};
 use crate::caller::{Caller, run};
 use crate::found::Found;
 use etalon::import::sampler::{Coordinates, Space, Visitor};
-use etalon::study::validation::{Case, Tested, run as validate};
+use etalon::study::validation::{Case, run as validate};
 use etalon_stats::{Atom, Density, Mass, Protocol, Sample, SampleCount, Sampler, examine, explain};
 use numpy::IntoPyArray;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::Arc;
@@ -63,9 +63,10 @@ impl Visitor for Test<'_> {
         let Self { py, declared, plan } = self;
         let atom = |(point, probability): &(Vec<f64>, f64)| {
             let is_right = point.len() == width::<D>() && (0.0..=1.0).contains(probability);
-            let point = D::point(&domain, 0, point).filter(|_| is_right);
-            let wrong = || PyValueError::new_err(format!("atoms: ({:?}, {probability})", declared.atoms));
-            Ok(Atom { point: point.ok_or_else(wrong)?, probability: *probability })
+            let found = domain.point(0, point).filter(|&point| is_right && domain.to_chart(point).is_some());
+            let wrong = "is no point of the domain with its probability";
+            let wrong = || PyValueError::new_err(format!("atoms: ({point:?}, {probability}) {wrong}"));
+            Ok(Atom { point: found.ok_or_else(wrong)?, probability: *probability })
         };
         let atoms = declared.atoms.iter().map(atom).collect::<PyResult<Vec<_>>>()?;
         let dimension = declared.dimension.unwrap_or(if D::NAMES[0].len() > 1 { 2 } else { 1 });
@@ -73,20 +74,16 @@ impl Visitor for Test<'_> {
         let (name, protocol) = (declared.name, plan.protocol());
         let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
         let invert = declared.invert.map(Arc::new);
-        run(py, move |caller| {
+        let tested = run(py, move |caller| {
             let functions = Functions { caller, domain, sample, pdf, invert, dimension, mass, atoms };
+            // As the command line runs it: the random numbers depend on the name, too
             let case =
                 Case::new(name, move |protocol, round| Ok(examine(&domain, &functions, &functions, protocol, round)?));
-            let validation = validate(&[case], &protocol, &|_| ())?;
-            let texts =
-                validation.tests.iter().map(|test| explain(&domain, &test.outcome, &protocol)).collect::<Vec<_>>();
-            Ok((validation.tests, texts))
-        })
-        .and_then(|(tests, texts): (Vec<Tested>, Vec<String>)| {
-            let one = tests.into_iter().zip(texts).next();
-            let (test, text) = one.ok_or_else(|| PyValueError::new_err("no test was done"))?;
-            Ok(Found::of_test(test, Some(text)))
-        })
+            let tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
+            Ok(tested.map(|test| (explain(&domain, &test.outcome, &protocol), test)))
+        })?;
+        let (text, test) = tested.ok_or_else(|| PyRuntimeError::new_err("no test was done"))?;
+        Ok(Found::of_test(test, Some(text)))
     }
 }
 

@@ -64,6 +64,7 @@ def test_functions_that_return_something_else(sample, pdf, kind, message):
         ({"mass": 1.5}, ValueError, "mass: 1.5"),
         ({"atoms": [((0.5,), 0.1)]}, ValueError, "atoms"),
         ({"atoms": [((0.5, 0.5), 1.1)]}, ValueError, "atoms"),
+        ({"atoms": [((0.5, 1.5), 0.1)]}, ValueError, r"atoms: \(\[0.5, 1.5\], 0.1\) is no point"),
     ],
 )
 def test_arguments_out_of_range(options, kind, message):

@@ -180,3 +180,11 @@ def test_the_result_is_that_of_the_program(validate_exec, examples, monkeypatch)
         # Equal to the last bit: JSON has all digits
         own = {"p": result.p, "statistic": result.statistic, "detectable": result.detectable, "samples": result.samples}
         assert own == {key: found[key] for key in own}, json.dumps(found)
+
+
+def test_assertions_have_the_signature_and_the_documentation_of_the_checks():
+    import inspect
+
+    assert inspect.signature(eb.assert_sampler) == inspect.signature(eb.check_sampler)
+    assert eb.assert_sampler.__name__ == "assert_sampler" and "raises AssertionError" in eb.assert_sampler.__doc__
+    assert "dimension:" in eb.assert_sampler.__doc__

@@ -335,6 +335,8 @@ fn long_files_say_why() {
     let long: Vec<String> = files(&root().join("src"), "rs")
         .into_iter()
         .chain(files(&root().join("crates"), "rs"))
+        .chain(files(&root().join("python"), "rs"))
+        .chain(files(&root().join("python"), "py"))
         .filter_map(|file| {
             let text = fs::read_to_string(&file).unwrap();
             let first = text.lines().next().unwrap_or_default();
@@ -348,7 +350,7 @@ fn long_files_say_why() {
 
 #[test]
 fn every_file_says_its_job_in_its_first_line() {
-    let silent: Vec<String> = ["src", "crates", "tests", "benches"]
+    let silent: Vec<String> = ["src", "crates", "python", "tests", "benches"]
         .iter()
         .flat_map(|folder| files(&root().join(folder), "rs"))
         .filter(|file| !fs::read_to_string(file).unwrap().starts_with("//! "))
