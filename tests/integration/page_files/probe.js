@@ -76,11 +76,18 @@ addEventListener('load', async () => {
     must(shown('article') === 0, 'nothing has failed');
     document.getElementById('failed').click();
     must(shown('article') === count, 'not all are back');
+    // What axe-core finds, light and dark
+    const accessible = async () => {
+      const found = window.axe ? await axe.run(document) : { violations: [] };
+      for (const { id, nodes } of found.violations) wrong.push(`axe: ${id}, ${nodes.length} times, first ${nodes[0].html.slice(0, 150)}`);
+    };
+    await accessible();
     // Theme
     const colour = () => getComputedStyle(document.body).backgroundColor;
     const first = colour();
     document.getElementById('theme').click();
     must(colour() !== first, 'the theme stays');
+    await accessible();
   } catch (error) {
     wrong.push(String(error));
   }
