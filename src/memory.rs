@@ -36,7 +36,7 @@ pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
 /// `count` times the same value, for `what`.
 ///
 /// # Errors
-/// As [`request`]; also when the system refuses all the same.
+/// As [`request`]; also when the system refuses anyway.
 pub fn filled<T: Clone>(count: usize, value: T, what: impl Fn() -> String) -> Result<Vec<T>> {
     let mut values = reserved(count, what)?;
     values.resize(count, value);

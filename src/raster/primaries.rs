@@ -10,9 +10,8 @@ const TOLERANCE: f32 = 1e-3;
 /// are those of Rec. 709: colours are not converted. Some programs (HDR Shop) write zeros for unknown primaries.
 pub(super) fn note(name: &str, found: [f32; 8]) -> Option<String> {
     let is_equal = found.iter().zip(REC_709).all(|(a, b)| (a - b).abs() <= TOLERANCE);
-    (!is_equal && found != [0.0; 8]).then(|| {
-        format!("{name} {found:?} are not those of Rec. 709; R, G and B are taken as linear Rec. 709 all the same")
-    })
+    (!is_equal && found != [0.0; 8])
+        .then(|| format!("{name} {found:?} are not those of Rec. 709; R, G and B are taken as linear Rec. 709 anyway"))
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
             return ldr::decode(path, &bytes, format, options.is_linear).map(Decoded::from);
         }
         Err(Error::unsupported(path, format!("a {} file holds no radiance: its values are clipped at 1", format.name))
-            .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one all the same"))
+            .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one anyway"))
     } else {
         Err(no_image(path, &bytes))
     }

@@ -25,7 +25,7 @@ pub fn figures() -> Vec<Figure> {
         shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral: noise, which \
                 decreases with the number of samples. The rim, whose pixels the sphere covers in part, and the middle, where \
                 the camera touches it, are not compared.",
-        matters: "The exact radiance is known here, so that noise and bias can be told apart, which the look of a render alone does not allow.",
+        matters: "The exact radiance is known here, so that noise and bias can be separated, which the look of a render alone does not allow.",
         papers: &[papers::PBRT],
         beside: Some(beside),
         command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4 --uniform")),
