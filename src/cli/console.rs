@@ -90,12 +90,12 @@ impl Console {
         ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
     }
 
-    /// A progress bar of steps that take the same time.
-    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+    /// A progress bar of steps that take the same time; `unit` is the plural of a step.
+    pub fn progress(&self, steps: u64, what: &str, unit: &'static str) -> ProgressBar {
         let bar = self.bar(steps);
-        let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        let rate = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
             // Writing into memory cannot fail.
-            let _ = write!(out, "{}/s", short(state.per_sec()));
+            let _ = write!(out, "{} {unit}/s", short(state.per_sec()));
         };
         bar.set_style(bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left").with_key("rate", rate));
         bar.set_message(what.to_owned());

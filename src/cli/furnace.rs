@@ -69,7 +69,7 @@ impl Furnace {
             }
         };
         let target = global.target(&["names", "exec"]);
-        let bar = console.progress(subjects.len() as u64, "furnace");
+        let bar = console.progress(subjects.len() as u64, "furnace", "families");
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         for (family, own) in subjects {
             let stem = target.stem("furnace", &format!("-{}", output::file_name(family.name())), &output::STUDY)?;

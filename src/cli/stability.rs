@@ -70,7 +70,7 @@ impl Stability {
         let stem = target.stem("stability", "", &output::STUDY)?;
         let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
-        let bar = console.progress(count as u64, "stability");
+        let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;
         let result = stability::run(&self.families, &effort, global.seed, &mut |name| {
             bar.set_message(name);
@@ -163,12 +163,12 @@ fn replayed(replay: &Replay) -> String {
 
 fn human(output: &Output<'_>) -> String {
     let mut text = format!(
-        "{:<16} {:<13} {:<4} {:>8} {:>9} {:>8} {:>9} {:>8} {:>8} {:>8}\n",
-        "family", "variant", "", "cases", "relative", "ULP", "condition", "infinite", "negative", "outside"
+        "{:<22} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
+        "family", "variant", "", "cases", "relative", "ULP", "condition", "NaN, ∞", "negative", "outside"
     );
     for r in output.rows {
         text += &format!(
-            "{:<16} {:<13} {:<4} {:>8} {:>9} {:>8} {:>9} {:>8} {:>8} {:>8}\n",
+            "{:<22} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
             r.family,
             r.variant,
             r.precision.name(),
@@ -181,7 +181,9 @@ fn human(output: &Output<'_>) -> String {
             r.out_of_range,
         );
     }
-    text += "condition: at the input of the largest relative error, which the CSV file names for --replay\n\n";
+    text += "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay).\n\
+             Rounding that input alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds below say\n\
+             what more `stable` may lose.\n\n";
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
         text += &format!("{verdict} {}: {}\n", bound.name, found(bound));

@@ -161,7 +161,7 @@ impl Sweep {
             if self.resume.is_some() { part.write(&path) } else { Ok(()) }
         };
         let missing = shard.numbers(plan.len()).filter(|&number| !part.has(number)).count();
-        let bar = console.progress(missing as u64, "sweep");
+        let bar = console.progress(missing as u64, "sweep", "configurations");
         run(&plan, &mut part, &|count| bar.inc(count), &save)?;
         bar.finish_and_clear();
         let interrupted = shard.numbers(plan.len()).any(|number| !part.has(number));
@@ -248,7 +248,7 @@ pub fn decided(
     console: &Console,
     read: impl FnOnce(&mut dyn FnMut(&Plan, &Part)) -> Result<Plan>,
 ) -> Result<(Conclusion, Plan)> {
-    let bar = console.progress(1, "run survivors again");
+    let bar = console.progress(1, "run survivors again", "configurations");
     let found = conclude(read, &|count, of| {
         bar.set_length(of);
         bar.inc(count);

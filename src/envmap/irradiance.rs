@@ -83,7 +83,7 @@ impl IrradianceTree {
             let bound = 0.5 * node.radius * node.flux;
             if bound.element_sum() > limit && node.count == 0 {
                 value += self.texel_on_horizon(node, n);
-                // The horizon cuts at most 2·PARTS − 1 of the PARTS² parts. In each the mean cosine is off by at most a quarter
+                // The horizon cuts at most 2·PARTS − 1 of the PARTS² parts. In each the error of the mean cosine is at most a quarter
                 // of the part's radius, for cosines that are uniform there.
                 error += bound / (PARTS * PARTS) as f64;
             } else if bound.element_sum() <= limit {

@@ -44,7 +44,7 @@ impl Vertex<'_> {
     fn eval(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.frame.to_local(wi);
         let (f, pdf) = self.bsdf.eval_pdf(self.wo, local);
-        // Black where the normals disagree on the side.
+        // Black where the normals disagree on the side: the shadow terminator of smooth meshes.
         let agree = self.surface.normal.dot(wi) * local.z > 0.0;
         if agree { (f * local.z.abs(), pdf) } else { (Rgb::ZERO, pdf) }
     }

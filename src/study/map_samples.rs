@@ -38,6 +38,8 @@ pub struct MapSamples {
     pub rows: Vec<SampleRow>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,
+    /// Its standard error; NaN for one sample.
+    pub flux_standard_error: f64,
     /// Samples whose pdf is not, bit for bit, the one that the sampler's `pdf` gives for their direction.
     pub pdf_mismatches: usize,
 }
@@ -60,8 +62,12 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
     let mut sampled = EnvSamples::default();
     sampler.sample_many_for(&random, normal, &mut sampled);
     let samples: Vec<EnvSample> = sampled.iter().collect();
-    // Monte Carlo estimate of the flux, and a row for each sample.
-    let estimate = |s: &EnvSample| mean_rgb(s.radiance) / s.pdf;
+    // Monte Carlo estimate of the flux; random numbers without a sample contribute 0.
+    let estimates: Vec<f64> = samples.iter().map(|s| mean_rgb(s.radiance) / s.pdf).collect();
+    let count = n as f64;
+    let mean = estimates.iter().sum::<f64>() / count;
+    let without = (n - estimates.len()) as f64;
+    let squares = estimates.iter().map(|x| (x - mean).powi(2)).sum::<f64>() + without * mean * mean;
     let row = |s: &EnvSample| {
         let (x, y) = map.geometry().position(s.wi);
         SampleRow {
@@ -77,7 +83,8 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
         }
     };
     Ok(MapSamples {
-        flux_estimate: samples.iter().map(estimate).sum::<f64>() / n as f64,
+        flux_estimate: mean,
+        flux_standard_error: (squares / (count * (count - 1.0))).sqrt(),
         pdf_mismatches: samples.iter().filter(|s| s.pdf.to_bits() != sampler.pdf_for(s.wi, normal).to_bits()).count(),
         rows: samples.iter().map(row).collect(),
     })
@@ -117,8 +124,26 @@ mod tests {
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let info = crate::envmap::info::Info::of(&map);
         let flux = info.flux_rgb.iter().sum::<f64>() / 3.0;
-        let estimate = draw_by(MapSampling::MAP, &map, 16, 7).unwrap().flux_estimate;
+        let by_radiance = draw_by(MapSampling::MAP, &map, 16, 7).unwrap();
+        let estimate = by_radiance.flux_estimate;
         assert!((estimate / flux - 1.0).abs() < 1e-6, "{estimate} against {flux}");
+        assert!(by_radiance.flux_standard_error < 1e-6 * flux);
+        assert!(draw_by(MapSampling::MAP, &map, 1, 7).unwrap().flux_standard_error.is_nan());
+    }
+
+    #[test]
+    fn the_standard_error_is_that_of_the_estimates() {
+        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
+        let info = crate::envmap::info::Info::of(&map);
+        let flux = info.flux_rgb.iter().sum::<f64>() / 3.0;
+        let strata = ALL.iter().find(|entry| entry.name == "strata").unwrap();
+        // By chance, the sum of 64 squares with mean 1 is below 24 or above 120 with a probability of 10⁻⁵.
+        let squares = (0..64).map(|seed| {
+            let samples = draw_by(MapSampling::with_regions(strata, 16), &map, 1024, seed).unwrap();
+            ((samples.flux_estimate - flux) / samples.flux_standard_error).powi(2)
+        });
+        let sum: f64 = squares.sum();
+        assert!((24.0..120.0).contains(&sum), "{sum}");
     }
 
     #[test]

@@ -55,8 +55,23 @@ struct Output {
     drawn: usize,
     /// (R + G + B)/3; none for densities that leave out a part of the light.
     flux_estimate: Option<f64>,
+    /// Of the estimate; none for one sample, too.
+    flux_standard_error: Option<f64>,
     #[serde(flatten)]
     written: Written,
+}
+
+impl Output {
+    fn flux(&self) -> String {
+        let Some(flux) = self.flux_estimate else { return String::new() };
+        let error = match self.flux_standard_error {
+            None => "standard error unknown".to_owned(),
+            // Radiance is in single precision.
+            Some(error) if error < f64::from(f32::EPSILON) * flux => "the same from each of them".to_owned(),
+            Some(error) => format!("standard error {}", rounded(error, 2)),
+        };
+        format!("; flux of (R + G + B)/3 estimated from them {}, {error}", rounded(flux, 4))
+    }
 }
 
 impl Sample {
@@ -97,15 +112,13 @@ impl Sample {
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
-            Ok(Output { n, drawn: samples.rows.len(), flux_estimate, written: target.written(files) })
+            let flux_standard_error = flux_estimate.and(Some(samples.flux_standard_error)).filter(|e| e.is_finite());
+            let written = target.written(files);
+            Ok(Output { n, drawn: samples.rows.len(), flux_estimate, flux_standard_error, written })
         };
         let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
         console.result(&outputs, || {
-            let line = |r: &Output| {
-                let flux =
-                    r.flux_estimate.map_or(String::new(), |f| format!("; flux estimated from them {}", rounded(f, 4)));
-                format!("{}{flux}\n{}", counted(r.drawn, "sample"), r.written.text())
-            };
+            let line = |r: &Output| format!("{}{}\n{}", counted(r.drawn, "sample"), r.flux(), r.written.text());
             outputs.results.iter().map(line).collect()
         });
         Ok(outputs.verdict())

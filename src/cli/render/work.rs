@@ -25,7 +25,7 @@ pub fn run(
     save: Option<Save>,
 ) -> Result<()> {
     let pixels = part.film.pixels().len() as u64;
-    let bar = console.progress(pixels * samples.len() as u64, name);
+    let bar = console.progress(pixels * samples.len() as u64, name, "samples");
     bar.set_position(part.count());
     bar.reset_eta();
     let mut pause = PAUSE;

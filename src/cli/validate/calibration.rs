@@ -13,7 +13,7 @@ use etalon_stats::Protocol;
 pub fn run(cases: &[Case], protocol: &Protocol, seeds: u64, global: &Global, console: &Console) -> Result<Verdict> {
     let target = global.target(&[]);
     let stem = target.stem("calibration", "", &output::STUDY)?;
-    let bar = console.progress(cases.len() as u64, "calibrate");
+    let bar = console.progress(cases.len() as u64, "calibrate", "tests");
     let found = calibrate(cases, protocol, seeds, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     let table = output::table(&view::calibration_rows(&found))?;

@@ -100,7 +100,7 @@ impl Validate {
         self.reports.check()?;
         let target = global.target(&[]);
         let stem = target.stem("validation", "", &output::STUDY)?;
-        let bar = console.progress(subject.names().len() as u64, "validate");
+        let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {
             Subject::Cases(cases) => run(cases, &protocol, &|_| bar.inc(1)),
             Subject::Bsdf(_) if self.calibrate.is_some() => {

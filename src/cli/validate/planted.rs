@@ -28,7 +28,7 @@ pub fn run(
     reports.check()?;
     let target = global.target(&["planted"]);
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
-    let bar = console.progress(2 * faults.len() as u64, "planted faults");
+    let bar = console.progress(2 * faults.len() as u64, "planted faults", "runs");
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;

@@ -43,7 +43,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
 fn visible_against_all(visible: &RoughnessLevel, all: &RoughnessLevel) -> [Check; 2] {
     let alpha = visible.alpha;
     let z = visible.light.z(&all.light);
-    let mean = format!("metal by visible normals minus by all normals (standard errors), α = {alpha}");
+    let mean = format!("mean of the metal, visible minus all normals (standard errors), α = {alpha}");
     // Light sampling and light tracing find most of the light, too, so that chance may decide which is better: the ends of the
     // intervals are compared.
     let ratio = visible.mse.positive()[0] / all.mse.positive()[1];

@@ -73,7 +73,11 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
             critical,
             1e-11,
         ));
-        checks.push(Check::equal("least reflectance beyond the critical angle", 1.0, beyond.fold(f64::NAN, f64::min)));
+        checks.push(Check::equal(
+            "smallest reflectance beyond the critical angle",
+            1.0,
+            beyond.fold(f64::NAN, f64::min),
+        ));
     }
     let printed = |quantity: &str, report: &str, ours: Option<f64>| Printed {
         quantity: quantity.to_owned(),

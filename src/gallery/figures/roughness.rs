@@ -135,7 +135,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, symbol: &str, alpha: f32) -> 
     let z = shot.statue.z(&other);
     let checks = vec![
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
-        Check::within("statue by visible normals minus by all normals (standard errors)", 0.0, z, SIGMAS),
+        Check::within("mean of the statue, visible minus all normals (standard errors)", 0.0, z, SIGMAS),
     ];
     let content = Content::new(view::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))

@@ -90,7 +90,7 @@ impl Article<'_> {
         });
         let time = seconds(self.record.seconds);
         format!(
-            "<details class=\"again\"><summary>Reproduce it</summary>{again}{direct}<p class=\"fine\">took {time} here</p>\
+            "<details class=\"again\"><summary>Reproduce it</summary>{again}{direct}<p class=\"fine\">took {time} when this page was made</p>\
              </details>\n"
         )
     }

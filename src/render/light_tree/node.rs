@@ -122,7 +122,7 @@ impl Node {
             // that the bounding sphere subtends.
             let radius = self.radius[i];
             let (cos_b, is_inside) = (root(d2 - radius * radius), radius * radius >= d2);
-            // Angle between the axis and the direction from the group to the point; less the cone of normals.
+            // Angle between the axis and the direction from the group to the point, minus the cone of normals.
             let along = x * self.axis[0][i] + y * self.axis[1][i] + z * self.axis[2][i];
             let cos_w = max(along, along * 1f32.copysign(self.cos_e[i])) + margin;
             let sin_w = root(d2 - cos_w * cos_w);

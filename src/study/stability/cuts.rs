@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "cuts",
-    about: "light of the regions of a median cut of constant, black and one-hot maps; out of range: missing regions",
+    about: "light of the regions of a median cut of constant, black maps and maps with one bright texel; out of range: missing regions",
     figure: "stability-sums",
     bounds: &[
         Bound::possible("regions that are missing"),

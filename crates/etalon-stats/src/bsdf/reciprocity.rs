@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::outcome::Outcome;
 
 /// Exchanges the two directions, for samples and for directions all over the sphere; for delta lobes it compares the power
-/// that each direction passes on to the other.
+/// that each direction scatters to the other.
 pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     if subject.properties.reciprocity != Reciprocity::Reciprocal || !subject.is_deterministic() {
         return Ok(None);
@@ -50,7 +50,7 @@ fn values(subject: &Subject, found: &mut Comparison) -> Result<()> {
 
 fn delta_lobe(subject: &Subject, lobe: &DeltaLobe, found: &mut Comparison) -> Result<()> {
     let Subject { bsdf, properties, wo, .. } = subject;
-    // What the delta lobe of one of `lobes` passes on to the side of `wo`.
+    // What the delta lobe of one of `lobes` scatters to the side of `wo`.
     let passed = |lobes: &[DeltaLobe], channel: usize| {
         let back = lobes.iter().find(|back| same_side(back.wi, *wo));
         back.map_or(0.0, |back| back.throughput[channel] / subject.eta2(lobe.wi))
