@@ -349,8 +349,8 @@ fn table(rows: &[Row]) -> String {
         text += &line(&fault.to_string(), &cell, &fault.to_string());
     }
     let plain = Fault::None.to_string();
-    text += &line("*uniform bias found with 90 %*", &|rows| median(rows, |row| row.uniform_bias), &plain);
-    text + &line("*bias of one tile found with 90 %*", &|rows| median(rows, |row| row.tile_bias), &plain)
+    text += &line("*uniform bias found with 90 % probability*", &|rows| median(rows, |row| row.uniform_bias), &plain);
+    text + &line("*bias of one tile found with 90 % probability*", &|rows| median(rows, |row| row.tile_bias), &plain)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

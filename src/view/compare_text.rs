@@ -9,14 +9,15 @@ fn percent(share: f64) -> String {
 
 /// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
-    let power = compared
-        .uniform_bias
-        .map(|bias| format!("a uniform bias of {} would have been found with 90 %", percent(bias)));
-    match (compared.answer, power) {
+    match (compared.answer, compared.uniform_bias) {
         (Answer::Different, _) => "different".into(),
-        (Answer::NoDifferenceFound, Some(power)) => format!("no difference found; {power}"),
-        (_, Some(power)) => {
-            format!("cannot tell: no difference found, but only {power}, not one of {}", percent(compared.plan.detect))
+        (Answer::NoDifferenceFound, Some(bias)) => {
+            let bias = percent(bias);
+            format!("no difference found; a uniform bias of {bias} would have been found with 90 % probability")
+        }
+        (_, Some(bias)) => {
+            let [bias, wanted] = [bias, compared.plan.detect].map(percent);
+            format!("cannot tell: the smallest uniform bias found with 90 % probability is {bias}, not {wanted}")
         }
         (_, None) if compared.families.iter().any(|family| family.dominated > 0) => {
             "cannot tell: a few samples dominate the mean of the image".into()
@@ -48,7 +49,7 @@ pub fn text(compared: &Compared) -> String {
     }
     if let Some(bias) = compared.tile_bias {
         text += &format!(
-            "in half of the tiles, a bias of {} of the image's mean would have been found with 90 %\n",
+            "in half of the tiles, a bias of {} of the image's mean would have been found with 90 % probability\n",
             percent(bias)
         );
     }

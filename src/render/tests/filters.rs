@@ -71,7 +71,7 @@ fn worst(scene: &Scene, film: [f64; 2], share: impl Fn(usize, f64) -> f64) -> f6
     (0..SIZE * SIZE).map(z).fold(0.0, f64::max)
 }
 
-/// Of 1024 pixels none is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 %.
+/// Of 1024 pixels none is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 % probability.
 #[test]
 fn the_corner_of_an_emitter_is_its_convolution() {
     for film in [[3.3, 2.8], [-0.6, 7.7]] {
@@ -95,7 +95,7 @@ fn the_corner_of_an_emitter_is_its_convolution() {
     }
 }
 
-/// A difference between means of images, in standard errors, and the smallest relative one that is found with 90 %.
+/// A difference between means of images, in standard errors, and the smallest relative one that is found with 90 % probability.
 struct Bias {
     z: f64,
     detectable: f64,
