@@ -143,9 +143,9 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
 
     fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
         let Some(invert) = self.invert.clone() else { return Ok(None) };
-        let dimension = self.dimension;
+        let (dimension, coordinates) = (self.dimension, coordinates::<D>(&[point]));
         self.caller.call(move |py| {
-            let u = invert.bind(py).call1((points::<D>(py, &[point])?,))?;
+            let u = invert.bind(py).call1((points::<D>(py, coordinates)?,))?;
             numbers(&u, "invert")?.of_shape(&[&[1, dimension]]).map(Some)
         })
     }
@@ -156,10 +156,10 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
         if at.is_empty() {
             return Ok(());
         }
-        let (at, pdf) = (at.to_vec(), Arc::clone(&self.pdf));
+        let (count, coordinates, pdf) = (at.len(), coordinates::<D>(at), Arc::clone(&self.pdf));
         let job = move |py: Python<'_>| {
-            let x = points::<D>(py, &at)?;
-            column(&pdf.bind(py).call1((&x,))?, "pdf", at.len(), &[("x", &x)])
+            let x = points::<D>(py, coordinates)?;
+            column(&pdf.bind(py).call1((&x,))?, "pdf", count, &[("x", &x)])
         };
         out.append(&mut self.caller.call(job)?);
         Ok(())
@@ -174,14 +174,19 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
     }
 }
 
-/// Points as an array: (n, d); (n,) for points with one coordinate, of integers for a finite set.
-fn points<'py, D: Coordinates>(py: Python<'py>, points: &[D::Point]) -> PyResult<Bound<'py, PyAny>> {
+/// The coordinates of points, one point after another.
+fn coordinates<D: Coordinates>(points: &[D::Point]) -> Vec<f64> {
     let mut values = Vec::with_capacity(width::<D>() * points.len());
     points.iter().for_each(|&point| D::coordinates(point, &mut values));
+    values
+}
+
+/// Points as an array: (n, d); (n,) for points with one coordinate, of integers for a finite set.
+fn points<D: Coordinates>(py: Python<'_>, coordinates: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
     match D::NAMES[0] {
-        ["i"] => Ok(values.into_iter().map(|i| i as i64).collect::<Vec<_>>().into_pyarray(py).into_any()),
-        [_] => Ok(values.into_pyarray(py).into_any()),
-        names => rows(py, values, names.len()),
+        ["i"] => Ok(coordinates.into_iter().map(|i| i as i64).collect::<Vec<_>>().into_pyarray(py).into_any()),
+        [_] => Ok(coordinates.into_pyarray(py).into_any()),
+        names => rows(py, coordinates, names.len()),
     }
 }
 

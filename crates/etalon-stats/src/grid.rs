@@ -138,9 +138,8 @@ impl Grid {
     #[inline]
     #[must_use]
     pub fn find(&self, [x, y]: [f64; 2]) -> usize {
-        let index = |edges: &[f64], at: f64| edges[1..edges.len() - 1].partition_point(|&edge| edge <= at);
-        let row = index(&self.rows, x);
-        self.first[row] + index(&self.columns[row], y)
+        let row = interval(&self.rows, x);
+        self.first[row] + interval(&self.columns[row], y)
     }
 
     /// The same cells, cut where they are far wider than a neighbour: see [`graded`].
@@ -154,6 +153,20 @@ impl Grid {
             columns.extend(std::iter::repeat_n(edges, xs.len() - 1));
         }
         Self::new(rows, columns)
+    }
+}
+
+/// The number of the interval between ascending `edges` that `at` is in; the first or last if it is in none.
+#[inline]
+fn interval(edges: &[f64], at: f64) -> usize {
+    let last = edges.len() - 2;
+    // Intervals of equal length need no search.
+    let guess = (at - edges[0]) * (last + 1) as f64 / (edges[last + 1] - edges[0]);
+    let guess = (guess as usize).min(last);
+    if edges[guess] <= at && at < edges[guess + 1] {
+        guess
+    } else {
+        edges[1..=last].partition_point(|&edge| edge <= at)
     }
 }
 

@@ -143,13 +143,14 @@ impl<D: Domain> Source<'_, D> {
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
         // Ask for all pdfs of the batch at once.
-        let spread: Vec<Sample<D::Point>> = samples.iter().flatten().filter(|sample| !sample.atom).copied().collect();
-        let points: Vec<D::Point> = spread.iter().map(|sample| sample.point).collect();
+        let spread = || samples.iter().flatten().filter(|sample| !sample.atom);
+        let mut points = Vec::with_capacity(samples.len());
+        points.extend(spread().map(|sample| sample.point));
         let mut pdfs = Vec::with_capacity(points.len());
         self.density.pdf(&points, &mut pdfs)?;
 
         // Check and count samples that have a density.
-        for (sample, pdf) in spread.iter().zip(pdfs) {
+        for (sample, pdf) in spread().zip(pdfs) {
             let Some(at) = self.domain.to_chart(sample.point) else {
                 tally.violation.get_or_insert_with(|| outside(sample));
                 continue;
@@ -169,6 +170,7 @@ impl<D: Domain> Source<'_, D> {
             tally.serial.count(labels, &mut past, parts, at);
             let within = match integration {
                 Integration::Exact(..) => 1.0,
+                Integration::Refined(refinement) if refinement.reaches(cell, pdf) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
             };
             if within < 1.0 {

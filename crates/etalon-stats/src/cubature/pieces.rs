@@ -47,7 +47,7 @@ pub(super) struct Piece {
     /// integral; infinite where the density is beyond reach.
     pub(super) mismatch: f64,
     /// The largest density that the piece is expected to reach, and the densities at the nodes as shares of it.
-    top: f64,
+    pub(super) top: f64,
     shape: Vec<f64>,
 }
 

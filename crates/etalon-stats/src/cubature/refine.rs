@@ -22,6 +22,8 @@ pub(crate) struct Refinement<'a, D: Domain> {
     pub(super) grid: &'a Grid,
     /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
+    /// For each cell the density that all of its pieces are expected to reach.
+    reach: Vec<f64>,
     tree: Tree,
     probes: Vec<Probe>,
     evaluations: usize,
@@ -44,6 +46,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
             density,
             grid,
             pieces,
+            reach: Vec::new(),
             tree,
             probes: probes.to_vec(),
             evaluations: 0,
@@ -84,6 +87,13 @@ impl<'a, D: Domain> Refinement<'a, D> {
             errors[piece.part.cell] += piece.error();
         }
         Integrals { values, errors, invalid: self.invalid }
+    }
+
+    /// Whether the nodes predict a density as large as `pdf` everywhere in a cell: then [`share_within`](Self::share_within)
+    /// is 1, without a search for the piece.
+    #[inline]
+    pub fn reaches(&self, cell: usize, pdf: f64) -> bool {
+        pdf <= self.reach[cell]
     }
 
     /// The share of the density at a probe that the nodes around it predict: below 1 for a spike.
@@ -219,6 +229,11 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 self.tree.set(piece, number);
             }
             self.add(parts)?;
+        }
+        self.reach = vec![f64::INFINITY; cells];
+        for piece in &self.pieces {
+            let reach = &mut self.reach[piece.part.cell];
+            *reach = reach.min(piece.top);
         }
         Ok(())
     }
