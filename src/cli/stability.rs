@@ -21,7 +21,8 @@ use std::time::Instant;
                   input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
-                  fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3"
+                  fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
+                  fresnel:eta=0.999..1.001,cos=0.1..1"
 )]
 #[command(next_help_heading = "Families", args = [out(), seed(), threads()])]
 pub struct Stability {
@@ -31,8 +32,11 @@ pub struct Stability {
     /// Run one input in every variant and precision
     #[arg(long, value_name = "CASE", conflicts_with_all = ["families", "junit", "markdown"])]
     replay: Option<String>,
+    /// Search ranges of a family's inputs for the worst ones
+    #[arg(long, value_name = "CASES", conflicts_with_all = ["families", "replay"])]
+    range: Option<String>,
     /// List the families and stop
-    #[arg(long, conflicts_with_all = ["replay", "junit", "markdown"])]
+    #[arg(long, conflicts_with_all = ["replay", "range", "junit", "markdown"])]
     list: bool,
     #[command(flatten)]
     reports: Reports,
@@ -42,7 +46,9 @@ pub struct Stability {
 struct Output<'a> {
     rows: &'a [ErrorRow],
     bounds: &'a [BoundCheck],
-    effort: Workload,
+    /// None for a search, which has no grids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<Workload>,
     interrupted: bool,
 }
 
@@ -72,10 +78,13 @@ impl Stability {
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;
-        let result = stability::run(&self.families, &effort, global.seed, &mut |name| {
-            bar.set_message(name);
-            bar.inc(1);
-        })?;
+        let result = match &self.range {
+            Some(range) => stability::search(range, global.seed),
+            None => stability::run(&self.families, &effort, global.seed, &mut |name| {
+                bar.set_message(name);
+                bar.inc(1);
+            }),
+        }?;
         bar.finish_and_clear();
         if result.interrupted && result.rows.is_empty() {
             return Err(Error::Interrupted);
@@ -87,8 +96,9 @@ impl Stability {
         files.extend(self.reports.write(&checks(&result, start.elapsed().as_secs_f64()))?);
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
+        let effort = self.range.is_none().then_some(effort);
         let output = Output { rows, bounds, effort, interrupted };
-        console.saved(&output, &written, || human(&output));
+        console.saved(&output, &written, || human(&output, self.range.is_some()));
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
     }
@@ -161,7 +171,8 @@ fn replayed(replay: &Replay) -> String {
     text
 }
 
-fn human(output: &Output<'_>) -> String {
+/// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
+fn human(output: &Output<'_>, names_inputs: bool) -> String {
     let mut text = format!(
         "{:<22} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
         "family", "variant", "", "cases", "relative", "ULP", "condition", "NaN, ∞", "negative", "outside"
@@ -180,6 +191,10 @@ fn human(output: &Output<'_>) -> String {
             r.negative,
             r.out_of_range,
         );
+    }
+    if names_inputs {
+        let worst = |r: &ErrorRow| format!("{:<13} {} worst at {}\n", r.variant, r.precision.name(), r.worst);
+        text += &output.rows.iter().map(worst).collect::<String>();
     }
     text += "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay).\n\
              Rounding that input alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds below say\n\

@@ -1,4 +1,4 @@
-//! Lights that stand for a map: one for each region of a cut, with the region's flux, at its energy centroid.
+//! Point lights that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
 use super::settings::{Sampling, Settings};
 use crate::envmap::samplers::FixedLight;

@@ -1,12 +1,10 @@
 //! Replay of one input: every variant in every precision.
 
 use super::case::{Exact, Flaw};
-use super::family::Family;
+use super::inputs::parse;
 use super::precision::Precision;
-use super::registry::{families, names};
 use super::sweep::case;
 use crate::error::{Error, Result};
-use crate::import::number::number;
 use serde::Serialize;
 
 /// One variant at the input.
@@ -47,14 +45,11 @@ pub struct Replay {
 /// # Errors
 /// [`Error::Parameter`] for anything else.
 pub fn replay(text: &str) -> Result<Replay> {
-    let (name, inputs) = text.split_once(':').unwrap_or((text, ""));
-    let Some(family) = families().find(|family| family.name == name) else {
-        let known: Vec<_> = families().map(|family| family.name).collect();
-        let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
-        return Err(Error::parameter("case", format!("\"{name}\" is {what}"))
-            .with_hint(format!("formulas: {}", known.join(", "))));
-    };
-    let inputs = parse(family, inputs)?;
+    let (family, ranges) = parse(text, "case")?;
+    let inputs: Vec<f64> = ranges.iter().map(|[from, _]| *from).collect();
+    if ranges.iter().any(|[from, to]| from != to) {
+        return Err(Error::parameter("case", "a range of inputs").with_hint("a replay is of one input: give numbers"));
+    }
     let mut lines = Vec::new();
     for precision in Precision::ALL.into_iter().filter(|p| family.runs_in(*p)) {
         let case = case(family, precision, &inputs);
@@ -82,39 +77,9 @@ pub fn replay(text: &str) -> Result<Replay> {
     Ok(Replay { family: family.name, inputs: family.inputs.iter().copied().zip(inputs).collect(), lines })
 }
 
-fn parse(family: &Family, text: &str) -> Result<Vec<f64>> {
-    let refuse = |message: String| {
-        let usage: Vec<String> = family.inputs.iter().map(|name| format!("{name}=…")).collect();
-        Error::parameter("case", message).with_hint(format!("give {}:{}", family.name, usage.join(",")))
-    };
-    let mut inputs = vec![None; family.inputs.len()];
-    for part in text.split(',').filter(|part| !part.is_empty()) {
-        let (name, value) = part.split_once('=').ok_or_else(|| refuse(format!("\"{part}\" is not NAME=NUMBER")))?;
-        let Some(place) = family.inputs.iter().position(|input| *input == name.trim()) else {
-            return Err(refuse(format!("{} has no input \"{name}\"", family.name)));
-        };
-        let number = number(value.trim()).filter(|x| x.is_finite() && (*x as f32).is_finite());
-        let number = number.ok_or_else(|| refuse(format!("\"{value}\" is not a number that f32 can hold")))?;
-        if let Some((least, largest)) = family.domains.get(place)
-            && !(*least..=*largest).contains(&number)
-        {
-            return Err(refuse(format!("{name} = {value} is not from {least:e} to {largest:e}")));
-        }
-        if inputs[place].replace(number).is_some() {
-            return Err(refuse(format!("\"{name}\" is given twice")));
-        }
-    }
-    let missing = inputs.iter().position(Option::is_none);
-    match missing {
-        Some(place) => Err(refuse(format!("input \"{}\" is missing", family.inputs[place]))),
-        None => Ok(inputs.into_iter().flatten().collect()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::study::stability::{STABLE, Section};
+    use crate::study::stability::{STABLE, Section, families};
 
     #[test]
     fn the_grids_and_edges_lie_in_the_domains() {

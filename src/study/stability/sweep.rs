@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub struct Sweep {
     /// What was swept.
     pub family: &'static Family,
-    /// Places along each side of a section.
+    /// Places along each side of a section; 0 for inputs that are in no grid.
     pub side: usize,
     /// Section by section, then the edges.
     pub cases: Vec<Case>,
@@ -28,11 +28,12 @@ impl Sweep {
             (Some(place), inputs)
         });
         let edges = family.edges.par_iter().map(|edge| (None, edge.to_vec()));
-        let cases = grid.chain(edges).flat_map_iter(|(place, inputs)| {
-            let precisions = Precision::ALL.into_iter().filter(|p| family.runs_in(*p));
-            precisions.map(move |precision| Case { place, ..case(family, precision, &inputs) })
-        });
-        Self { family, side, cases: cases.collect() }
+        Self { family, side, cases: cases(family, grid.chain(edges)) }
+    }
+
+    /// Runs those inputs, on all threads.
+    pub fn of_inputs(family: &'static Family, inputs: &[Vec<f64>]) -> Self {
+        Self { family, side: 0, cases: cases(family, inputs.par_iter().map(|inputs| (None, inputs.clone()))) }
     }
 
     /// A row for each variant and precision.
@@ -59,6 +60,15 @@ impl Sweep {
         }
         (row.cases > 0).then_some(row)
     }
+}
+
+/// All variants at all inputs, in every precision.
+fn cases(family: &Family, inputs: impl ParallelIterator<Item = (Option<Place>, Vec<f64>)>) -> Vec<Case> {
+    let of_input = |(place, inputs): (Option<Place>, Vec<f64>)| {
+        let precisions = Precision::ALL.into_iter().filter(|p| family.runs_in(*p));
+        precisions.map(move |precision| Case { place, ..case(family, precision, &inputs) })
+    };
+    inputs.flat_map_iter(of_input).collect()
 }
 
 /// All variants at one input, which is rounded to the precision first.
