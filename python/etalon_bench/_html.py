@@ -8,14 +8,14 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from ._result import Result, image
+from ._result import LEAST, Result, image
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
 table { border-collapse: collapse; width: 100% } th { text-align: right } th:nth-child(-n + 2) { text-align: left } td, th { padding: .3rem .6rem; border-bottom: 1px solid #ddd }
 td.number { text-align: right; font-variant-numeric: tabular-nums } pre { white-space: pre-wrap; background: #f6f6f6; padding: .8rem }
 .accept { color: #1a6e32 } .reject { color: #b3202c; font-weight: bold } .inconclusive { color: #8a5a00; font-weight: bold }
-img { max-width: 100%; background: white } a { color: inherit } h2 { overflow-wrap: anywhere }
+a { color: inherit } h2 { overflow-wrap: anywhere }
 """
 
 
@@ -39,16 +39,21 @@ def _figures(result: Result) -> list[str | None]:
     return [result._repr_svg_(), *(check._repr_svg_() for check in result.checks if check.verdict == "reject")]
 
 
+def counted(checks: list[dict[str, Any]]) -> str:
+    """How many checks have which verdict."""
+    of = [check["verdict"] for check in checks]
+    return f"{of.count('accept')} accepted, {of.count('reject')} rejected, {of.count('inconclusive')} inconclusive"
+
+
 def write(path: str, checks: list[dict[str, Any]], level: float) -> None:
     """Writes the report, whole or not at all."""
     order = ["reject", "inconclusive", "accept"]
     ranked = sorted(enumerate(checks), key=lambda entry: order.index(entry[1]["verdict"]))
     rows = "".join(_row(i, check) for i, check in ranked)
     details = "".join(_details(i, check) for i, check in ranked)
-    counts = ", ".join(f"{sum(check['verdict'] == verdict for check in checks)} {verdict}" for verdict in reversed(order))
     page = (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>etalon</title><style>{STYLE}</style>'
-        f"<h1>Checks of samplers, BSDFs and images</h1><p>{len(checks)} checks at level {level:g} together: {counts}.</p>"
+        f"<h1>Checks of samplers, BSDFs and images</h1><p>{len(checks)} checks at level {level:g} together: {counted(checks)}.</p>"
         "<table><tr><th>check</th><th>verdict</th><th>p</th><th>detects</th><th>samples</th><th>seconds</th></tr>"
         f"{rows}</table>{details}</html>\n"
     )
@@ -72,7 +77,7 @@ def _umask() -> int:
 
 
 def _row(i: int, check: dict[str, Any]) -> str:
-    p = "" if check["p"] is None else f"{check['p']:.3g}" if check["p"] >= 1e-300 else "&lt; 1e-300"
+    p = "" if check["p"] is None else f"{check['p']:.3g}" if check["p"] >= LEAST else f"&lt; {LEAST}"
     detects = "" if check["detectable"] is None else f"{100 * check['detectable']:.3g} %"
     numbers = [p, detects, f"{check['samples']:,}" if check["samples"] else "", f"{check['seconds']:.2f}"]
     cells = "".join(f'<td class="number">{number}</td>' for number in numbers)

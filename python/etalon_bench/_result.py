@@ -19,6 +19,10 @@ from ._native import Found
 Verdict = Literal["accept", "reject", "inconclusive"]
 
 
+LEAST = 1e-300
+"""Smaller p-values are not told apart: they are near the smallest number that there is."""
+
+
 class Result:
     """What a test found. True in a condition if the verdict is "accept".
 
@@ -116,7 +120,7 @@ class Result:
         return self._found.text.rstrip()
 
     def __repr__(self) -> str:
-        p = "" if self.p is None else f", p={self.p:.3g}"
+        p = "" if self.p is None else f", p={self.p:.3g}" if self.p >= LEAST else f", p<{LEAST}"
         detectable = "" if self.detectable is None else f", detectable={self.detectable:.3g}"
         return f"<Result {self.name}: {self.verdict}{p}{detectable}>"
 
@@ -125,7 +129,8 @@ class Result:
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_()
-        return f"<pre>{html.escape(str(self))}</pre>{'' if svg is None else image(svg)}"
+        text = f'<pre style="white-space: pre-wrap">{html.escape(str(self))}</pre>'
+        return text if svg is None else text + image(svg)
 
     def check(self) -> Result:
         """Returns the result itself if it accepts.
@@ -160,7 +165,8 @@ def asserting(check: Callable[Parameters, Result], name: str) -> Callable[Parame
 
 def image(svg: str) -> str:
     """A figure as an element of HTML that shares no names with others of its page."""
-    return f'<img alt="figure" src="data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}">'
+    style = "max-width: 100%; background: white"
+    return f'<img alt="figure" style="{style}" src="data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}">'
 
 
 def _column(texts: list[str]) -> NDArray[Any]:

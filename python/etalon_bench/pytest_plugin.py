@@ -145,7 +145,5 @@ class Gathered:
         if self.path is not None:
             _html.write(self.path, self.checks, self.level)
         if self.checks:
-            of = [check["verdict"] for check in self.checks]
-            counts = ", ".join(f"{of.count(verdict)} {verdict}" for verdict in ("accept", "reject", "inconclusive"))
             written = "" if self.path is None else f"; wrote {self.path}"
-            terminalreporter.write_sep("-", f"etalon: level {self.level} together; {counts}{written}")
+            terminalreporter.write_sep("-", f"etalon: level {self.level} together; {_html.counted(self.checks)}{written}")

@@ -56,7 +56,7 @@ def test_a_run_shares_its_level(pytester: pytest.Pytester) -> None:
     )
     result = pytester.runpytest_subprocess("--etalon-level=0.04")
     result.assert_outcomes(passed=3)
-    result.stdout.fnmatch_lines(["*etalon: level 0.04 together; 3 accept, 0 reject, 0 inconclusive*"])
+    result.stdout.fnmatch_lines(["*etalon: level 0.04 together; 3 accepted, 0 rejected, 0 inconclusive*"])
 
 
 @pytest.mark.parametrize("workers", [0, 2])
@@ -68,7 +68,7 @@ def test_the_report_has_all_checks(pytester: pytest.Pytester, workers: int) -> N
     result.assert_outcomes(passed=5, failed=1)
     result.stdout.fnmatch_lines(["*AssertionError: <wrong>: reject*"])
     page = (pytester.path / "out/report.html").read_text(encoding="utf-8")
-    assert "7 checks at level 0.01 together: 6 accept, 0 inconclusive, 1 reject" in page
+    assert "7 checks at level 0.01 together: 6 accepted, 1 rejected, 0 inconclusive" in page
     # Rejected ones first, names escaped, a figure for each, nothing from elsewhere
     assert page.index("&lt;wrong&gt;") < page.index("test_right[0]") and "<wrong>" not in page
     assert page.count("data:image/svg+xml;base64,") == 7 and "http" not in page.replace("http://www.w3.org", "")

@@ -37,7 +37,6 @@ pub use precision::Precision;
 pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
 pub use replay::{Replay, Replayed, replay};
 pub use row::{Bound, ErrorRow};
-pub use search::search;
 pub use sweep::Sweep;
 pub use variant::{REPORT, STABLE, TEXTBOOK, Variant};
 
@@ -100,6 +99,17 @@ pub fn run<S: AsRef<str>>(
     }
     bounds.insert(0, BoundCheck::finite(&rows));
     Ok(Stability { bounds, rows, sweeps, interrupted })
+}
+
+/// Runs a family on random inputs such as `fresnel:eta=0.999..1.001,cos=0.1..1`: numbers or ranges for all of its inputs.
+///
+/// # Errors
+/// [`Error::Parameter`] for anything else.
+pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
+    let sweep = search::at_random(inputs, seed)?;
+    let (rows, mut bounds) = (sweep.rows(), BoundCheck::of_sweep(&sweep));
+    bounds.insert(0, BoundCheck::finite(&rows));
+    Ok(Stability { rows, bounds, sweeps: Vec::new(), interrupted: false })
 }
 
 /// A bound, and the largest error that was found.
