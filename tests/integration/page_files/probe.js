@@ -20,6 +20,8 @@ addEventListener('load', async () => {
       await loaded(image);
       must(image.naturalWidth > 0 && image.clientWidth > 0, `no picture: ${image.alt}`);
     }
+    // An image is complete before its load event, which gives the comparison its width
+    await pause();
     for (const link of every('a[href^="#"]')) must(document.getElementById(link.hash.slice(1)), `leads nowhere: ${link.hash}`);
     for (const field of every('input, select, button')) {
       must(field.textContent.trim() || field.labels?.length || field.getAttribute('aria-label'), `no name: ${field.outerHTML}`);
