@@ -1,4 +1,4 @@
-//! The registry of media: dielectrics by their dispersion formulas, and the metals of [`metals`](super::metals), by name.
+//! The registry of media: dielectrics by their dispersion formulas, and the metals of [`metals`], by name.
 //!
 //! A new dielectric is one entry in [`DIELECTRICS`], a new metal one in the list of metals: the command line, scene files, the
 //! documentation and the tests take their lists from there.
