@@ -213,6 +213,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn the_table_is_the_integral() {
         for alpha in
             [[1e-4; 2], [1e-3; 2], [0.03; 2], [0.1; 2], [0.3; 2], [1.0; 2], [0.05, 0.5], [1.0, 0.1], [0.01, 0.3]]

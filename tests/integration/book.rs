@@ -21,6 +21,7 @@ fn examples(page: &str) -> Vec<(String, i32)> {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn examples_run() {
     let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
     let summary = std::fs::read_to_string(book.join("SUMMARY.md")).unwrap();
@@ -65,6 +66,7 @@ fn keys(value: &serde_json::Value, name: &str) -> BTreeSet<String> {
 
 /// The page of columns and keys lists what its commands write, and nothing else.
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn columns_and_keys_are_those_of_the_page() {
     let page = include_str!("../../docs/src/columns.md");
     let mut tables = 0;

@@ -112,6 +112,7 @@ fn ourselves(extra: &str) -> String {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
     let folder = tempfile::tempdir().unwrap();
     let renderer = ourselves("--sampling mis --uniform");
@@ -152,6 +153,7 @@ fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
 /// Planted faults of renderers: each is found and named, and the others are measured all the same.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn faults_of_renderers_are_found_and_named() {
     let folder = tempfile::tempdir().unwrap();
     let program = assert_cmd::cargo::cargo_bin("etalon");
@@ -196,6 +198,7 @@ fn faults_of_renderers_are_found_and_named() {
 /// A renderer that hangs takes a third of the budget, whatever its own limit is.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_renderer_that_hangs_leaves_time_for_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let mut args =

@@ -138,6 +138,7 @@ fn a_killed_merge_leaves_what_was_there() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn killed_figures_are_whole_or_missing() {
     let dir = tempfile::tempdir().unwrap();
     let args = ["reproduce", "--quick", "--only", "fresnel-enter,fresnel-exit,metals-table", "-o", "."];
@@ -150,6 +151,7 @@ fn killed_figures_are_whole_or_missing() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn killed_measurements_are_whole_or_missing() {
     let dir = tempfile::tempdir().unwrap();
     let args =

@@ -51,6 +51,7 @@ fn of_map<'a>(map: &'a str, own: &'a str) -> [Vec<&'a str>; 8] {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn memory_grows_with_the_map_and_no_more() {
     let dir = tempfile::tempdir().unwrap();
     write_map(&dir.path().join("map.hdr"), [4096, 2048]);
@@ -154,6 +155,7 @@ fn interrupted(folder: &Path, args: &[&str]) -> Ran {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn every_long_command_can_be_interrupted() {
     let dir = tempfile::tempdir().unwrap();
     for args in [

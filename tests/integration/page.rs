@@ -67,6 +67,7 @@ fn axe() -> Option<std::ffi::OsString> {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_browser_finds_nothing_missing_or_broken() {
     let Some(browser) = browser() else {
         eprintln!("SKIPPED: there is no chromium here; the page was opened in no browser");

@@ -4,6 +4,7 @@ use crate::program::{etalon, json};
 use tempfile::tempdir;
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn every_planted_fault_is_rejected_and_told() {
     let folder = tempdir().unwrap();
     let found = json(folder.path(), &["validate", "--planted", "--junit", "planted.xml", "--markdown", "planted.md"]);
@@ -30,6 +31,7 @@ fn every_planted_fault_is_rejected_and_told() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn too_few_samples_do_not_count_as_finding() {
     let folder = tempdir().unwrap();
     let ran = etalon(folder.path(), &["validate", "--planted", "--samples", "20", "--markdown", "few.md"]);

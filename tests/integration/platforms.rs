@@ -5,6 +5,7 @@ use crate::render::layers;
 use std::process::Command;
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn images_are_the_same_without_wide_vectors() {
     const EMULATOR: &str = "qemu-x86_64";
     if cfg!(not(target_arch = "x86_64")) || Command::new(EMULATOR).arg("--version").output().is_err() {

@@ -60,6 +60,7 @@ where
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn ripples_of_the_stated_size_are_found_as_often_as_stated() {
     measure(2);
 }

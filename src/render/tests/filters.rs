@@ -73,6 +73,7 @@ fn worst(scene: &Scene, film: [f64; 2], share: impl Fn(usize, f64) -> f64) -> f6
 
 /// Of 1024 pixels none is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 % probability.
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn the_corner_of_an_emitter_is_its_convolution() {
     for film in [[3.3, 2.8], [-0.6, 7.7]] {
         for name in [
@@ -131,6 +132,7 @@ fn biases_at_the_border(scene: &Scene, inside: f64) -> [Bias; 2] {
 
 /// All pixels are at the border. The planted fault leaves out what comes from outside, in proportion to the filter.
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn light_paths_from_outside_of_the_image_contribute_to_its_border() {
     let parallel = Projection::Orthographic { half_width: 0.6, half_height: 0.6 };
     for (projection, filter) in [(WIDE, "gaussian:1.5,0.5"), (parallel, "box:1"), (parallel, "triangle:2x1")] {

@@ -91,6 +91,7 @@ fn bias(scene: &Scene, spp: u32, max_depth: u32) -> f64 {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn mis_has_the_same_mean_without_light_tracing() {
     let parallel = Projection::Orthographic { half_width: 1.5, half_height: 1.5 };
     let glass = Material::Dielectric(Dielectric::clear(1.5));

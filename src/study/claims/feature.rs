@@ -305,6 +305,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn forced_events_have_the_light_that_is_rendered() {
         let (scene, request) = builtin::cornell_spheres();
         let request = Request { width: 80, height: 60, spp: 256, max_depth: 4, ..request };

@@ -73,6 +73,7 @@ fn is_different(compared: &Compared) -> bool {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn estimators_of_one_expectation_are_rarely_called_different() {
     // More than 2 of 12 at 1 % have a probability of 0.02 %; the ignored test counts the alarms of 1000.
     for (scene, other) in [(scene(), Sampling::Mis), (caustics(), Sampling::MisLt)] {
@@ -87,6 +88,7 @@ fn estimators_of_one_expectation_are_rarely_called_different() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_uniform_bias_is_found_as_often_as_stated() {
     const ROUNDS: u64 = 20;
     let biased = |round: u64| {

@@ -41,6 +41,7 @@ fn every_entry_is_complete() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn bounds_hold_and_faults_violate_them() {
     for entry in &REGISTRY {
         let (violated, with_fault) = match entry {

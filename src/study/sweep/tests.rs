@@ -76,6 +76,7 @@ fn merged(paths: &[PathBuf], families: Families) -> Result<Conclusion> {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_planted_fault_is_rejected_after_a_merge_and_its_replay_fails() {
     let folder = tempfile::tempdir().unwrap();
     let paths = parts(folder.path(), &plan(planted(0.2), 20, 1), 3);

@@ -26,6 +26,7 @@ fn rejects(ran: &Ran, checks: &[&str]) {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_python_client_is_tested() {
     if has("python3", &["--version"]) {
         // The furnace test below finds the mistake of this client, in less time.
@@ -36,6 +37,7 @@ fn a_python_client_is_tested() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_numpy_client_is_tested() {
     if has("python3", &["-c", "import numpy"]) {
         let command = format!("python3 '{}'", example("bsdf_numpy.py"));
@@ -46,6 +48,7 @@ fn a_numpy_client_is_tested() {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn a_client_in_c_is_tested() {
     let folder = tempdir().unwrap();
     let binary = folder.path().join("bsdf").display().to_string();
@@ -73,6 +76,7 @@ fn a_client_in_c_is_tested() {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn programs_that_misbehave_are_named() {
     const GREETING: &str = "read l; echo 'etalon 1 kind=bsdf'; echo end; read l; ";
     let folder = tempdir().unwrap();

@@ -40,6 +40,7 @@ fn validate(command: &str, more: &[&str]) -> Ran {
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn python_clients_are_tested() {
     if has("python3", &["--version"]) {
         let command = format!("python3 '{}'", example("sampler.py"));

@@ -269,6 +269,7 @@ fn false_alarms(runs: u64) -> usize {
 
 /// At level 1 %, more than 7 of 200 have a probability of 0.1 %.
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn right_bsdfs_are_rejected_in_at_most_7_of_200_runs() {
     let alarms = false_alarms(200);
     assert!(alarms <= 7, "{alarms} of 200 at level 1 %");

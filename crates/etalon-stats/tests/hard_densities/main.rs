@@ -14,6 +14,7 @@ use std::ops::Range;
 /// At 1 % each, more than 3 false rejections of 40 have a probability of 0.07 %; a tenth of that level belongs to the
 /// bounds, of which more than 1 broken have one of 0.08 %.
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn right_samplers_of_hard_densities_pass_and_their_twins_do_not() {
     assert_decided(0..2, 3);
 }

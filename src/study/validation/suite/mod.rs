@@ -87,6 +87,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn right_samplers_are_accepted() {
         let cases = chosen();
         assert!(cases.len() >= 500, "{} cases", cases.len());

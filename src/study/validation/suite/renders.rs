@@ -358,6 +358,7 @@ mod tests {
     use etalon_stats::kolmogorov::uniformity;
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn all_are_accepted() {
         let cases = cases();
         let validation = run(&cases, &Protocol::default(), &|_| ()).unwrap();
