@@ -77,46 +77,33 @@ pub struct Counters<'a, 'i, D: Domain> {
     pub integration: &'a Integration<'i, D>,
 }
 
-/// A batch of samples; its memory serves one batch after another.
-struct Batch<P> {
-    /// The random numbers.
-    u: Vec<f64>,
-    samples: Vec<Option<Sample<P>>>,
-    /// Those of the samples that have a density, and the pdfs there.
-    points: Vec<P>,
-    pdfs: Vec<f64>,
-}
-
-impl<P> Batch<P> {
-    fn new() -> Self {
-        Self { u: Vec::new(), samples: Vec::new(), points: Vec::new(), pdfs: Vec::new() }
-    }
-}
+/// The random numbers of a batch, and its samples.
+type Batch<P> = (Vec<f64>, Vec<Option<Sample<P>>>);
 
 impl<D: Domain> Source<'_, D> {
-    /// Takes batch number `number` of the first `count` samples of random stream number `stream`.
-    fn take(&self, stream: u64, number: u64, count: u64, batch: &mut Batch<D::Point>) -> Result<()> {
+    /// Batch number `batch` of the first `count` samples of random stream number `stream`.
+    fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch<D::Point>> {
         poll(self.cancelled)?;
-        let size = BATCH.min(count - number * BATCH) as usize;
+        let size = BATCH.min(count - batch * BATCH) as usize;
         // Streams are fewer than 2⁸, batches than 2²⁴.
-        let counter = number << 8 | stream;
-        batch.u.clear();
-        batch.samples.clear();
+        let counter = batch << 8 | stream;
+        let mut samples = Vec::with_capacity(size);
         let dimension = self.sampler.dimension();
         if dimension == 0 {
-            return self.sampler.sample_seeded(size, batch_seed(self.seed, counter as u32), &mut batch.samples);
+            self.sampler.sample_seeded(size, batch_seed(self.seed, counter as u32), &mut samples)?;
+            return Ok((Vec::new(), samples));
         }
         let mut rng = CounterRng::new(self.seed, counter);
-        batch.u.extend((0..size * dimension).map(|_| rng.random::<f64>()));
-        self.sampler.sample(&batch.u, &mut batch.samples)
+        let u: Vec<f64> = (0..size * dimension).map(|_| rng.random::<f64>()).collect();
+        self.sampler.sample(&u, &mut samples)?;
+        Ok((u, samples))
     }
 
     /// The chart coordinates of samples, atoms left out, with the pdf there.
     pub fn probes(&self, stream: u64, count: u64) -> Result<Vec<Probe>> {
-        let of_batch = |number| {
-            let mut batch = Batch::new();
-            self.take(stream, number, count, &mut batch)?;
-            let spread = batch.samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
+        let of_batch = |batch| {
+            let (_, samples) = self.batch(stream, batch, count)?;
+            let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
             let (points, charts): (Vec<D::Point>, Vec<[f64; 2]>) =
                 spread.filter_map(|point| Some((point, self.domain.to_chart(point)?))).unzip();
             let mut pdfs = Vec::with_capacity(points.len());
@@ -137,35 +124,33 @@ impl<D: Domain> Source<'_, D> {
             missed: vec![Share::default(); cells],
             ..Tally::default()
         };
-        let add_batch = |(mut tally, mut batch): (Tally, Batch<D::Point>), number| {
-            self.take(stream, number, count, &mut batch)?;
-            self.count(&mut batch, counters, &mut tally)?;
-            if number == 0 && tally.violation.is_none() {
-                tally.violation = self.inverse_violation(&batch.u, &batch.samples)?;
+        let add_batch = |mut tally: Tally, batch| {
+            let (u, samples) = self.batch(stream, batch, count)?;
+            self.count(&samples, counters, &mut tally)?;
+            if batch == 0 && tally.violation.is_none() {
+                tally.violation = self.inverse_violation(&u, &samples)?;
             }
-            Ok((tally, batch))
+            Ok(tally)
         };
         // Add batches up as they come, so that memory does not grow with the number of samples.
         let batches = (0..count.div_ceil(BATCH)).into_par_iter();
-        let tallies = batches.try_fold(|| (empty(), Batch::new()), add_batch).map(|sum| sum.map(|(tally, _)| tally));
-        tallies.try_reduce(empty, |a, b| Ok(a.plus(b)))
+        batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
-    fn count(&self, batch: &mut Batch<D::Point>, counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
+    fn count(&self, samples: &[Option<Sample<D::Point>>], counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
         let Counters { subdivision, labels, atoms, integration } = counters;
-        let Batch { samples, points, pdfs, .. } = batch;
         let mut past = Past::default();
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
         // Ask for all pdfs of the batch at once.
         let spread = || samples.iter().flatten().filter(|sample| !sample.atom);
-        points.clear();
+        let mut points = Vec::with_capacity(samples.len());
         points.extend(spread().map(|sample| sample.point));
-        pdfs.clear();
-        self.density.pdf(points, pdfs)?;
+        let mut pdfs = Vec::with_capacity(points.len());
+        self.density.pdf(&points, &mut pdfs)?;
 
         // Check and count samples that have a density.
-        for (sample, &mut pdf) in spread().zip(pdfs) {
+        for (sample, pdf) in spread().zip(pdfs) {
             let Some(at) = self.domain.to_chart(sample.point) else {
                 tally.violation.get_or_insert_with(|| outside(sample));
                 continue;
