@@ -2,13 +2,13 @@
 //!
 //! Each command is stopped a few times, or as often as `ETALON_KILLS` says: `ETALON_KILLS=100 cargo test --test integration kill`.
 
-use crate::program::{etalon, json};
+use crate::program::{etalon, interruptible, json};
 use etalon::raster::{ExrFile, ReadOptions, read};
 use nix::sys::signal::{Signal, kill as send};
 use nix::unistd::Pid;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant, SystemTime};
 
 /// How a command is stopped: by one signal, or by the same one twice.
@@ -23,7 +23,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 fn kill(folder: &Path, args: &[&str], check: impl Fn(&Path)) {
     let run = |folder: &Path| {
         std::fs::create_dir(folder).unwrap();
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
+        let mut command = interruptible();
         command.args(args).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
     };
     let start = Instant::now();

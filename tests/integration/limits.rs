@@ -139,7 +139,7 @@ fn a_limit_of_file_sizes_is_an_error_and_leaves_nothing() {
 fn interrupted(folder: &Path, args: &[&str]) -> Ran {
     use nix::sys::signal::{Signal, kill};
 
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
+    let mut command = crate::program::interruptible();
     command.args(args).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().unwrap();
     std::thread::sleep(Duration::from_millis(500));

@@ -21,6 +21,24 @@ pub fn etalon(folder: &Path, args: &[&str]) -> Ran {
     Ran { code, stdout, stderr }
 }
 
+/// The program, for tests that send it signals. It takes them also where the tests themselves were started with signals
+/// ignored, as by `nohup` or in the background of a script, and would hand that down.
+#[cfg(unix)]
+pub fn interruptible() -> std::process::Command {
+    use signal_hook::consts::{SIGHUP, SIGINT};
+    use std::sync::{Arc, Once, atomic::AtomicBool};
+
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        for signal in [SIGHUP, SIGINT] {
+            // A handler in place of "ignore", which ends the tests; their children begin with the default action.
+            let ends = Arc::new(AtomicBool::new(true));
+            signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, ends).unwrap();
+        }
+    });
+    std::process::Command::new(assert_cmd::cargo::cargo_bin("etalon"))
+}
+
 /// Runs `etalon --json`, which must succeed and print one JSON object and nothing else.
 pub fn json(folder: &Path, args: &[&str]) -> serde_json::Value {
     let ran = etalon(folder, &[args, &["--json"]].concat());

@@ -108,7 +108,7 @@ fn filters_change_the_image_and_are_named_in_it() {
 fn interrupt(folder: &Path, (name, number): (&str, i32), args: &[&str]) -> crate::program::Ran {
     use std::os::unix::process::ExitStatusExt;
     for delay in [50, 100, 200, 400, 800, 1600] {
-        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("etalon"));
+        let mut command = crate::program::interruptible();
         let pipe = std::process::Stdio::piped;
         let child = command.args(args).current_dir(folder).stdout(pipe()).stderr(pipe()).spawn().unwrap();
         std::thread::sleep(std::time::Duration::from_millis(delay));

@@ -45,7 +45,7 @@ pub fn assert_ended(file: &Path) {
 /// Starts a test of a shell script.
 fn start(folder: &Path, script: &str) -> Child {
     std::fs::write(folder.join("client.sh"), script).unwrap();
-    Command::new(assert_cmd::cargo::cargo_bin("etalon"))
+    crate::program::interruptible()
         .args(["validate", "--exec", "sh client.sh", "--samples", "1000", "--timeout", "5"])
         .current_dir(folder)
         .stdout(Stdio::null())
@@ -91,7 +91,7 @@ fn an_answer_is_not_waited_for_after_a_signal() {
         let folder = tempdir().unwrap();
         let script = format!("{HELLO}; echo > asked; sleep 1000");
         std::fs::write(folder.path().join("client.sh"), script).unwrap();
-        let mut bench = Command::new(assert_cmd::cargo::cargo_bin("etalon"))
+        let mut bench = crate::program::interruptible()
             .args(["validate", "--exec", "sh client.sh", "--samples", "1000", "--timeout", "600"])
             .current_dir(folder.path())
             .stdout(Stdio::null())
