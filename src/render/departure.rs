@@ -23,8 +23,8 @@ pub enum LightSamples {
         pdf: f32,
         /// Normal at the vertex by which light samples are chosen.
         normal: Vec3,
-        /// Whether light samples may also come from below the surface.
-        transmits: bool,
+        /// The kind of surface: light samples of one that transmits come from both sides.
+        surface: Kind,
     },
 }
 
@@ -88,9 +88,7 @@ impl PreparedScene<'_> {
             // At diffuse surfaces other BSDF samples have found it.
             Sampling::Bsdf if surface.is_diffuse() => LightSamples::Complete,
             Sampling::Bsdf => LightSamples::NotTaken,
-            Sampling::Mis | Sampling::MisLt => {
-                LightSamples::Combined { pdf, normal, transmits: surface == Kind::Transmitting }
-            }
+            Sampling::Mis | Sampling::MisLt => LightSamples::Combined { pdf, normal, surface },
         }
     }
 
@@ -111,8 +109,8 @@ impl PreparedScene<'_> {
             (LightSamples::Impossible, ..) => 0.0,
             (_, EmitterVisibility::CameraOnly, _) | (LightSamples::Complete, ..) => return 0.0,
             (LightSamples::NotTaken, ..) | (LightSamples::Combined { .. }, _, None) => 0.0,
-            (LightSamples::Combined { pdf, normal, transmits }, _, Some(light)) => {
-                self.lights.density(light, origin, (!transmits).then_some(normal)) / pdf
+            (LightSamples::Combined { pdf, normal, surface }, _, Some(light)) => {
+                self.lights.density(light, origin, surface.one_sided(normal)) / pdf
             }
         };
         let emission = || match (&self.light_tracing, hit.light) {
@@ -131,8 +129,8 @@ impl PreparedScene<'_> {
         }
         let texel = environment.texel(direction.as_dvec3());
         let by_light = match (departure.light_samples, &self.environment) {
-            (LightSamples::Combined { pdf, normal, .. }, Some(sampling)) => {
-                self.request.light_samples as f32 * sampling.pdf_in_texel(texel, normal) as f32 / pdf
+            (LightSamples::Combined { pdf, normal, surface }, Some(sampling)) => {
+                self.request.light_samples as f32 * sampling.pdf_in_texel(texel, normal, surface) as f32 / pdf
             }
             _ => 0.0,
         };

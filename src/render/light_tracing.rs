@@ -168,7 +168,7 @@ impl<'a> LightTracing<'a> {
         let short = |u: [f64; 2]| u.map(|u| u as f32);
         if number == self.lights {
             let environment = self.environment.as_ref()?;
-            let sample = environment.sample(within, Vec3::Y)?;
+            let sample = environment.sample(within, Vec3::Y, Kind::Reflecting)?;
             let wi = sample.wi.as_vec3();
             let target = self.target_by_disc(choice[1] as f32);
             let (x, y) = wi.any_orthonormal_pair();
@@ -227,7 +227,7 @@ impl<'a> LightTracing<'a> {
         if containing == 0 {
             return 0.0;
         }
-        let pdf = environment.pdf(wi, Vec3::Y) as f32 * containing as f32 / self.discs;
+        let pdf = environment.pdf(wi, Vec3::Y, Kind::Reflecting) as f32 * containing as f32 / self.discs;
         self.table.probability(self.lights) as f32 * pdf
     }
 

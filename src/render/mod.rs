@@ -29,7 +29,7 @@ pub(crate) mod prepared;
 mod reference;
 mod sample_lanes;
 mod settings;
-mod shaders;
+pub(crate) mod shaders;
 pub(crate) mod shading_normal;
 mod solids;
 mod triangle_light;

@@ -10,10 +10,11 @@ use super::light_tracing::LightTracing;
 use super::lights::Sampled;
 use super::needs::{Needs, lone_convex_from_outside};
 use super::settings::{Sampling, Settings};
-use super::shaders::SurfaceShader;
-use crate::error::Result;
+use super::shaders::{Kind, SurfaceShader};
+use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::memory;
+use crate::sampling::stream::DIMENSIONS;
 use crate::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
 use pulp::Arch;
@@ -72,6 +73,11 @@ impl<'a> PreparedScene<'a> {
         let geometry = Geometry::new(scene, needs.tree);
         let fixed = cut_lights::of(scene, settings)?;
         let lights = Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples);
+        let rounds = lights.rounds().len();
+        if !Dimensions::suffice(request.max_depth, rounds) {
+            let message = format!("{} scatterings with {rounds} light samples each are too many", request.max_depth);
+            return Err(Error::parameter("max_depth", message).with_hint("each sample needs random numbers of its own"));
+        }
         let shaders = SurfaceShader::all(scene, settings, &lights.all);
         let environment = EnvironmentSampling::new(scene, settings, &needs)?;
         let light_tracing = match settings.sampling {
@@ -113,8 +119,8 @@ impl<'a> PreparedScene<'a> {
 
     /// The expected number of light samples of the environment per solid angle in direction `wi` at a surface.
     #[inline]
-    pub fn environment_density(&self, wi: Vec3, normal: Vec3) -> f32 {
-        let pdf = self.environment.as_ref().map_or(0.0, |environment| environment.pdf(wi, normal));
+    pub fn environment_density(&self, wi: Vec3, normal: Vec3, surface: Kind) -> f32 {
+        let pdf = self.environment.as_ref().map_or(0.0, |environment| environment.pdf(wi, normal, surface));
         self.request.light_samples as f32 * pdf as f32
     }
 
@@ -143,9 +149,17 @@ impl Dimensions {
     /// Dimensions of a scattering besides one per round of light samples.
     const OTHERS: u32 = 5;
 
-    /// The dimensions of light paths after so many scatterings, 0 for their start: far from those of camera paths.
+    /// The first dimension of light paths.
+    const LIGHT_PATHS: u32 = DIMENSIONS / 2;
+
+    /// Whether camera paths of that depth stay below the dimensions of light paths, with that many rounds of light samples at each hit.
+    fn suffice(max_depth: u32, rounds: usize) -> bool {
+        (u64::from(max_depth) + 1) * (u64::from(Self::OTHERS) + rounds as u64) < u64::from(Self::LIGHT_PATHS)
+    }
+
+    /// The dimensions of light paths after so many scatterings, 0 for their start: beyond those of camera paths.
     pub fn of_light_paths(scatterings: u32) -> Self {
-        Self { first: (1 << 31) + scatterings * Self::OTHERS }
+        Self { first: Self::LIGHT_PATHS + scatterings * Self::OTHERS }
     }
 
     /// The direction in which the path continues.

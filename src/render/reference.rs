@@ -1,23 +1,25 @@
 //! The reference: a path tracer as the textbook describes it, one path after the other.
 //!
-//! It renders with every BSDF and light of the program, by light sampling, BSDF sampling, uniform hemisphere sampling, or light and BSDF
-//! sampling combined by multiple importance sampling, with Russian roulette. It uses the random numbers of [`super::kernel`], which is tested against it
+//! It renders with every BSDF and light of the program, by light sampling, BSDF sampling, uniform sampling of directions, or light and
+//! BSDF sampling combined by multiple importance sampling, with Russian roulette. Of the path tracer in lanes it shares the
+//! random numbers, the BSDFs, the scene, and the samplers of the map and of lights, each of which `validate` tests by itself.
+//! Its own are the MIS weights, which light samples are complete, emission and roulette; the lanes are tested against them
 //! sample by sample.
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
 
-use super::departure::{Departure, EmitterHit, LightSamples};
-use super::environment::BsdfOnly;
 use super::film::PathClass;
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, NOTHING, Rays, at, set};
 use super::lens::Lens;
-use super::mis::power_heuristic;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::sample_lanes::SampleLanes;
+use super::settings::Sampling;
 use super::shaders::{Kind, SurfaceShader};
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
+use crate::sampling::warp;
+use crate::scene::EmitterVisibility;
 use glam::Vec3;
 use std::borrow::Cow;
 
@@ -37,6 +39,33 @@ struct Vertex<'a> {
     frame: Frame,
     /// To the viewer, in the shading frame.
     wo: Vec3,
+    emission: Option<Emission>,
+}
+
+/// The vertex before a ray, as far as the weight of the light that the ray finds depends on it.
+#[derive(Clone, Copy)]
+enum Previous {
+    /// The camera or a delta lobe: light samples cannot find what the ray finds.
+    Specular,
+    /// A surface of this kind and shading normal, whose BSDF was sampled with this pdf.
+    Surface { pdf: f32, normal: Vec3, kind: Kind },
+}
+
+/// Light that a ray finds.
+#[derive(Clone, Copy)]
+struct Emission {
+    radiance: Rgb,
+    source: Source,
+}
+
+/// Where it comes from.
+#[derive(Clone, Copy)]
+enum Source {
+    Environment,
+    /// A surface that only the camera and delta lobes see.
+    CameraOnly,
+    /// A surface, and the number of the light that samples it, if one does.
+    Surface(Option<u32>),
 }
 
 impl Vertex<'_> {
@@ -71,11 +100,16 @@ impl<'a> Reference<'a> {
         let u = numbers.short_pair(slot, 0, (0, 1)).map(|u| [u; LANES]);
         self.lens.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
         let mut ray = [at(&self.rays.origin, 0), at(&self.rays.direction, 0)];
-        let (mut throughput, mut path_class, mut departure) = (Rgb::ONE, PathClass::DIRECT, Departure::CAMERA);
+        let (mut throughput, mut eta_scale) = (Rgb::ONE, 1.0);
+        let (mut path_class, mut previous) = (PathClass::DIRECT, Previous::Specular);
         for scatterings in 0..=scene.request.max_depth {
             // Add the light that the ray finds.
-            add(path_class, throughput * self.emission(ray, &departure));
-            let Some(vertex) = self.nearest(ray) else { return };
+            let vertex = self.nearest(ray);
+            let found = vertex.as_ref().map_or_else(|| self.environment(ray[1]), |vertex| vertex.emission);
+            if let Some(emission) = found {
+                add(path_class, throughput * emission.radiance * self.weight(emission.source, previous, ray));
+            }
+            let Some(vertex) = vertex else { return };
             if vertex.shader.kind == Kind::Black || scatterings == scene.request.max_depth {
                 return;
             }
@@ -86,16 +120,18 @@ impl<'a> Reference<'a> {
             let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
             let u = numbers.short_pair(slot, dimensions.bsdf(), (0, 1));
             let Some((sample, wi)) = vertex.sample(uc, u) else { return };
-            departure = Departure::CAMERA;
-            if !sample.is_delta() {
-                departure.light_samples = scene.light_samples(sample.pdf, vertex.frame.z, vertex.shader.kind);
-            }
+            previous = if sample.is_delta() {
+                Previous::Specular
+            } else {
+                Previous::Surface { pdf: sample.pdf, normal: vertex.frame.z, kind: vertex.shader.kind }
+            };
             path_class = path_class.then(sample.is_delta());
             ray = [vertex.surface.ray_origin(wi), wi];
             throughput *= sample.weight;
-            // Russian roulette
+            // Russian roulette, by the throughput without the scale of radiance in the medium
+            eta_scale *= sample.eta * sample.eta;
             if scatterings >= ROULETTE_AFTER {
-                let survival = (throughput.max_element() / ROULETTE_BELOW).min(1.0);
+                let survival = (eta_scale * throughput.max_element() / ROULETTE_BELOW).min(1.0);
                 if roulette >= survival {
                     return;
                 }
@@ -104,15 +140,41 @@ impl<'a> Reference<'a> {
         }
     }
 
+    /// The weight of light that a ray finds, among the techniques that could have found it from the previous vertex.
+    fn weight(&self, source: Source, previous: Previous, [origin, wi]: [Vec3; 2]) -> f32 {
+        let Previous::Surface { pdf, normal, kind } = previous else { return 1.0 };
+        match (self.scene.sampling, source) {
+            (_, Source::CameraOnly) => 0.0,
+            // Complete: directions were sampled at the vertex for all light that it scatters.
+            (Sampling::Light | Sampling::Hemisphere, _) => 0.0,
+            (Sampling::Bsdf, _) => {
+                if kind == Kind::Diffuse {
+                    0.0
+                } else {
+                    1.0
+                }
+            }
+            // The power heuristic
+            (Sampling::Mis | Sampling::MisLt, source) => {
+                let by_light = match source {
+                    Source::Environment => self.scene.environment_density(wi, normal, kind),
+                    Source::Surface(Some(light)) => self.scene.lights.density(light, origin, kind.one_sided(normal)),
+                    Source::Surface(None) | Source::CameraOnly => 0.0,
+                };
+                power_heuristic(pdf, by_light)
+            }
+        }
+    }
+
     /// Direct light at a vertex, scattered towards the viewer.
     fn direct_light(&mut self, vertex: &Vertex, numbers: &SampleLanes, slot: u32, scatterings: u32) -> Rgb {
         let scene = self.scene;
         let dimensions = scene.dimensions(scatterings);
-        let by_mis = scene.sampling.is_mis();
+        let by_mis = matches!(scene.sampling, Sampling::Mis | Sampling::MisLt);
+        let (kind, normal) = (vertex.shader.kind, vertex.frame.z);
         let position = vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo));
-        let normal = (vertex.shader.kind != Kind::Transmitting).then_some(vertex.frame.z);
         let mut sum = Rgb::ZERO;
-        // Sample the lights.
+        // Sample the lights. BSDF samples find only those that rays can hit.
         for (number, &round) in scene.lights.rounds().iter().enumerate() {
             for index in 0..round.count {
                 let sub_sample = (index, round.count);
@@ -120,13 +182,16 @@ impl<'a> Reference<'a> {
                 let u = numbers.short_pair(slot, dimensions.light(number), sub_sample);
                 let chosen = match round.light {
                     Some(light) => Some((light, 1.0)),
-                    None => scene.lights.selection(position, normal).and_then(|tree| tree.sample(choice)),
+                    None => scene
+                        .lights
+                        .selection(position, kind.one_sided(normal))
+                        .and_then(|selection| selection.sample(choice)),
                 };
                 let Some((light, probability)) = chosen else { continue };
                 let sample = scene.lights.sample(light, probability, position, u);
                 let (f, pdf) = vertex.eval(sample.wi);
-                let other = if by_mis && scene.lights.is_found_by_rays(light) { pdf } else { 0.0 };
-                let share = power_heuristic(round.count as f32 * sample.pdf, [other, 0.0]);
+                let is_hit = scene.lights.all[light as usize].object != NOTHING;
+                let share = if by_mis && is_hit { power_heuristic(round.count as f32 * sample.pdf, pdf) } else { 1.0 };
                 let value = f * sample.weight * (share / round.count as f32);
                 sum += self.unoccluded(vertex, light, sample.wi, sample.distance, value);
             }
@@ -135,23 +200,29 @@ impl<'a> Reference<'a> {
         for index in 0..count {
             let sub_sample = (index, count);
             // Sample the environment.
-            if let Some(environment) = &scene.environment
-                && let Some(sample) =
-                    environment.sample(numbers.pair(slot, dimensions.environment(), sub_sample), vertex.frame.z)
-            {
+            let u = numbers.pair(slot, dimensions.environment(), sub_sample);
+            if let Some(sample) = scene.environment.as_ref().and_then(|map| map.sample(u, normal, kind)) {
                 let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
-                let share = power_heuristic(density, [if by_mis { pdf } else { 0.0 }, 0.0]);
+                let share = if by_mis { power_heuristic(density, pdf) } else { 1.0 };
                 let value = f * sample.radiance * (share / density);
                 sum += self.unoccluded(vertex, NOTHING, wi, f32::INFINITY, value);
             }
-            // Sample directions without regard to light.
-            if let Some(strategy) = BsdfOnly::of(scene.sampling, vertex.shader.kind.is_diffuse()) {
-                let local = strategy.sample(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
-                let wi = Frame::from_normal(vertex.frame.z).to_world(local.as_vec3());
-                let weight = 1.0 / (strategy.pdf(local.z) as f32 * count as f32);
-                let departure = Departure { light_samples: LightSamples::NotTaken, ..Departure::CAMERA };
-                sum += vertex.eval(wi).0 * self.emission([vertex.surface.ray_origin(wi), wi], &departure) * weight;
+            // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
+            let sampled: Option<(fn([f64; 2]) -> glam::DVec3, fn(f64) -> f64)> = match (scene.sampling, kind) {
+                (Sampling::Bsdf, Kind::Diffuse) => Some((warp::cosine_hemisphere, warp::cosine_hemisphere_pdf)),
+                (Sampling::Hemisphere, Kind::Transmitting) => {
+                    Some((warp::uniform_sphere, |_| warp::UNIFORM_SPHERE_PDF))
+                }
+                (Sampling::Hemisphere, _) => Some((warp::uniform_hemisphere, |_| warp::UNIFORM_HEMISPHERE_PDF)),
+                _ => None,
+            };
+            if let Some((direction, pdf)) = sampled {
+                let local = direction(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
+                let wi = Frame::from_normal(normal).to_world(local.as_vec3());
+                let weight = 1.0 / (pdf(local.z) as f32 * count as f32);
+                let (f, _) = vertex.eval(wi);
+                sum += f * self.light_seen([vertex.surface.ray_origin(wi), wi]) * weight;
             }
         }
         sum
@@ -167,36 +238,58 @@ impl<'a> Reference<'a> {
         if blocked[0] == 0 { value } else { Rgb::ZERO }
     }
 
-    /// The light that a ray finds, weighted for a path with this departure.
-    fn emission(&mut self, ray: [Vec3; 2], departure: &Departure) -> Rgb {
-        let (scene, [origin, wi]) = (self.scene, ray);
-        let Some(vertex) = self.nearest(ray) else {
-            return scene.environment_light(departure, origin, wi);
+    /// The light that surfaces see along a ray.
+    fn light_seen(&mut self, ray: [Vec3; 2]) -> Rgb {
+        let found = match self.nearest(ray) {
+            Some(vertex) => vertex.emission,
+            None => self.environment(ray[1]),
         };
-        let Some(emission) = &vertex.shader.emission else { return Rgb::ZERO };
-        let Surface { normal, position, .. } = scene.geometry.surface(&self.rays, &self.hits, 0);
-        let light = vertex.shader.light.map(|first| first + scene.geometry.triangle(&self.hits, 0));
-        let hit = EmitterHit { visibility: emission.visibility, light, cos: normal.dot(wi).abs(), position };
-        vertex.shader.emitted(normal, wi) * scene.emitter_weight(departure, origin, wi, &hit)
+        match found {
+            Some(Emission { source: Source::CameraOnly, .. }) | None => Rgb::ZERO,
+            Some(Emission { radiance, .. }) => radiance,
+        }
+    }
+
+    /// The light of the environment from a direction.
+    fn environment(&self, wi: Vec3) -> Option<Emission> {
+        let environment = self.scene.scene.environment.as_ref()?;
+        Some(Emission { radiance: environment.radiance(wi.as_dvec3()), source: Source::Environment })
     }
 
     /// The first surface along a ray.
     fn nearest(&mut self, ray: [Vec3; 2]) -> Option<Vertex<'a>> {
         self.set_ray(ray);
-        self.scene.geometry.nearest(&self.rays, 1, &mut self.hits);
+        let geometry = &self.scene.geometry;
+        geometry.nearest(&self.rays, 1, &mut self.hits);
         if self.hits.object[0] == NOTHING {
             return None;
         }
         let shader = &self.scene.shaders[self.hits.object[0] as usize];
-        let surface = shader.facing(self.scene.geometry.surface(&self.rays, &self.hits, 0), -ray[1]);
-        let tangent = || self.scene.geometry.tangent(&self.hits, 0, surface.normal);
-        let frame = shader.frame(&surface, -ray[1], tangent);
-        let bsdf = shader.bsdf_at(|| self.scene.geometry.uv(&self.hits, 0, surface.position));
-        Some(Vertex { surface, shader, bsdf, frame, wo: frame.to_local(-ray[1]) })
+        let outside = geometry.surface(&self.rays, &self.hits, 0);
+        // A light emits from the side of its normal, or from both.
+        let emits = shader.emission.filter(|emission| emission.two_sided || outside.normal.dot(ray[1]) < 0.0);
+        let emission = emits.map(|emission| {
+            let source = match emission.visibility {
+                EmitterVisibility::CameraOnly => Source::CameraOnly,
+                EmitterVisibility::Sampled => {
+                    Source::Surface(shader.light.map(|first| first + geometry.triangle(&self.hits, 0)))
+                }
+            };
+            Emission { radiance: emission.radiance, source }
+        });
+        let surface = shader.facing(outside, -ray[1]);
+        let frame = shader.frame(&surface, -ray[1], || geometry.tangent(&self.hits, 0, surface.normal));
+        let bsdf = shader.bsdf_at(|| geometry.uv(&self.hits, 0, surface.position));
+        Some(Vertex { surface, shader, bsdf, frame, wo: frame.to_local(-ray[1]), emission })
     }
 
     fn set_ray(&mut self, [origin, direction]: [Vec3; 2]) {
         set(&mut self.rays.origin, 0, origin);
         set(&mut self.rays.direction, 0, direction);
     }
+}
+
+/// The weight of a technique of density `a` beside one of density `b`, by the power heuristic.
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    if b == 0.0 { 1.0 } else { 1.0 / (1.0 + (b / a) * (b / a)) }
 }

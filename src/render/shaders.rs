@@ -49,6 +49,12 @@ impl Kind {
     pub fn is_diffuse(self) -> bool {
         self == Self::Diffuse
     }
+
+    /// The normal of a surface that scatters light on its side alone; `None` of one that transmits.
+    #[inline(always)]
+    pub fn one_sided(self, normal: Vec3) -> Option<Vec3> {
+        if self == Self::Transmitting { None } else { Some(normal) }
+    }
 }
 
 impl SurfaceShader {

@@ -48,9 +48,19 @@ impl Light for Plane {
 impl Light for Sphere {
     #[inline(always)]
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32 {
-        let larger = Self { radius: self.radius + margin, ..*self };
-        let is_outside = origin.distance_squared(self.centre) > larger.radius * larger.radius;
-        if is_outside { larger.distance(origin, direction) } else { 0.0 }
+        let from_centre = origin - self.centre;
+        let (d2, larger) = (from_centre.length_squared(), Self { radius: self.radius + margin, ..*self });
+        if d2 > larger.radius * larger.radius {
+            return larger.distance(origin, direction);
+        }
+        if d2 > self.radius * self.radius {
+            return 0.0;
+        }
+        // From inside, where the ray leaves the smaller sphere.
+        let smaller = (self.radius - margin).max(0.0);
+        let along = from_centre.dot(direction);
+        let half_chord2 = smaller * smaller - (from_centre - along * direction).length_squared();
+        if half_chord2 > 0.0 { half_chord2.sqrt() - along } else { 0.0 }
     }
 }
 
@@ -60,7 +70,7 @@ impl Light for Sphere {
 pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
     // What rounding to f32 does to coordinates relative to the ray's origin.
     let margin = offset + 8.0 * f32::EPSILON * limit;
-    light.distance_within(origin, direction, margin).min(limit)
+    if limit > margin { light.distance_within(origin, direction, margin).min(limit) } else { 0.0 }
 }
 
 /// 1 − cos of half the angle that a sphere fills, from the squares of its radius and of the distance of its centre; 2 (all

@@ -22,6 +22,24 @@ pub fn invert_uniform_hemisphere(w: DVec3) -> [f64; 2] {
     [1.0 - w.z, turns(w.y, w.x)]
 }
 
+/// Uniform over the sphere; pdf 1/(4π).
+#[inline]
+#[must_use]
+pub fn uniform_sphere(u: [f64; 2]) -> DVec3 {
+    let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
+    let sin = 2.0 * (u[0] * (1.0 - u[0])).sqrt();
+    DVec3::new(sin * cos_phi, sin * sin_phi, 1.0 - 2.0 * u[0])
+}
+
+/// Pdf per solid angle of [`uniform_sphere`].
+pub const UNIFORM_SPHERE_PDF: f64 = 0.5 * UNIFORM_HEMISPHERE_PDF;
+
+/// The `u` that [`uniform_sphere`] maps to `w`.
+#[must_use]
+pub fn invert_uniform_sphere(w: DVec3) -> [f64; 2] {
+    [0.5 * (1.0 - w.z), turns(w.y, w.x)]
+}
+
 /// Cosine-weighted over the upper hemisphere, by the polar map of the disc; pdf cos θ / π.
 #[inline]
 #[must_use]
@@ -54,13 +72,16 @@ mod tests {
             let u = [(f64::from(i % 20) + 0.5) / 20.0, (f64::from(i / 20) + 0.5) / 20.0];
             let a = uniform_hemisphere(u);
             let b = cosine_hemisphere(u);
-            for (w, back) in [(a, invert_uniform_hemisphere(a)), (b, invert_cosine_hemisphere(b))] {
-                assert!((w.length() - 1.0).abs() < 1e-15 && w.z > 0.0);
+            let c = uniform_sphere(u);
+            let inverses = [invert_uniform_hemisphere(a), invert_cosine_hemisphere(b), invert_uniform_sphere(c)];
+            for (w, back) in [a, b, c].into_iter().zip(inverses) {
+                assert!((w.length() - 1.0).abs() < 1e-15 && (w.z > 0.0 || w == c));
                 assert!((back[0] - u[0]).abs() < 1e-13 && (back[1] - u[1]).abs() < 1e-13);
             }
             // Equal shares of u are equal shares of cos θ, and of sin² θ.
             assert!((a.z - (1.0 - u[0])).abs() < 1e-15);
             assert!((b.z * b.z - (1.0 - u[0])).abs() < 1e-15);
+            assert!((c.z - (1.0 - 2.0 * u[0])).abs() < 1e-15);
         }
         assert_eq!(cosine_hemisphere_pdf(-0.1), 0.0);
     }

@@ -7,6 +7,9 @@
 
 use crate::hash::{GOLDEN, key, mix64, unit_f32, unit_f64};
 
+/// Dimensions are below this number. A pixel takes fewer than 2³² pairs from each: samples times pairs of a sample.
+pub const DIMENSIONS: u32 = 1 << 31;
+
 /// A source of uniform random numbers in \[0, 1)² for one camera sample of one pixel.
 pub trait Stream: Copy + Send + Sync {
     /// The stream of sample `sample` of pixel number `pixel` under `seed`.
@@ -51,26 +54,28 @@ pub trait Stream: Copy + Send + Sync {
     }
 }
 
-/// Independent uniform random numbers of 53 bits.
+/// Independent uniform random numbers of 53 bits: the words of SplitMix64 under the key of the pixel, each at a place of its own
+/// ([`Independent::counter`]).
 #[derive(Debug, Clone, Copy)]
 pub struct Independent {
     key: u64,
+    sample: u32,
 }
 
 impl Stream for Independent {
     #[inline]
     fn new(seed: u64, pixel: u64, sample: u32) -> Self {
-        Self { key: key([seed, pixel, u64::from(sample)]) }
+        Self { key: key([seed, pixel, 0]), sample }
     }
 
     #[inline(always)]
     fn split(self) -> (u64, u32) {
-        (self.key, 0)
+        (self.key, self.sample)
     }
 
     #[inline(always)]
-    fn join(key: u64, _sample: u32) -> Self {
-        Self { key }
+    fn join(key: u64, sample: u32) -> Self {
+        Self { key, sample }
     }
 
     #[inline(always)]
@@ -79,23 +84,32 @@ impl Stream for Independent {
     }
 
     #[inline(always)]
-    fn short_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f32; 2] {
-        let [a, b] = Self { key }.words(dimension, index);
+    fn short_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f32; 2] {
+        let [a, b] = Self { key, sample }.words(dimension, index, count);
         [unit_f32((a >> 32) as u32), unit_f32((b >> 32) as u32)]
     }
 
     #[inline(always)]
-    fn long_pair(key: u64, _sample: u32, dimension: u32, index: u32, _count: u32) -> [f64; 2] {
-        let [a, b] = Self { key }.words(dimension, index);
+    fn long_pair(key: u64, sample: u32, dimension: u32, index: u32, count: u32) -> [f64; 2] {
+        let [a, b] = Self { key, sample }.words(dimension, index, count);
         [unit_f64(a), unit_f64(b)]
     }
 }
 
 impl Independent {
+    /// The place of the first word of a pair; the second word follows it. From the top, 31 bits are the dimension, which is below
+    /// [`DIMENSIONS`], and 32 bits the number of the pair among all that the pixel takes from the dimension, which is below 2³².
+    /// Different pairs of a pixel therefore have different words.
     #[inline(always)]
-    fn words(&self, dimension: u32, index: u32) -> [u64; 2] {
-        let counter = (u64::from(dimension) << 33) | (u64::from(index) << 1);
-        let at = |i: u64| mix64(self.key.wrapping_add((counter + i + 1).wrapping_mul(GOLDEN)));
+    fn counter(&self, dimension: u32, index: u32, count: u32) -> u64 {
+        debug_assert!(dimension < DIMENSIONS && index < count);
+        u64::from(dimension) << 33 | u64::from(self.sample.wrapping_mul(count).wrapping_add(index)) << 1
+    }
+
+    #[inline(always)]
+    fn words(&self, dimension: u32, index: u32, count: u32) -> [u64; 2] {
+        let counter = self.counter(dimension, index, count);
+        let at = |i: u64| mix64(self.key.wrapping_add((counter + i).wrapping_add(1).wrapping_mul(GOLDEN)));
         [at(0), at(1)]
     }
 }
@@ -281,6 +295,30 @@ mod tests {
         for s in 0..n {
             let [x, y] = Sobol::new(1, 2, s).pair(3);
             assert!(seen.insert((x.to_bits(), y.to_bits())), "sample {s} repeats a point");
+        }
+    }
+
+    #[test]
+    fn pairs_of_a_pixel_have_different_counters() {
+        // Places near every end of the ranges, as few and as many pairs a sample as there may be.
+        let dimensions = [0, 1, 2, 6, 0x3fff_ffff, 0x4000_0000, 0x4000_0001, DIMENSIONS - 1];
+        for count in [1u32, 3, 4, 1 << 16] {
+            let most = (1u64 << 32) / u64::from(count);
+            let samples = [0, 1, 2, most / 2, most - 2, most - 1].map(|sample| sample as u32);
+            let mut seen = std::collections::HashMap::new();
+            for dimension in dimensions {
+                for sample in samples {
+                    for index in [0, 1, 2, count / 2, count - 1].into_iter().filter(|&index| index < count) {
+                        let stream = Independent::new(1, 2, sample);
+                        let first = stream.counter(dimension, index, count);
+                        for word in [first, first + 1] {
+                            let place = (dimension, sample, index, word - first);
+                            let other = *seen.entry(word).or_insert(place);
+                            assert_eq!(other, place, "one word for two numbers, {count} pairs a sample");
+                        }
+                    }
+                }
+            }
         }
     }
 

@@ -27,6 +27,7 @@ pub fn collect(surface: Surface, is_first: bool, paths: &Paths, i: usize, bsdf: 
     set(&mut points.normal, j, surface.shading_for(wo));
     set(&mut points.geometric, j, surface.normal);
     set(&mut points.weight, j, at(&paths.throughput, i) * diffuse.albedo());
+    points.eta_scale[j] = paths.eta_scale[i];
     let reverse_pdf = if is_first { 1.0 } else { surface.shading.dot(wo) * FRAC_1_PI };
     let light_tracing = paths.departure[i].light_tracing;
     points.light_tracing[j] = if light_tracing > 0.0 {
@@ -95,6 +96,7 @@ pub fn extend(step: Step, points: &Points, next: &mut Paths) {
         let light_tracing = Departure::continued(points.light_tracing[i], || projected([geometric, normal], wi, pdf));
         next.departure[j] = Departure { light_samples: light_samples(pdf, normal), light_tracing, is_caustic: false };
         (next.slot[j], next.path_class[j]) = (points.slot[i], points.path_class[i]);
+        next.eta_scale[j] = points.eta_scale[i];
     }
     next.count += points.count;
     // The normals must agree on the side.

@@ -32,6 +32,7 @@ pub fn collect(scene: &PreparedScene, paths: &Paths, hits: &Hits, i: usize) -> O
         uv: scene.uv(hits, i, surface.position),
         wo: frame.to_local(wo),
         throughput: at(&paths.throughput, i),
+        eta_scale: paths.eta_scale[i],
         light_tracing,
         slot: paths.slot[i],
         path_class: paths.path_class[i],
@@ -78,7 +79,8 @@ pub fn extend_delta(step: Step, paths: &Paths, hits: &Hits, delta: &[u32], next:
         let wi = frame.to_world(sample.wi);
         let departure = delta_departure(bsdf, &surface, paths.departure[i].light_tracing, [wo, wi], &sample);
         let throughput = at(&paths.throughput, i) * sample.weight;
-        next.push([surface.ray_origin(wi), wi], throughput, departure, slot, paths.path_class[i].then(true));
+        let (eta_scale, path_class) = (paths.eta_scale[i] * sample.eta * sample.eta, paths.path_class[i].then(true));
+        next.push([surface.ray_origin(wi), wi], throughput, eta_scale, departure, slot, path_class);
     }
 }
 
@@ -153,6 +155,7 @@ pub fn extend(
         };
         let ray = [vertex.surface.ray_origin(wi), wi];
         let path_class = vertex.path_class.then(sample.is_delta());
-        next.push(ray, vertex.throughput * sample.weight, departure, vertex.slot, path_class);
+        let eta_scale = vertex.eta_scale * sample.eta * sample.eta;
+        next.push(ray, vertex.throughput * sample.weight, eta_scale, departure, vertex.slot, path_class);
     }
 }

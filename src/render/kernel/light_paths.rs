@@ -200,10 +200,9 @@ impl Vertex {
             LastVertex::Scattering { others } => others * (ratio * reverse_pdf).powi(2),
             LastVertex::Light { light, density } => {
                 let normal = self.frame.z;
-                let one_sided = (kind != Kind::Transmitting).then_some(normal);
                 let by_light = match light {
-                    Some(light) => scene.lights.density(light, self.surface.position, one_sided),
-                    None => scene.environment_density(self.wo, normal),
+                    Some(light) => scene.lights.density(light, self.surface.position, kind.one_sided(normal)),
+                    None => scene.environment_density(self.wo, normal, kind),
                 };
                 (ratio / density).powi(2) * (reverse_pdf * reverse_pdf + by_light * by_light)
             }

@@ -27,7 +27,7 @@ pub fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Ite
     let count = scene.request.light_samples;
     let rounds = scene.lights.rounds().iter().enumerate().map(|(i, &round)| (Source::Lights(i, round), round.count));
     let environment = scene.environment.iter().map(move |_| (Source::Environment, count));
-    let bsdf_only = BsdfOnly::of(scene.sampling, surface.is_diffuse()).into_iter();
+    let bsdf_only = BsdfOnly::of(scene.sampling, surface).into_iter();
     rounds.chain(environment).chain(bsdf_only.map(move |strategy| (Source::BsdfOnly(strategy), count)))
 }
 
@@ -55,7 +55,7 @@ pub fn sample(
 ) {
     let Step { scene, numbers, scatterings } = step;
     let dimensions = scene.dimensions(scatterings);
-    let Places { position, normal, slots, .. } = *places;
+    let Places { position, normal, slots, surface } = *places;
     let count = slots.len();
     let by_mis = scene.sampling.is_mis();
     match source {
@@ -83,7 +83,7 @@ pub fn sample(
             let Some(environment) = &scene.environment else { return };
             let mut u = [[0.0; LANES]; 2];
             numbers.fill(scene.arch, slots, dimensions.environment(), sub_sample, &mut u);
-            environment.sample_many(&u, normal, count, out);
+            environment.sample_many(&u, normal, surface, count, out);
             if !by_mis {
                 out.pdf[..count].fill(f32::INFINITY);
             }
@@ -148,7 +148,7 @@ impl<'a> Choose<'a> {
     /// The selection for place `i`, if there is a tree.
     #[inline(always)]
     fn at(&self, i: usize) -> Option<Selection<'a>> {
-        let normal = if self.places.surface == Kind::Transmitting { None } else { Some(at(self.places.normal, i)) };
+        let normal = self.places.surface.one_sided(at(self.places.normal, i));
         self.lights.selection(at(self.places.position, i), normal)
     }
 }

@@ -119,6 +119,7 @@ fn start(
     for channel in &mut paths.throughput {
         channel[..count].fill(1.0);
     }
+    paths.eta_scale[..count].fill(1.0);
     paths.departure[..count].fill(Departure::CAMERA);
     paths.path_class[..count].fill(PathClass::DIRECT);
 }
@@ -191,7 +192,8 @@ fn sort(scene: &PreparedScene, is_first: bool, paths: &Paths, hits: &Hits, sorte
     }
 }
 
-/// Russian roulette: ends paths of low throughput at random and raises the throughput of the survivors.
+/// Russian roulette: ends paths of low throughput at random and raises the throughput of the survivors. The scale of radiance in a
+/// medium of index η, 1/η², does not count: it is undone where the light has come from.
 fn roulette(step: Step, paths: &mut Paths) {
     if step.scatterings < ROULETTE_AFTER {
         return;
@@ -199,7 +201,7 @@ fn roulette(step: Step, paths: &mut Paths) {
     let dimension = step.scene.dimensions(step.scatterings).choice();
     paths.retain(|paths, i| {
         let throughput = at(&paths.throughput, i);
-        let survival = (throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);
+        let survival = (paths.eta_scale[i] * throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);
         let [_, u] = step.numbers.short_pair(paths.slot[i], dimension, (0, 1));
         set(&mut paths.throughput, i, throughput / survival);
         u < survival

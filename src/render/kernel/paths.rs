@@ -15,6 +15,8 @@ pub struct Paths {
     pub rays: Rays,
     /// Product of BSDF times cosine over pdf so far.
     pub throughput: Lane3,
+    /// Product of η² of the refractions so far, by which radiance is lower than outside of the medium.
+    pub eta_scale: Lane,
     /// How they left their last vertices.
     pub departure: [Departure; LANES],
     /// The camera sample of each.
@@ -35,6 +37,8 @@ pub struct Points {
     pub geometric: Lane3,
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
+    /// [`Paths::eta_scale`].
+    pub eta_scale: Lane,
     /// [`Departure::light_tracing`] of the paths, with the factor of the direction to the viewer.
     pub light_tracing: Lane,
     /// Of the camera sample.
@@ -56,6 +60,8 @@ pub struct Vertex {
     pub uv: Vec2,
     /// Of the path up to here.
     pub throughput: Rgb,
+    /// [`Paths::eta_scale`] of the path up to here.
+    pub eta_scale: f32,
     /// [`Departure::light_tracing`] of the path up to here.
     pub light_tracing: f32,
     /// The camera sample of the path.
@@ -97,6 +103,7 @@ impl Default for Paths {
             count: 0,
             rays: Rays::default(),
             throughput: ZERO3,
+            eta_scale: [1.0; LANES],
             departure: [Departure::CAMERA; LANES],
             slot: [0; LANES],
             path_class: [PathClass::DIRECT; LANES],
@@ -112,6 +119,7 @@ impl Default for Points {
             normal: ZERO3,
             geometric: ZERO3,
             weight: ZERO3,
+            eta_scale: [1.0; LANES],
             light_tracing: [0.0; LANES],
             slot: [0; LANES],
             path_class: [PathClass::DIRECT; LANES],
@@ -139,6 +147,7 @@ impl Paths {
         &mut self,
         [origin, direction]: [Vec3; 2],
         throughput: Rgb,
+        eta_scale: f32,
         departure: Departure,
         slot: u32,
         path_class: PathClass,
@@ -147,6 +156,7 @@ impl Paths {
         set(&mut self.rays.origin, i, origin);
         set(&mut self.rays.direction, i, direction);
         set(&mut self.throughput, i, throughput);
+        self.eta_scale[i] = eta_scale;
         self.departure[i] = departure;
         self.slot[i] = slot;
         self.path_class[i] = path_class;
@@ -160,10 +170,9 @@ impl Paths {
             if keep(self, i) {
                 let j = self.count;
                 if i != j {
-                    for lane in self.rays.origin.iter_mut().chain(&mut self.rays.direction).chain(&mut self.throughput)
-                    {
-                        lane[j] = lane[i];
-                    }
+                    let Self { rays, throughput, eta_scale, .. } = self;
+                    let vectors = rays.origin.iter_mut().chain(&mut rays.direction).chain(throughput);
+                    vectors.chain([eta_scale]).for_each(|lane| lane[j] = lane[i]);
                     self.departure[j] = self.departure[i];
                     (self.slot[j], self.path_class[j]) = (self.slot[i], self.path_class[i]);
                 }

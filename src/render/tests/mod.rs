@@ -4,6 +4,7 @@ mod adaptive;
 mod filters;
 mod light_tracing;
 mod reference;
+mod strategies;
 mod textures;
 
 use super::*;
@@ -269,37 +270,6 @@ fn z(scene: &Scene, request: &Request, a: &Settings, b: &Settings) -> f64 {
     };
     let ((a, va), (b, vb)) = (mean(a), mean(b));
     (a - b) / (va + vb).sqrt()
-}
-
-#[test]
-fn all_strategies_have_the_same_mean() {
-    let metal = |alpha| {
-        let (mut scene, request) = builtin::cornell_spheres();
-        for object in &mut scene.objects {
-            if let Material::Dielectric(_) = object.material {
-                object.material = Material::Conductor(Conductor::new(
-                    Rgb::splat(0.2),
-                    Rgb::splat(3.0),
-                    alpha,
-                    crate::scene::Distribution::Ggx,
-                ));
-            }
-        }
-        (scene, request)
-    };
-    let request = Request { width: 32, height: 24, spp: 256, light_samples: 1, max_depth: 4 };
-    for (name, (scene, _)) in [
-        ("glass", builtin::cornell_spheres()),
-        ("rough", metal(0.4)),
-        ("smooth", metal(0.02)),
-        ("many lights", (many_lights(), request)),
-    ] {
-        let by = |sampling, seed| Settings { sampling, seed, stream: StreamKind::Independent, ..Settings::default() };
-        for (i, sampling) in ALL.into_iter().filter(|&sampling| sampling != Sampling::Mis).enumerate() {
-            let z = z(&scene, &request, &by(Sampling::Mis, 1), &by(sampling, 2 + i as u64));
-            assert!(z.abs() < 4.0, "{name}, {sampling:?}: {z} standard errors");
-        }
-    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::*;
 use crate::scene::Distribution;
 
 /// The built-in scenes, and one outdoors.
-fn all_scenes() -> Vec<Scene> {
+pub(super) fn all_scenes() -> Vec<Scene> {
     let map = || Environment::upright(Arc::new(EnvMap::new(busy())), "test", 1.0);
     let made = |built_in: builtin::BuiltIn| built_in.make(built_in.map_scale().map(|_| map()), None).unwrap().0;
     let mut scenes: Vec<Scene> = builtin::scenes().into_iter().map(made).collect();

@@ -14,6 +14,7 @@ use crate::raster::Image;
 use crate::render::Settings;
 use crate::render::light_tracing::Start;
 use crate::render::prepared::PreparedScene;
+use crate::render::shaders::Kind;
 use crate::sampling::direction_density;
 use crate::scene::{
     Dielectric, Emission, EmitterVisibility, Environment, Material, Mesh, Object, Rectangle, Request, Scene, Shape,
@@ -244,26 +245,32 @@ fn environment_place(name: String, targets: [(Vec3, f32); 2]) -> Case {
     })
 }
 
-/// Light samples of the environment at a surface, by every sampler that has a pdf.
+/// Light samples of the environment at a surface, by every sampler that has a pdf: on the side of the normal, and on both
+/// sides of a surface that transmits.
 fn environment_samples() -> impl Iterator<Item = Case> {
     let entries = samplers::ALL.iter().filter(|entry| !matches!(entry.method, Method::FixedLights(_)));
-    entries.map(|entry| {
-        let settings = Settings { density: Some(MapSampling::with_regions(entry, 16)), ..Settings::default() };
-        let (name, scene) =
-            (format!("light/environment/{}", entry.name), scene(None, TARGETS[0].1, Some(environment())));
-        case(name, scene, settings, |scene, protocol, round| {
-            let (environment, normal) = (environment(), Vec3::new(0.48, 0.6, -0.64));
-            let draw = |u: &[f64]| {
-                let wi = scene.environment.as_ref()?.sample([u[0], u[1]], normal)?.wi.as_vec3();
-                Some(Sample::new(environment.to_map(wi.as_dvec3()).to_array()))
-            };
-            let pdf = |w: DVec3| {
-                let wi = (environment.to_world * w).as_vec3();
-                scene.environment.as_ref().map_or(f64::NAN, |sampling| sampling.pdf(wi, normal))
-            };
-            let density = direction_density(pdf).with_mass(Mass::AtMostOne);
-            let density = density.with_steps(environment.map.geometry().edges());
-            Ok(examine(&Directions::sphere(Pole::Y), &sampler(2, draw), &density, protocol, round)?)
+    entries.flat_map(|entry| {
+        let depends = matches!(entry.method, Method::ForNormal(_));
+        let both_sides = depends.then_some(("/both-sides", Kind::Transmitting));
+        [("", Kind::Reflecting)].into_iter().chain(both_sides).map(|(suffix, surface)| {
+            let settings = Settings { density: Some(MapSampling::with_regions(entry, 16)), ..Settings::default() };
+            let name = format!("light/environment/{}{suffix}", entry.name);
+            let scene = scene(None, TARGETS[0].1, Some(environment()));
+            case(name, scene, settings, move |scene, protocol, round| {
+                let (environment, normal) = (environment(), Vec3::new(0.48, 0.6, -0.64));
+                let sampling = scene.environment.as_ref();
+                let draw = |u: &[f64]| {
+                    let wi = sampling?.sample([u[0], u[1]], normal, surface)?.wi.as_vec3();
+                    Some(Sample::new(environment.to_map(wi.as_dvec3()).to_array()))
+                };
+                let pdf = |w: DVec3| {
+                    let wi = (environment.to_world * w).as_vec3();
+                    sampling.map_or(f64::NAN, |sampling| sampling.pdf(wi, normal, surface))
+                };
+                let density = direction_density(pdf).with_mass(Mass::AtMostOne);
+                let density = density.with_steps(environment.map.geometry().edges());
+                Ok(examine(&Directions::sphere(Pole::Y), &sampler(2, draw), &density, protocol, round)?)
+            })
         })
     })
 }

@@ -15,6 +15,11 @@ pub fn cases() -> Vec<Case> {
             let sampler = sampler.with_inverse(|w: [f64; 3]| warp::invert_uniform_hemisphere(w.into()).to_vec());
             (sampler, direction_density(|_: DVec3| warp::UNIFORM_HEMISPHERE_PDF))
         }),
+        Case::of("warp/uniform-sphere", Directions::sphere(Pole::Z), || {
+            let sampler = direction_sampler(|u| Some(warp::uniform_sphere(u)));
+            let sampler = sampler.with_inverse(|w: [f64; 3]| warp::invert_uniform_sphere(w.into()).to_vec());
+            (sampler, direction_density(|_: DVec3| warp::UNIFORM_SPHERE_PDF))
+        }),
         Case::of("warp/cosine-hemisphere", half, || {
             let sampler = direction_sampler(|u| Some(warp::cosine_hemisphere(u)));
             let sampler = sampler.with_inverse(|w: [f64; 3]| warp::invert_cosine_hemisphere(w.into()).to_vec());
