@@ -18,9 +18,9 @@ impl Solid for Sphere {
 
 /// A shape that emits light.
 pub trait Light {
-    /// Distance along a ray that ends on the shape to where it comes as near as `margin`; not above 0 where it starts
-    /// no farther away.
-    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32;
+    /// Distance along a ray that ends on the shape, at about `limit`, to where it comes as near as `margin`; not above 0 where it
+    /// starts no farther away.
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32;
 }
 
 /// The plane n · p = `height` of a rectangle.
@@ -40,27 +40,25 @@ impl Plane {
 
 impl Light for Plane {
     #[inline(always)]
-    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32 {
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, _limit: f32) -> f32 {
         ((self.normal.dot(origin) - self.height).abs() - margin) / self.normal.dot(direction).abs()
     }
 }
 
 impl Light for Sphere {
     #[inline(always)]
-    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32) -> f32 {
+    fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32 {
         let from_centre = origin - self.centre;
         let (d2, larger) = (from_centre.length_squared(), Self { radius: self.radius + margin, ..*self });
         if d2 > larger.radius * larger.radius {
             return larger.distance(origin, direction);
         }
-        if d2 > self.radius * self.radius {
-            return 0.0;
-        }
-        // From inside, where the ray leaves the smaller sphere.
+        // From inside, the ray ends where it leaves the sphere. It starts on the surface if it ends nearer to its start.
         let smaller = (self.radius - margin).max(0.0);
         let along = from_centre.dot(direction);
         let half_chord2 = smaller * smaller - (from_centre - along * direction).length_squared();
-        if half_chord2 > 0.0 { half_chord2.sqrt() - along } else { 0.0 }
+        let exit = half_chord2.max(0.0).sqrt() - along;
+        if limit > 0.5 * exit { exit } else { 0.0 }
     }
 }
 
@@ -70,7 +68,7 @@ impl Light for Sphere {
 pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
     // What rounding to f32 does to coordinates relative to the ray's origin.
     let margin = offset + 8.0 * f32::EPSILON * limit;
-    if limit > margin { light.distance_within(origin, direction, margin).min(limit) } else { 0.0 }
+    light.distance_within(origin, direction, margin, limit).min(limit)
 }
 
 /// 1 − cos of half the angle that a sphere fills, from the squares of its radius and of the distance of its centre; 2 (all
