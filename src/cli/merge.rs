@@ -5,6 +5,7 @@ use super::console::Console;
 use super::families::families;
 use super::global::{Global, Verdict, out, threads};
 use super::program::ExternalBsdf;
+use super::render::warn_of_lost_light;
 use super::sweep::{concluded, decided};
 use crate::error::{Error, Result};
 use crate::files;
@@ -68,6 +69,7 @@ impl Merge {
         part.write(&files[0])?;
         raster::write(&files[1], &part.film.image(), &part.metadata)?;
 
+        warn_of_lost_light(&part.film, console);
         let ranges = part.ranges();
         let output = Output {
             parts: self.parts.len(),

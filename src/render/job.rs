@@ -119,7 +119,7 @@ impl<'a> Job<'a> {
     /// The parts that the scene does not need and that are therefore skipped.
     #[must_use]
     pub fn left_out(&self) -> Vec<&'static str> {
-        self.scene.needs.left_out(self.scene.scene)
+        self.scene.needs.left_out(self.scene.scene, &self.settings)
     }
 
     /// Renders the samples of the range that `part` does not have yet, until `control` stops it. The part must be one of

@@ -1,7 +1,8 @@
 //! The parts of the renderer that a scene needs; the others are neither built nor run.
 
 use super::geometry::Geometry;
-use super::settings::Settings;
+use super::settings::{Sampling, Settings};
+use crate::envmap::samplers::MapSampling;
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// The parts of the renderer that a scene needs.
@@ -34,16 +35,36 @@ impl Needs {
         }
     }
 
-    /// Names of the parts that are left out.
+    /// Names of the parts, and of the techniques of the default, that are left out.
     #[must_use]
-    pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
+    pub fn left_out(&self, scene: &Scene, settings: &Settings) -> Vec<&'static str> {
+        let techniques = |settings: &Settings| (settings.sampling, settings.density, settings.adaptive);
+        let usual = Settings::usual(scene);
+        let light_alone = usual.sampling == Sampling::Light && techniques(&usual) == techniques(settings);
         let parts = [
             (self.environment_table || scene.environment.is_none(), "environment sampling table"),
             (self.tree, "BVH"),
             (self.occlusion, "shadow rays"),
             (self.occlusion, "further bounces"),
+            (!light_alone, "BSDF sampling"),
+            (!light_alone, "light tracing"),
+            (!light_alone, "adaptive sampling"),
         ];
         parts.into_iter().filter(|(needed, _)| !needed).map(|(_, name)| name).collect()
+    }
+}
+
+impl Settings {
+    /// The settings by default for a scene: light and BSDF sampling combined with light tracing, and adaptive sampling; but
+    /// light sampling alone, in proportion to radiance times cosine, for a lone convex diffuse object under a map. There that is the
+    /// integrand but for a constant: light that BSDF samples find adds noise, there are no caustics, and all pixels are alike.
+    #[must_use]
+    pub fn usual(scene: &Scene) -> Self {
+        if scene.environment.is_some() && lone_convex_from_outside(scene) {
+            Self { sampling: Sampling::Light, density: Some(MapSampling::COSINE), ..Self::default() }
+        } else {
+            Self { adaptive: true, ..Self::default() }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::envmap::samplers::MapSampling;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::Result;
 use crate::render::{Rendered, Sampling, Settings, Silent, render};
-use crate::scene::{Environment, Request, builtin};
+use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::fit;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
@@ -81,10 +81,19 @@ pub struct SphereRender {
 /// Sets of pixels: replicates of one another.
 const GROUPS: usize = 16;
 
+/// The scene.
+fn scene(map: &NamedMap) -> (Scene, Request) {
+    builtin::sphere_env(Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE))
+}
+
+/// The settings that render the sphere by default.
+pub fn usual(map: &NamedMap) -> Settings {
+    Settings::usual(&scene(map).0)
+}
+
 /// Renders the sphere at `spp` samples per pixel and compares it with the exact image.
 pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<SphereRender> {
-    let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
-    let (scene, request) = builtin::sphere_env(environment);
+    let (scene, request) = scene(map);
     let request = Request { width: exact.size, height: exact.size, spp, ..request };
     let rendered = render(&scene, &request, settings, &Silent)?;
     // Sums of the error, its square and the square of its ratio over the ring.
@@ -133,7 +142,8 @@ pub struct Series {
 }
 
 /// The strategies that are compared: name as in the registry of strategies, sampling, pdf of light samples.
-const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
+const STRATEGIES: [(&str, Sampling, MapSampling); 5] = [
+    ("light-cosine", Sampling::Light, MapSampling::COSINE),
     ("mis-cosine", Sampling::Mis, MapSampling::COSINE),
     ("mis-compensated", Sampling::Mis, MapSampling::COMPENSATED),
     ("mis", Sampling::Mis, MapSampling::MAP),

@@ -281,7 +281,7 @@ fn render_writes_the_same_bits_however_it_is_run() {
         let args = ["render", "sphere-env", "--envmap", "sun", "-s", "4", "-l", "2", "-m", "3", "-r", "31", "17"];
         let value = json(dir.path(), &[&args, &["-o", out][..], extra].concat());
         assert_keys(&value, KEYS);
-        assert_keys(&value["dropped"], "nonfinite, negative");
+        assert_keys(&value["dropped"], "nonfinite, negative, faint");
         assert!(value["left_out"].is_array());
         assert_eq!([number(&value, "width"), number(&value, "height"), number(&value, "spp")], [31.0, 17.0, 4.0]);
         let files = assert_files(dir.path(), &value);

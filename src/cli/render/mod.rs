@@ -16,7 +16,7 @@ use crate::envmap::samplers::MapSampling;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::raster::{Metadata, ToneMap};
-use crate::render::film::{Part, shard};
+use crate::render::film::{Film, Part, shard};
 use crate::render::{Job, Kernel, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Request, Scene};
@@ -49,7 +49,7 @@ pub struct Render {
     /// The same as -o
     #[arg(help_heading = SAMPLING, short, hide = true, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Which techniques find the light [default: mis+lt; mis with --kernel reference]
+    /// Which techniques find the light [default: what the scene needs of mis+lt]
     #[arg(help_heading = SAMPLING, long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere
@@ -139,13 +139,15 @@ Examples:
 
 impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let settings = self.settings(global.seed)?;
-        if self.scene.has_multiple_scattering() && settings.model.conventions.change_metal() {
+        let model = self.model.model()?;
+        if self.scene.has_multiple_scattering() && model.conventions.change_metal() {
             return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));
         }
         let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
         self.check_effect(&scene)?;
+        let usual = Settings::usual(&scene);
+        let settings = self.settings(Settings { seed: global.seed, model, ..usual });
         let images = images.protecting(map);
         // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
@@ -187,7 +189,7 @@ impl Render {
         let interrupted = !part.ranges().have(&samples);
         let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
         summary.left_out = job.left_out();
-        let (usual, has_map) = (Settings::default(), scene.environment.is_some());
+        let has_map = scene.environment.is_some();
         let is_usual = |settings: &Settings| {
             settings.sampling == usual.sampling && (!has_map || settings.map_sampling() == usual.map_sampling())
         };
@@ -198,14 +200,7 @@ impl Render {
         });
         summary.interrupted = interrupted;
         summary.written = images.write(&part, &scene.name, state, interrupted)?;
-        if summary.dropped.total() > 0 {
-            console.warn(&format!(
-                "{} samples were not finite and {} negative; they count as black (first at pixel {:?})",
-                summary.dropped.nonfinite,
-                summary.dropped.negative,
-                summary.dropped.first_pixel.unwrap_or_default()
-            ));
-        }
+        warn_of_lost_light(&part.film, console);
         if interrupted && let Some(file) = summary.written.files.first() {
             console.warn(&format!("interrupted; to continue: the same command with --resume {}", file.display()));
             let black = part.film.pixels().iter().filter(|pixel| pixel.samples() == 0).count();
@@ -261,22 +256,19 @@ impl Render {
         }
     }
 
-    fn settings(&self, seed: u64) -> Result<Settings> {
-        let usual = match self.kernel {
+    /// The settings by default, changed by flags.
+    fn settings(&self, usual: Settings) -> Settings {
+        let asked = if self.hemisphere { Some(Sampling::Hemisphere) } else { self.sampling };
+        let (stream, paths, general, kernel) = (self.stream, self.paths, self.general, self.kernel);
+        let plain = Settings { stream, paths, general, kernel, ..usual };
+        if asked.is_none() && self.light_density.is_none() && usual.sampling == Sampling::Light {
+            return plain;
+        }
+        let sampling = asked.unwrap_or(match self.kernel {
             Kernel::Lanes => Sampling::default(),
             Kernel::Reference => Sampling::Mis,
-        };
-        Ok(Settings {
-            sampling: if self.hemisphere { Sampling::Hemisphere } else { self.sampling.unwrap_or(usual) },
-            density: self.light_density,
-            stream: self.stream,
-            seed,
-            adaptive: !self.uniform,
-            model: self.model.model()?,
-            paths: self.paths,
-            general: self.general,
-            kernel: self.kernel,
-        })
+        });
+        Settings { sampling, density: self.light_density, adaptive: !self.uniform, ..plain }
     }
 
     fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {
@@ -308,4 +300,24 @@ fn seconds(metadata: &Metadata) -> f64 {
 /// The name of an enum's variant in lower case, which is its name at the command line.
 fn lower(variant: impl std::fmt::Debug) -> String {
     format!("{variant:?}").to_lowercase()
+}
+
+/// The share of the light that rounding may take without a warning.
+const ROUNDING: f64 = 1e-4;
+
+/// Warns of samples that count as black, and of light at the lower end of the film's range.
+pub fn warn_of_lost_light(film: &Film, console: &Console) {
+    let dropped = film.dropped();
+    if dropped.total() > 0 {
+        console.warn(&dropped.to_string());
+    }
+    let lost = film.lost_to_rounding();
+    if lost > ROUNDING {
+        console.warn(&format!(
+            "the light is as faint as the film's unit, 2^-64 = 5.4e-20: rounding takes up to {:.1} % of it ({} samples count as \
+             black); scale the lights up",
+            100.0 * lost,
+            dropped.faint
+        ));
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::classes::PathClasses;
 use super::dropped::Dropped;
-use super::fixed::Fixed;
+use super::fixed::{Fixed, UNIT};
 use super::pixel::Pixel;
 use super::row::Row;
 use super::splats::Splats;
@@ -123,6 +123,21 @@ impl Film {
     #[must_use]
     pub fn dropped(&self) -> Dropped {
         self.dropped
+    }
+
+    /// An upper bound of the share of the light that rounding to the film's unit has taken: 2^-64 of each camera path and channel,
+    /// and of light that is too faint for it. 0 where all is black.
+    #[must_use]
+    pub fn lost_to_rounding(&self) -> f64 {
+        let paths: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.camera_paths)).sum();
+        let channels = self.pixels.iter().flat_map(|pixel| pixel.sum).map(|sum| sum.to_f64());
+        let light = channels.sum::<f64>() + self.splats.as_ref().map_or(0.0, Splats::total);
+        let lost = 3.0 * paths * f64::from(UNIT);
+        match () {
+            _ if light > 0.0 => (lost / light).min(1.0),
+            _ if self.dropped.faint > 0 => 1.0,
+            _ => 0.0,
+        }
     }
 
     /// The path classes that have sums of their own.
@@ -264,7 +279,7 @@ mod tests {
     #[test]
     fn any_split_and_any_order_give_the_same_bits() {
         let whole = film(|_, _, _| true);
-        assert_eq!(whole.dropped(), Dropped { nonfinite: 2, negative: 4, first_pixel: Some((6, 0)) });
+        assert_eq!(whole.dropped(), Dropped { nonfinite: 2, negative: 4, faint: 0, first_pixel: Some((6, 0)) });
         for round in 0..20 {
             let count = 2 + round % 5;
             let random = |pixel: usize, s: u32| Independent::new(u64::from(round), pixel as u64, s).pair(9)[0];
@@ -329,7 +344,7 @@ mod tests {
                 row.add(x, value, &[]);
             }
         });
-        assert_eq!(film.dropped(), Dropped { nonfinite: 3, negative: 4, first_pixel: Some((1, 0)) });
+        assert_eq!(film.dropped(), Dropped { nonfinite: 3, negative: 4, faint: 0, first_pixel: Some((1, 0)) });
         let image = film.image();
         assert_eq!([image.get(0, 0), image.get(1, 0), image.get(0, 1)], [1.0, 0.75, 0.0].map(Rgb::splat));
         assert!(film.pixels().iter().all(|p| p.samples() == 4));

@@ -17,6 +17,7 @@ const FINGERPRINT: &str = "fingerprint";
 const PATHS: &str = "paths";
 const NONFINITE: &str = "droppedNonfinite";
 const NEGATIVE: &str = "droppedNegative";
+const FAINT: &str = "droppedFaint";
 const FIRST: &str = "droppedFirst";
 
 impl Part {
@@ -31,7 +32,7 @@ impl Part {
     /// | `splats.sums` … | the same of the contributions of light paths, if there were any |
     ///
     /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`,
-    /// `droppedNonfinite`, `droppedNegative` and `droppedFirst`; metadata must not have these names.
+    /// `droppedNonfinite`, `droppedNegative`, `droppedFaint` and `droppedFirst`; metadata must not have these names.
     ///
     /// # Errors
     /// Those of [`write_exr`](crate::raster::write_exr).
@@ -70,6 +71,7 @@ impl Part {
             attributes = attributes.with(PATHS, classes.names().collect::<Vec<_>>().join(" "));
         }
         attributes = attributes.with(NONFINITE, dropped.nonfinite).with(NEGATIVE, dropped.negative);
+        attributes = attributes.with(FAINT, dropped.faint);
         match dropped.first_pixel {
             Some((x, y)) => attributes.with(FIRST, format!("{x} {y}")),
             None => attributes,
@@ -118,7 +120,7 @@ impl Part {
             )
             .with_hint("the file is damaged; render the part again"));
         }
-        let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FIRST];
+        let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FAINT, FIRST];
         let others = attributes.entries().iter().filter(|(name, _)| !own.contains(&name.as_str()));
         let metadata = others.fold(Metadata::default(), |all, (name, value)| all.with(name, value));
         Ok(Self { film, fingerprint: fingerprint.into(), ranges, metadata })
@@ -134,5 +136,5 @@ fn dropped(attributes: &Metadata) -> Option<Dropped> {
         }
         None => None,
     };
-    Some(Dropped { nonfinite: count(NONFINITE)?, negative: count(NEGATIVE)?, first_pixel })
+    Some(Dropped { nonfinite: count(NONFINITE)?, negative: count(NEGATIVE)?, faint: count(FAINT)?, first_pixel })
 }

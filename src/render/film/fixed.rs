@@ -1,5 +1,8 @@
 //! Sums without rounding: fixed-point numbers of 128 bits with the unit 2^-64.
 //!
+//! The range of the film follows: light below 2^-64 = 5.4e-20 is 0, light from 2^-41 = 4.5e-13 to 2^63 = 9.2e18 loses no digit, and
+//! between the two each sample loses less than 2^-64.
+//!
 //! Addition of integers is associative, addition of floats is not. With sums like these any split of the samples over
 //! threads, shards and resumed runs, merged in any order, gives the same bits.
 
@@ -12,6 +15,9 @@ pub struct Fixed {
 
 /// Values from here on are not added: a sum of two could leave the range.
 pub const LIMIT: f32 = (1_u64 << 63) as f32;
+
+/// The unit of sums: smaller values are 0.
+pub const UNIT: f32 = 1.0 / (LIMIT * 2.0);
 
 impl Fixed {
     /// What a sum stays at that would be larger: such a sum says nothing but "too large".

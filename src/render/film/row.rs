@@ -1,7 +1,7 @@
 //! A row of the film while samples are added to it: light that is not finite or negative is dropped, counted and located.
 
 use super::dropped::Dropped;
-use super::fixed::{Fixed, LIMIT};
+use super::fixed::{Fixed, LIMIT, UNIT};
 use super::pixel::Pixel;
 use super::splats::{Splat, Splats};
 use crate::math::Rgb;
@@ -83,6 +83,9 @@ impl<'a> Row<'a> {
                 continue;
             }
             pixel.add(value);
+            if is_faint(value) {
+                self.dropped = self.dropped.merge(Dropped::FAINT);
+            }
             let sums = &mut self.paths[x * self.classes..][..self.classes];
             for (sum, &light) in sums.iter_mut().zip(by_class) {
                 if light != Rgb::ZERO && is_light(light) {
@@ -96,6 +99,9 @@ impl<'a> Row<'a> {
     #[inline]
     pub fn splat(&mut self, splat: Splat) {
         if is_light(splat.value) {
+            if is_faint(splat.value) {
+                self.dropped = self.dropped.merge(Dropped::FAINT);
+            }
             self.splats.push(splat);
             if self.splats.len() >= SPLATS {
                 self.flush();
@@ -111,4 +117,11 @@ impl<'a> Row<'a> {
 #[inline]
 fn is_light(value: Rgb) -> bool {
     value.to_array().into_iter().all(|v| (0.0..LIMIT).contains(&v))
+}
+
+/// Whether there is light, but none that the film has a digit for.
+#[inline]
+fn is_faint(value: Rgb) -> bool {
+    let largest = value.max_element();
+    largest < UNIT && largest > 0.0
 }

@@ -78,6 +78,11 @@ impl Splats {
         }
     }
 
+    /// Σ x over all pixels and channels.
+    pub fn total(&self) -> f64 {
+        self.pixels.iter().flat_map(|pixel| pixel.sum).map(|sum| sum.to_f64()).sum()
+    }
+
     /// Adds the sums of `other`.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {

@@ -195,6 +195,10 @@ impl<'a> Replicate<'a> {
                 if !render.double(deadline) {
                     return Step::Stopped;
                 }
+                let dropped = render.dropped();
+                if dropped.total() > 0 {
+                    return Step::Failed(Failure { message: dropped.to_string(), is_final: true });
+                }
                 self.spent = self.preparation + render.times.wall;
                 self.spp = spp;
                 return Step::Done(render.image(), render.times);

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::raster::{Image, Metadata};
 use crate::render::film::Part;
-use crate::render::{Control, Job, Settings};
+use crate::render::{Control, Dropped, Job, Settings};
 use crate::scene::{Request, Scene};
 use cpu_time::ProcessTime;
 use std::time::{Duration, Instant};
@@ -100,6 +100,11 @@ impl<'a> Doubling<'a> {
         self.times.of(|| self.job.run(&mut self.part, self.spp..next, deadline));
         self.spp = next;
         self.part.ranges().have(&(0..next))
+    }
+
+    /// The samples so far that were dropped.
+    pub fn dropped(&self) -> Dropped {
+        self.part.film.dropped()
     }
 
     /// The image so far.

@@ -188,7 +188,10 @@ impl Strategy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::builtin;
+    use crate::envmap::EnvMap;
+    use crate::envmap::synthetic::Synthetic;
+    use crate::scene::{Environment, builtin};
+    use std::sync::Arc;
 
     #[test]
     fn names_mean_what_they_say() {
@@ -229,8 +232,10 @@ mod tests {
     fn what_renders_by_default_is_compared_by_default() {
         let (cornell, _) = builtin::cornell_lambert();
         let (furnace, _) = builtin::furnace();
-        let render = Settings { seed: 1, adaptive: true, ..Settings::default() };
+        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
+        let (sphere, _) = builtin::sphere_env(Environment::upright(map, "sun", 1.0));
         let same = |scene: &Scene| {
+            let render = Settings::usual(scene);
             let settings = |strategy: &Strategy| strategy.settings(1);
             let key = |s: &Settings| (s.sampling, s.adaptive, s.stream, s.map_sampling().density());
             let has_map = scene.environment.is_some();
@@ -239,6 +244,6 @@ mod tests {
                 if has_map { a == b } else { (a.0, a.1, a.2) == (b.0, b.1, b.2) }
             })
         };
-        assert!(same(&cornell) && same(&furnace));
+        assert!(same(&cornell) && same(&furnace) && same(&sphere));
     }
 }

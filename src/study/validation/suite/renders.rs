@@ -1,8 +1,8 @@
 //! Images of the path tracer against exact ones: furnaces, the sphere under an environment map, and each sampling strategy
 //! against the others.
 //!
-//! Scenes are grey, so that one channel is enough. Random numbers are independent, not stratified, so that the film's
-//! variances are the true ones.
+//! Scenes are grey, so that one channel is enough. Every image is rendered in [`REPLICATES`] independent parts, whose differences
+//! tell the error of each tile: light paths contribute to many pixels at once, so that the errors of pixels are not enough.
 
 use super::super::case::Case;
 use super::super::shared::Shared;
@@ -16,7 +16,7 @@ use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::raster::Image;
 use crate::render::film::Film;
-use crate::render::{Sampling, Settings, Silent, render};
+use crate::render::{Dropped, Sampling, Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::sampling::{direction_density, hash};
 use crate::scene::{
@@ -61,8 +61,10 @@ pub struct RenderTest {
 
 /// Side of a tile in pixels.
 const TILE: usize = 4;
+/// Independent parts of a render.
+const REPLICATES: u32 = 32;
 /// Samples per pixel of the pilot render, whose noise decides the number of samples.
-const PILOT: u32 = 16;
+const PILOT: u32 = 32;
 /// Fewest and most samples per pixel.
 const RANGE: [u32; 2] = [32, 4096];
 /// How far the truth may be from the exact value, relatively: the quadratures behind it, and f32 in the renderer.
@@ -93,32 +95,38 @@ impl RenderTest {
             Truth::Metal => uniform(albedo()?),
             Truth::SameAs(_) => Vec::new(),
         };
-        let compare = |spp: u32, pass: u64| -> Result<ImageComparison> {
+        let compare = |spp: u32, pass: u64| -> Result<Found> {
             let seed = hash::key([protocol.seed, round, pass]);
-            let mut tiles = self.tiles(spp, seed, &truth)?;
+            let (mut tiles, dropped) = self.tiles(spp, seed, &truth)?;
             spoil(&mut tiles);
             let mean = tiles.iter().map(|[_, b]| b.value).sum::<f64>() / tiles.len() as f64;
-            Ok(welch::compare(&tiles, PRECISION * mean))
+            let allowance = PRECISION * mean;
+            Ok(Found { comparison: welch::compare(&tiles, allowance), allowance, dropped })
         };
         let pixels = self.request.width * self.request.height;
         // The detectable error falls with the root of the number of samples.
         let spp = match protocol.samples {
             SampleCount::Fixed(n) => (n / pixels as u64).min(u64::from(RANGE[1])) as u32,
             SampleCount::Detect(w) => compare(PILOT, 0)?
+                .comparison
                 .detectable(level)
                 .map_or(PILOT, |found| (f64::from(PILOT) * (found / w).powi(2)).ceil().min(f64::from(RANGE[1])) as u32),
         };
-        let spp = spp.max(RANGE[0]);
+        let spp = spp.max(RANGE[0]).next_multiple_of(REPLICATES);
         let found = compare(spp, 1)?;
         Ok(self.outcome(&found, spp, level, start))
     }
 
-    fn outcome(&self, found: &ImageComparison, spp: u32, level: f64, start: Instant) -> Outcome {
+    fn outcome(&self, found: &Found, spp: u32, level: f64, start: Instant) -> Outcome {
+        let Found { comparison: found, allowance, dropped } = found;
         let images = if matches!(self.truth, Truth::SameAs(_)) { 2 } else { 1 };
         let pixels = (self.request.width * self.request.height) as u64;
         let detectable = found.detectable(level).unwrap_or(PRECISION);
-        let violation = (found.exact_difference > PRECISION)
-            .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference));
+        let violation = match dropped.total() {
+            0 => (found.exact_difference > *allowance)
+                .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference)),
+            n => Some(format!("{n} samples were not finite, or negative")),
+        };
         let percent = 100.0 * detectable;
         // Too little power, or tails for which Welch's t is not valid.
         let inconclusive_reason = if detectable > COARSEST {
@@ -142,26 +150,56 @@ impl RenderTest {
         }
     }
 
-    /// Tiles of the render beside those of the truth.
-    fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<Vec<[Mean; 2]>> {
-        let request = Request { spp, ..self.request };
-        let film = |settings: &Settings, seed: u64| -> Result<Film> {
+    /// Tiles of the render beside those of the truth, and the samples that were dropped.
+    fn tiles(&self, spp: u32, seed: u64, truth: &[Option<f64>]) -> Result<(Vec<[Mean; 2]>, Dropped)> {
+        let request = Request { spp: spp / REPLICATES, ..self.request };
+        let mut dropped = Dropped::default();
+        let mut film = |settings: &Settings, seed: u64| -> Result<Film> {
             let settings = Settings { seed, stream: StreamKind::Independent, ..*settings };
-            Ok(render(&self.scene, &request, &settings, &Silent)?.part.film)
+            let film = render(&self.scene, &request, &settings, &Silent)?.part.film;
+            dropped = dropped.merge(film.dropped());
+            Ok(film)
         };
-        let size = [self.request.width, self.request.height];
-        let whole = film(&self.settings, seed)?;
-        let tested = match self.split {
-            None => means(&whole),
-            Some(split) => split.with_light_paths_of(&whole, &self.scene, &request, hash::mix64(!seed))?,
+        // The tiles of each replicate: those of the render, and those of the render by other settings or of the exact image.
+        let mut replicates = Vec::new();
+        for replicate in 0..u64::from(REPLICATES) {
+            let seed = hash::mix64(seed ^ replicate);
+            let whole = film(&self.settings, seed)?;
+            let tested = match self.split {
+                None => first_channel(&whole),
+                Some(split) => split.with_light_paths_of(&whole, &self.scene, &request, hash::mix64(!seed))?,
+            };
+            let other = match &self.truth {
+                Truth::SameAs(settings) => {
+                    first_channel(&film(settings, hash::mix64(seed))?).into_iter().map(Some).collect()
+                }
+                _ => truth.to_vec(),
+            };
+            let size = [self.request.width, self.request.height];
+            let pair = |i: usize| other[i].map(|other| [tested[i], other].map(Mean::exact));
+            replicates.push(welch::tiles(size, TILE, pair));
+        }
+        let tile = |i: usize| {
+            [0, 1].map(|side| {
+                let values: Vec<f64> = replicates.iter().map(|tiles| tiles[i][side].value).collect();
+                Mean::of_replicates(&values).unwrap_or(replicates[0][i][side])
+            })
         };
-        // The other side: a render by other settings, or exact values without variance.
-        let other = match &self.truth {
-            Truth::SameAs(settings) => means(&film(settings, hash::mix64(seed))?).into_iter().map(Some).collect(),
-            _ => truth.iter().map(|value| value.map(Mean::exact)).collect::<Vec<_>>(),
-        };
-        Ok(welch::tiles(size, TILE, |i| other[i].map(|other| [tested[i], other])))
+        Ok(((0..replicates[0].len()).map(tile).collect(), dropped))
     }
+}
+
+/// What a comparison has found.
+struct Found {
+    comparison: ImageComparison,
+    /// Differences up to this do not count.
+    allowance: f64,
+    dropped: Dropped,
+}
+
+/// The first channel of a film.
+fn first_channel(film: &Film) -> Vec<f64> {
+    film.image().pixels().iter().map(|pixel| f64::from(pixel.x)).collect()
 }
 
 /// The protocol for images with little noise: a share of the error is detected.
@@ -171,15 +209,6 @@ pub fn finer(protocol: &Protocol, share: f64) -> Protocol {
         count @ SampleCount::Fixed(_) => count,
     };
     Protocol { samples, ..*protocol }
-}
-
-/// The first channel of a film.
-fn means(film: &Film) -> Vec<Mean> {
-    let (image, errors) = (film.image(), film.standard_error());
-    let pixels = film.pixels().iter().zip(image.pixels()).zip(errors.pixels());
-    pixels
-        .map(|((p, value), error)| Mean::of_samples(p.camera_paths(), f64::from(value.x), f64::from(error.x)))
-        .collect()
 }
 
 /// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.

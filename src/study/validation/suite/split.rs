@@ -6,7 +6,6 @@ use crate::render::film::{Film, Pixel, PixelEstimate};
 use crate::render::{Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Projection, Request, Scene};
-use etalon_stats::welch::Mean;
 
 /// Camera paths from another render than light paths.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +21,8 @@ pub struct Split {
 }
 
 impl Split {
-    /// The camera paths of another render of the scene, with the light paths of `film`.
-    pub fn with_light_paths_of(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<Mean>> {
+    /// The first channel of another render of the scene, with the light paths of `film`.
+    pub fn with_light_paths_of(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
         let (width, wide) = (request.width, request.width * self.widths);
         let mut scene = scene.clone();
         if let Projection::Perspective { tan_half_width, .. } = &mut scene.camera.projection {
@@ -34,12 +33,7 @@ impl Split {
         let camera = render(&scene, &request, &settings, &Silent)?.part.film;
         let sum = |(i, (pixel, estimate)): (usize, (&Pixel, PixelEstimate))| {
             let seen = &camera.pixels()[i / width * wide + (wide - width) / 2 + i % width];
-            let mean = Mean::of_samples(request.spp, f64::from(seen.mean().x), f64::from(seen.standard_error().x));
-            // What light paths add to the pixel, and its variance.
-            let splats = f64::from(estimate.mean.x - pixel.mean().x);
-            let noise = f64::from(estimate.error.x).powi(2) - f64::from(pixel.standard_error().x).powi(2);
-            let variance = mean.variance + self.factor * self.factor * noise.max(0.0);
-            Mean { value: mean.value + self.factor * splats, variance, ..mean }
+            f64::from(seen.mean().x) + self.factor * f64::from(estimate.mean.x - pixel.mean().x)
         };
         Ok(film.pixels().iter().zip(film.estimates()).enumerate().map(sum).collect())
     }
