@@ -133,7 +133,8 @@ impl Facet {
         let cos_i = (0.5 * (length2 + q) / s) as f32 * upwards;
         // Light meets the facet from outside, and leaves it on the right side.
         let leaves = if reflects { cos_i > 0.0 } else { cos_i < 0.0 };
-        let exists = (side.wo.z > 0.0) & (wi.z != 0.0) & (h[2] != 0.0) & (length > LEAST_LENGTH) & (cos_o > 0.0) & leaves;
+        let exists =
+            (side.wo.z > 0.0) & (wi.z != 0.0) & (h[2] != 0.0) & (length > LEAST_LENGTH) & (cos_o > 0.0) & leaves;
         // g = η cos θₜ is known of refracted light; next to the critical angle that is more precise than Snell's law.
         let cos_o = cos_o.min(1.0);
         let (reflected, _) = fresnel(cos_o, side.q);
