@@ -32,8 +32,11 @@ pub const BECKMANN: Family = Family {
     bounds: &[Bound {
         name: "relative error over condition number",
         limit: 1e-7,
-        reason: "what the inversion of the slopes states, in f64 as in f32",
-        error: |case| case.rendered().map(|d| d.relative / case.amplification()),
+        reason: "what the inversion of the slopes states, in f64 as in f32; a random number of 0 has an infinite slope",
+        error: |case| {
+            let judged = case.inputs[4] > 0.0 && case.inputs[5] > 0.0;
+            case.rendered().filter(|_| judged).map(|d| d.relative / case.amplification())
+        },
     }],
     coarser: 2,
 };

@@ -100,9 +100,12 @@ impl ErrorRow {
         self
     }
 
+    /// What names of functions at special directions begin with.
+    pub const SPECIAL: &str = "special/";
+
     /// Whether it is of a function at special directions.
     pub fn is_special(&self) -> bool {
-        self.family.starts_with("special/")
+        self.family.starts_with(Self::SPECIAL)
     }
 
     /// Whether its results were compared with exact ones.

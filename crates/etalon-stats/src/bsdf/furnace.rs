@@ -79,7 +79,8 @@ fn student(risk: f64, freedom: f64) -> f64 {
 /// between 0 and a bound; so an empirical Bernstein inequality bounds the error of this mean without an assumption on the distribution of the differences: a lobe
 /// that hides between the nodes is found by the points as often as it is sampled.
 ///
-/// If no bound is declared, the mean is taken to have a normal distribution; it is that of points whose number does not depend on what
+/// If no bound is declared, the mean is taken to have a normal distribution, with the remainder that Bernstein's inequality has for the
+/// largest difference found; it is that of points whose number does not depend on what
 /// they find, on a square that is warped such that weights which grow as the inverse root of the distance from its border are bounded. BSDFs without such a map are averaged over a
 /// randomized Sobol' sequence, 16 times.
 ///
