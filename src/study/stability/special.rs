@@ -115,7 +115,7 @@ fn of_formula(family: &'static Family) -> Vec<ErrorRow> {
         for case in sweep.cases.iter().filter(|case| case.precision == row.precision && case.condition.is_finite()) {
             // NaN violates every bound.
             let errors = family.bounds.iter().filter_map(|bound| Some(((bound.error)(case)?, bound.limit)));
-            if errors.into_iter().any(|(error, limit)| !(error <= limit)) {
+            if errors.into_iter().any(|(error, limit)| error.is_nan() || error > limit) {
                 row.out_of_range += 1;
                 row.worst = family.text(case);
             }
