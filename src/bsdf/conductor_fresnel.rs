@@ -1,6 +1,7 @@
 //! Fresnel reflectance of a metal, three channels at once.
 
 use crate::math::Rgb;
+use crate::optics::incidence;
 
 /// The complex index of refraction of a metal in three channels, with what its reflectance needs computed once.
 ///
@@ -29,10 +30,11 @@ impl ConductorFresnel {
         Self { eta, k, re, im, modulus2: re * re + im * im }
     }
 
-    /// Exact unpolarized reflectance at a cosine in \[0, 1\].
+    /// Exact unpolarized reflectance; a cosine beyond 1 counts as 1.
     #[inline(always)]
     #[must_use]
     pub fn reflectance(&self, cos: f32) -> Rgb {
+        let cos = incidence(cos);
         let channel = |c: usize| reflectance(self.re[c], self.im[c], self.modulus2[c], cos);
         Rgb::new(channel(0), channel(1), channel(2))
     }

@@ -72,7 +72,8 @@ impl Scatter for ErrataConductor {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let Some(facet) = Facet::between(wo, wi) else { return (Rgb::ZERO, 0.0) };
         let g = (1.0 + self.lambda(wo) + self.lambda(wi)).recip();
-        let f = 0.25 * self.distribution.d(facet.wm) / wo.z * g / wi.z;
+        // Λ is infinite next to the horizon, where 1/cos overflows as well.
+        let f = if g > 0.0 { 0.25 * self.distribution.d(facet.wm) / wo.z * g / wi.z } else { 0.0 };
         (self.reflectance(wi, &facet) * f, self.density(&facet))
     }
 

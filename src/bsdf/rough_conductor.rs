@@ -55,6 +55,9 @@ pub struct RoughConductor<D> {
     pub normals: NormalSampling,
 }
 
+/// Half vectors below this length, whose squares f32 does not resolve, belong to no facet: both directions are that near to the horizon.
+pub(super) const LEAST_LENGTH: f32 = 1e-18;
+
 /// The facet that reflects `wi` to `wo`.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
@@ -62,7 +65,7 @@ pub(crate) struct Facet {
     pub wm: [f32; 3],
     /// Cosine of either direction with its normal.
     pub cos: f32,
-    /// Whether there is such a facet: both directions are above the surface, and not opposite along it.
+    /// Whether there is such a facet: both directions are above the surface, and not opposite along it to all digits.
     pub exists: bool,
 }
 
@@ -84,7 +87,7 @@ impl Facet {
         // |wo + wi| is twice the cosine: unlike wo·wm it is symmetric and never 0 by cancellation.
         let length = sum.length();
         let wm = sum / length;
-        let exists = (wo.z > 0.0) & (wi.z > 0.0) & (wm.z > 0.0);
+        let exists = (wo.z > 0.0) & (wi.z > 0.0) & (length > LEAST_LENGTH);
         Self { wm: wm.to_array(), cos: (0.5 * length).min(1.0), exists }
     }
 }

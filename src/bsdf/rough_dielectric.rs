@@ -17,6 +17,7 @@
 //! visible normals: Heitz & d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals",
 //! EGSR 2014.
 
+use super::rough_conductor::LEAST_LENGTH;
 use super::{BsdfSample, Lobe, Scatter, Vectorizable};
 use crate::math::{Rgb, map_array};
 use crate::sampling::normals::SampleNormals;
@@ -132,7 +133,8 @@ impl Facet {
         let cos_i = (0.5 * (length2 + q) / s) as f32 * upwards;
         // Light meets the facet from outside, and leaves it on the right side.
         let leaves = if reflects { cos_i > 0.0 } else { cos_i < 0.0 };
-        let exists = (side.wo.z > 0.0) & (wi.z != 0.0) & (h[2] != 0.0) & (cos_o > 0.0) & leaves;
+        let exists =
+            (side.wo.z > 0.0) & (wi.z != 0.0) & (h[2] != 0.0) & (length > LEAST_LENGTH) & (cos_o > 0.0) & leaves;
         // g = η cos θₜ is known of refracted light; next to the critical angle that is more precise than Snell's law.
         let cos_o = cos_o.min(1.0);
         let (reflected, _) = fresnel(cos_o, side.q);
@@ -163,6 +165,7 @@ fn fresnel(cos: f32, q: f64) -> (f32, f32) {
     const TINY: f32 = 1e-18;
     // c² is exact in f64, so that only the rounding of the cosine matters near the critical angle.
     let g2 = q + f64::from(cos) * f64::from(cos);
+    let is_total = (q < 0.0) & (g2 <= 0.0);
     let g = g2.max(0.0) as f32;
     let g = g.sqrt();
     let sum = cos + g;
@@ -170,7 +173,7 @@ fn fresnel(cos: f32, q: f64) -> (f32, f32) {
     let sin2 = (1.0 - cos) * (1.0 + cos);
     let ratio = (cos * g - sin2) / (cos * g + sin2).max(TINY);
     let f = 0.5 * r * r * (1.0 + ratio * ratio);
-    (if g2 > 0.0 { f.min(1.0) } else { 1.0 }, g)
+    (if is_total { 1.0 } else { f.min(1.0) }, g)
 }
 
 /// 1 − F = 2 c g (1/(c + g)² + η²/(η² c + g)²), without the difference, for g = η cos θₜ and η².

@@ -174,12 +174,12 @@ fn replayed(replay: &Replay) -> String {
 /// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
 fn human(output: &Output<'_>, names_inputs: bool) -> String {
     let mut text = format!(
-        "{:<22} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
+        "{:<33} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
         "family", "variant", "", "cases", "relative", "ULP", "condition", "NaN, ∞", "negative", "outside"
     );
     for r in output.rows {
         text += &format!(
-            "{:<22} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
+            "{:<33} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
             r.family,
             r.variant,
             r.precision.name(),

@@ -1,9 +1,11 @@
 //! Fresnel reflectance of a conductor: exact, and an approximation that older renderers use.
 
 use super::dielectric::{Reflectance, g_squared};
+use super::incidence;
 use crate::math::Real;
 
-/// Exact reflectance for the complex index η + i k (relative to the near side, k ≥ 0), at `cos_i` in \[0, 1\].
+/// Exact reflectance for the complex index η + i k (relative to the near side, k ≥ 0), at `cos_i`; a cosine
+/// beyond 1 counts as 1.
 ///
 /// With s² = 1 − c², A = |(η + ik)² − s²|, a = Re √((η + ik)² − s²):
 /// R⊥ = (A + c² − 2ac) / (A + c² + 2ac), R∥ = R⊥ (A c² + s⁴ − 2ac s²) / (A c² + s⁴ + 2ac s²).
@@ -12,7 +14,7 @@ use crate::math::Real;
 #[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
     let one = T::one();
-    let c = cos_i;
+    let c = incidence(cos_i);
     let sin2 = (one - c) * (one + c);
     // z = a + ib = η cos θ_t by Snell's law.
     let (a, b) = root(c, eta, k);
@@ -54,7 +56,7 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
 /// η = 1.5) is 0.099.
 #[must_use]
 pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
-    let c = cos_i;
+    let c = incidence(cos_i);
     let q = eta * eta + k * k;
     let middle = T::from_f64(2.0) * eta * c;
     let parallel = (q * c * c - middle + T::one()) / (q * c * c + middle + T::one());

@@ -10,6 +10,7 @@
 //! f32; that of this form is below 10⁻⁶ for η from 10⁻³ to 10³, but for the degree next to the critical angle. There dF/dc is infinite, so no formula can be
 //! accurate in terms of the rounded cosine; g is returned so that callers need not compute it again.
 
+use super::incidence;
 use crate::math::Real;
 
 /// What an interface does to a ray of given incidence.
@@ -39,7 +40,7 @@ impl<T: Real> Reflectance<T> {
     }
 }
 
-/// Exact Fresnel reflectance for a ray that meets the interface at `cos_i` (in \[0, 1\]) from the near side.
+/// Exact Fresnel reflectance for a ray that meets the interface at `cos_i` from the near side; a cosine beyond 1 counts as 1.
 ///
 /// `eta` > 0 is the far index over the near one, from 10⁻¹⁸ to 10¹⁸ in f32, so that its square neither overflows nor
 /// vanishes. Total internal reflection gives R∥ = R⊥ = 1.
@@ -47,7 +48,7 @@ impl<T: Real> Reflectance<T> {
 #[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
     let one = T::one();
-    let c = cos_i;
+    let c = incidence(cos_i);
     let q = (eta - one) * (eta + one);
     if q == T::zero() {
         return Reflectance { parallel: T::zero(), perpendicular: T::zero(), cos_t: Some(c) };
@@ -72,7 +73,8 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
 #[must_use]
 pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
     let g2 = g_squared(c, eta);
-    (g2 > T::zero() || eta >= T::one()).then(|| g2.sqrt())
+    let is_total = eta < T::one() && g2 <= T::zero();
+    (!is_total).then(|| g2.sqrt())
 }
 
 /// g² = η² − s² = q + c², negative under total internal reflection.
@@ -81,7 +83,7 @@ pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
 /// critical cosine, or as (η − s)(η + s), whichever has the smaller terms, which are rounded less there. It is computed in f64,
 /// so that in f32 only the rounding of the input matters.
 pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
-    let (c, eta) = (c.to_f64(), eta.to_f64());
+    let (c, eta) = (incidence(c.to_f64()), eta.to_f64());
     let q = (eta - 1.0) * (eta + 1.0);
     if q >= 0.0 {
         return T::from_f64(q + c * c);

@@ -12,5 +12,13 @@ pub mod metals;
 pub mod microfacet;
 pub mod schlick;
 
+use crate::math::Real;
+
+/// The modulus of a cosine with the normal, at most 1: rounding takes that of two unit vectors up to a few last places beyond.
+#[inline(always)]
+pub(crate) fn incidence<T: Real>(cos: T) -> T {
+    cos.abs().min(T::one())
+}
+
 /// The line of helium at which catalogues state the index of a medium, in nanometres.
 pub const D_LINE_NM: f64 = 587.5618;

@@ -1,6 +1,6 @@
 //! Schlick's approximation of a dielectric's reflectance, correct on both sides.
 
-use super::dielectric;
+use super::{dielectric, incidence};
 use crate::math::Real;
 
 /// Reflectance at normal incidence, ((η−1)/(η+1))².
@@ -10,12 +10,12 @@ pub fn normal_reflectance<T: Real>(eta: T) -> T {
     r * r
 }
 
-/// Schlick's polynomial F₀ + (1 − F₀)(1 − c)⁵ for a given cosine.
+/// Schlick's polynomial F₀ + (1 − F₀)(1 − c)⁵ for a given cosine; one beyond 1 counts as 1.
 ///
 /// Source: Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, eq. 15.
 #[must_use]
 pub fn polynomial<T: Real>(f0: T, cos: T) -> T {
-    let m = T::one() - cos;
+    let m = T::one() - incidence(cos);
     let m2 = m * m;
     f0 + (T::one() - f0) * m2 * m2 * m
 }

@@ -49,11 +49,11 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(r * cos_phi, r * sin_phi, (1.0 - u[0]).sqrt())
 }
 
-/// Pdf per solid angle of [`cosine_hemisphere`] for a direction of that cosine; 0 below the horizon.
+/// Pdf per solid angle of [`cosine_hemisphere`] for a direction of that cosine; 0 below the horizon, and a cosine beyond 1 counts as 1.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
-    cos_theta.max(0.0) / PI
+    cos_theta.clamp(0.0, 1.0) / PI
 }
 
 /// The `u` that [`cosine_hemisphere`] maps to `w`.

@@ -37,6 +37,17 @@ pub enum Light {
     },
 }
 
+impl Light {
+    /// A point of the light, or its middle; `None` of light from infinity.
+    pub(super) fn position(&self) -> Option<Vec3> {
+        match self {
+            Self::Rectangle { rectangle, .. } => Some(rectangle.centre()),
+            Self::Point { position, .. } => Some(*position),
+            Self::Directional { .. } | Self::Hemisphere { .. } => None,
+        }
+    }
+}
+
 /// How the light of a point grows weaker with distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Falloff {

@@ -35,6 +35,11 @@ impl Rectangle {
         if closed { Self::new((a + c) * 0.5, x, y) } else { None }
     }
 
+    /// The rectangle with its middle elsewhere.
+    pub(super) fn centred_at(self, centre: Vec3) -> Self {
+        Self { centre, ..self }
+    }
+
     /// The middle.
     #[must_use]
     pub fn centre(&self) -> Vec3 {

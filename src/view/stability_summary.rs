@@ -11,20 +11,29 @@ const RATIOS: [f64; 2] = [1e-2, 1e9];
 /// Height of a family's line.
 const LINE: f64 = 22.0;
 
-/// A line for each family, a marker for each variant: filled for f32, open for f64.
+/// A line for each family, a marker for each variant: filled for f32, open for f64. Functions at special directions have lines if there
+/// is nothing else.
 pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
-    let mut families: Vec<&str> = rows.iter().map(|row| row.family).collect();
+    let only_special = rows.iter().all(ErrorRow::is_special);
+    let is_shown = |row: &&ErrorRow| row.is_compared() && row.is_special() == only_special;
+    let rows: Vec<&ErrorRow> = rows.iter().filter(is_shown).collect();
+    let mut families: Vec<&str> = rows.iter().map(|row| row.family.as_ref()).collect();
     families.dedup();
     let panel = |label: &str, [least, most]: [f64; 2], names: &[&str], value: &dyn Fn(&ErrorRow) -> f64| {
-        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        let names: Vec<String> =
+            names.iter().map(|name| name.trim_start_matches(ErrorRow::SPECIAL).to_owned()).collect();
         let x = Axis::log(label).range(least / 3.0, most * 3.0);
         let panel = Panel::new(x, Axis::named("", names));
         // The legend's entries in the same order on both sides
         let entries = [STABLE, TEXTBOOK, REPORT].into_iter().flat_map(|variant| Precision::ALL.map(|p| (variant, p)));
+        let is_there = |(variant, precision): &(&str, Precision)| {
+            rows.iter().any(|row| row.precision == *precision && look(row.variant) == look(variant))
+        };
+        let entries = entries.filter(is_there);
         entries.fold(panel, |panel, (variant, precision)| {
             let (colour, aside) = look(variant);
             let of = rows.iter().filter(|row| row.precision == precision && look(row.variant) == (colour, aside));
-            let place = |row: &ErrorRow| -> Point {
+            let place = |row: &&ErrorRow| -> Point {
                 let line = families.iter().position(|family| *family == row.family).unwrap_or(0);
                 // What has no finite value is worse than any
                 let value = if value(row).is_nan() { most } else { value(row).clamp(least, most) };

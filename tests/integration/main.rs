@@ -12,6 +12,7 @@ mod exec;
 mod export;
 mod exr_layers;
 mod furnace;
+mod glass_furnaces;
 #[cfg(unix)]
 mod kill;
 mod limits;

@@ -47,10 +47,14 @@ pub trait Microfacet<T: Real>: Copy {
     }
 
     /// Smith's masking-shadowing function G₂, the share of the facets visible from both directions: 1/(1 + Λₒ + Λᵢ), for
-    /// correlated heights.
+    /// correlated heights; 0 between two directions along the surface.
     #[inline(always)]
     fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
-        (wo[2] * wi[2]).abs() * self.g2_over_cosines(wo, wi)
+        // cos/(cos + cos Λ + cos'Λ' cos/cos') for the smaller cosine, whose ratio to the other neither over- nor underflows.
+        let [a, b] = [wo, wi].map(|w| (w[2].abs(), self.cos_lambda(w)));
+        let ((least, lambda), (most, other)) = if a.0 < b.0 { (a, b) } else { (b, a) };
+        let ratio = if most > T::zero() { least / most } else { T::zero() };
+        least / (least + lambda + ratio * other)
     }
 
     /// G₂(wo, wi)/|zₒ zᵢ|; infinite only with both directions on the horizon.

@@ -106,7 +106,7 @@ fn is_outside_bvh(scene: &Scene) -> Vec<bool> {
     let is_solid = |&i: &usize| !matches!(scene.objects[i].shape, Shape::Mesh(_));
     let mut solids: Vec<usize> = (0..scene.objects.len()).filter(is_solid).collect();
     if solids.len() > MOST_SOLIDS {
-        let boxes: Vec<_> = scene.objects.iter().map(|object| bounds(&object.shape).unwrap_or(EMPTY)).collect();
+        let boxes: Vec<_> = scene.objects.iter().map(|object| object.shape.bounds().unwrap_or(EMPTY)).collect();
         let least = LARGE * surface(boxes.iter().copied().fold(EMPTY, union));
         let area = |&i: &usize| surface(boxes[i]);
         solids.retain(|i| area(i) >= least);
@@ -136,7 +136,7 @@ impl<'a> Geometry<'a> {
         let (mut whole, mut in_tree) = (EMPTY, EMPTY);
         let mut offsets = Vec::with_capacity(objects.len());
         for (i, object) in (0..).zip(objects) {
-            let bounds = bounds(&object.shape);
+            let bounds = object.shape.bounds();
             offsets.push(bounds.map_or(0.0, |b| 16.0 * f32::EPSILON * b[0].abs().max(b[1].abs()).max_element()));
             let bounds = bounds.unwrap_or(EMPTY);
             whole = union(whole, bounds);
@@ -319,15 +319,6 @@ fn limited<'a>(rays: &'a Rays, t_max: &'a Lane, count: usize) -> bvh::Rays<'a> {
 
 /// A box around nothing.
 const EMPTY: [Vec3; 2] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-
-/// Least and largest coordinates of a shape; `None` if there is nothing to hit.
-fn bounds(shape: &Shape) -> Option<[Vec3; 2]> {
-    match shape {
-        Shape::Sphere(sphere) => sphere.bounds(),
-        Shape::Rectangle(r) => r.corners().map(|corner| [corner, corner]).into_iter().reduce(union),
-        Shape::Mesh(mesh) => mesh.bounds(),
-    }
-}
 
 fn union([a, b]: [Vec3; 2], [c, d]: [Vec3; 2]) -> [Vec3; 2] {
     [a.min(c), b.max(d)]

@@ -11,7 +11,7 @@ pub const FAMILY: Family = Family {
     figure: "stability-conductor",
     inputs: &["eta", "k", "cos"],
     // Beyond, the renderer uses a reflectance of 1.
-    domains: &[(0.0, 1e6), (0.0, 1e6), (0.0, 1.0)],
+    domains: &[(0.0, 1e6), (0.0, 1e6), COSINES],
     sections: &[
         Section::new("weak to strong absorbers, /{η} = 0.2", Scale::new("/{k}", 1e-8, 1e4), COSINE, |k, cos| {
             vec![0.2, k, cos]
@@ -50,9 +50,10 @@ fn stable(x: &[f64]) -> Value<f64> {
     scalar(conductor::fresnel(x[2], x[0], x[1]).unpolarized())
 }
 
-/// The textbook's, except where that is 0/0: between equal indices nothing is reflected.
+/// The textbook's, except where that is 0/0: between equal indices nothing is reflected. Cosines beyond ±1 are ±1.
 fn defined<T: Number>(x: &[T]) -> Value<T> {
-    if x[0] == T::of(1.0) && x[1] == T::of(0.0) { scalar(T::of(0.0)) } else { textbook(x) }
+    let is_matched = x[0] == T::of(1.0) && x[1] == T::of(0.0);
+    if is_matched { scalar(T::of(0.0)) } else { textbook(&[x[0], x[1], incidence(x[2])]) }
 }
 
 /// With s² = 1 − c², A² = (η² − k² − s²)² + 4η²k², a² = (A + η² − k² − s²)/2:
@@ -85,7 +86,7 @@ fn report<T: Machine>(x: &[T]) -> Value<T> {
 /// and, with the roundings of the root itself, |Δz| ≤ 7κu |z|. As Re z ≥ 0 neither |c + z|² nor |cz + s²|² cancels: each
 /// has an error of at most 18κu, and 48κu remain of R⊥ = |n² − 1|²/|c + z|⁴, 43κu of 1 + |cz − s²|²/|cz + s²|².
 fn cancellation(inputs: &[f64]) -> f64 {
-    let [eta, k, c] = [inputs[0], inputs[1], inputs[2]];
+    let [eta, k, c] = [inputs[0], inputs[1], inputs[2].abs().min(1.0)];
     let q = (eta - 1.0) * (eta + 1.0);
     let terms = q.abs() + c * c + k * k;
     // η² − s² as a product, without cancellation.

@@ -4,7 +4,7 @@ use super::family::*;
 use crate::bsdf::{Refraction, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
-use crate::optics::dielectric;
+use crate::optics::{dielectric, schlick};
 use glam::Vec3;
 
 pub const FRESNEL: Family = Family {
@@ -12,7 +12,7 @@ pub const FRESNEL: Family = Family {
     about: "dielectric reflectance of unpolarized light",
     figure: "stability-fresnel",
     inputs: &["eta", "cos"],
-    domains: &[INDEX, (0.0, 1.0)],
+    domains: &[INDEX, COSINES],
     sections: &[
         Section::new("all indices", Scale::new("/{η}", 1e-4, 1e4), COSINE, |eta, cos| vec![eta, cos]),
         Section::new("nearly equal indices", Scale::new("/{η} − 1", 1e-7, 1.0), COSINE, |more, cos| {
@@ -48,6 +48,15 @@ pub const FRESNEL: Family = Family {
     coarser: 1,
 };
 
+pub const SCHLICK: Family = Family {
+    name: "schlick",
+    about: "Schlick's approximation of that, with the cosine on the less dense side",
+    reference: |x| schlick_of_less_dense(x),
+    variants: &[variant!(STABLE, |x| scalar(schlick::schlick(x[1], x[0])))],
+    bounds: &[Bound::roundings(16.0, "4 of F₀, 6 of the cosine, 5 of the fifth power, and the sum")],
+    ..FRESNEL
+};
+
 /// Cosines above that of the critical angle, by their relative distance from it; the inputs are left to the family.
 const CRITICAL: Section = Section::new(
     "near the critical angle",
@@ -61,9 +70,25 @@ fn above_critical(eta: f64, more: f64) -> f64 {
     (((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt() * (1.0 + more)).min(1.0)
 }
 
-/// The textbook formula, except between equal indices, where it is 0/0: nothing is reflected there.
+/// The textbook formula, except between equal indices, where it is 0/0: nothing is reflected there. Cosines beyond ±1 are ±1.
 fn reflectance<T: Number>(x: &[T]) -> Value<T> {
-    if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook_reflectance(x) }
+    if x[0] == T::of(1.0) { scalar(T::of(0.0)) } else { textbook_reflectance(&[x[0], incidence(x[1])]) }
+}
+
+/// F₀ + (1 − F₀)(1 − cos)⁵ with the cosine on the less dense side; 1 under total internal reflection.
+fn schlick_of_less_dense<T: Number>(x: &[T]) -> Value<T> {
+    let (eta, cos, one) = (x[0], incidence(x[1]), T::of(1.0));
+    if eta == one {
+        return scalar(T::of(0.0));
+    }
+    let cos2_t = one - (one - cos.square()) / eta.square();
+    let rest = match eta < one {
+        true if cos2_t <= T::of(0.0) => return scalar(one),
+        true => one - cos2_t.sqrt(),
+        false => one - cos,
+    };
+    let f0 = ((eta - one) / (eta + one)).square();
+    scalar(f0 + (one - f0) * rest.square().square() * rest)
 }
 
 /// (cos θᵢ − η cos θₜ)/(cos θᵢ + η cos θₜ) and (η cos θᵢ − cos θₜ)/(η cos θᵢ + cos θₜ), squared and averaged.
@@ -83,7 +108,7 @@ pub(super) fn textbook_reflectance<T: Number>(x: &[T]) -> Value<T> {
 
 /// Whether a direction is a degree or more from the critical angle.
 fn is_away(eta: f64, cos: f64) -> bool {
-    eta >= 1.0 || (cos.acos() - eta.asin()).abs() >= 1f64.to_radians()
+    eta >= 1.0 || (cos.abs().min(1.0).acos() - eta.asin()).abs() >= 1f64.to_radians()
 }
 
 /// The refracted unit vector; none beyond the critical angle.
@@ -110,9 +135,12 @@ pub const REFRACTION: Family = Family {
     coarser: 1,
 };
 
-/// Snell's law for the direction that the rounded components point to.
+/// Snell's law for the direction that the rounded components point to, from either side.
 fn refracted<T: Number>(x: &[T]) -> Value<T> {
     let [wx, wy, wz] = normalized(vector(x, 1));
+    if wz < T::of(0.0) {
+        return textbook_refracted(&[T::of(1.0) / x[0], wx, wy, -wz]).map(|[x, y, z]| [x, y, -z]);
+    }
     textbook_refracted(&[x[0], wx, wy, wz])
 }
 
@@ -124,6 +152,9 @@ fn rendered(x: &[f32]) -> Value<f32> {
 
 /// The same in f64: (−x, −y, −g)/η with g = η cos θₜ.
 fn stable(x: &[f64]) -> Value<f64> {
+    if x[3] < 0.0 {
+        return stable(&[x[0].recip(), x[1], x[2], -x[3]]).map(|[x, y, z]| [x, y, -z]);
+    }
     dielectric::eta_cos_t(x[3], x[0]).map(|g| [-x[1], -x[2], -g].map(|w| w / x[0]))
 }
 
@@ -143,7 +174,8 @@ fn textbook_refracted<T: Number>(x: &[T]) -> Value<T> {
 /// With u one rounding, the squared length of the rounded direction has an error of 8u, which the code ignores, and g² has
 /// 6u of its own. Δg = Δg²/2g, but never more than √Δg²: hence g counts as √u at least. The direction's error is Δg/η.
 fn steepness(case: &Case) -> f64 {
-    let (eta, c) = (case.inputs[0], case.inputs[3]);
+    let (eta, c) = (case.inputs[0], case.inputs[3].abs().min(1.0));
+    let eta = if case.inputs[3] < 0.0 { eta.recip() } else { eta };
     let sin = ((1.0 - c) * (1.0 + c)).sqrt();
     let g = ((eta - sin) * (eta + sin)).max(case.precision.rounding()).sqrt();
     (c * c / (eta * g)).max(1.0)

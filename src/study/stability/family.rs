@@ -56,6 +56,8 @@ impl Family {
 
 /// Domain of dielectrics' indices of refraction: their squares neither overflow nor underflow in f32.
 pub const INDEX: (f64, f64) = (1e-18, 1e18);
+/// Domain of cosines: what rounding makes of −1 to 1.
+pub const COSINES: (f64, f64) = (-1.000_001, 1.000_001);
 /// Domain of what must be positive, such as widths and radii.
 pub const POSITIVE: (f64, f64) = (f32::MIN_POSITIVE as f64, f32::MAX as f64);
 
@@ -120,6 +122,12 @@ pub fn of_cosine(cos: f64) -> [f64; 3] {
 pub fn of_slope(tan: f64) -> [f64; 3] {
     let cos = (1.0 + tan * tan).sqrt().recip();
     [0.6 * tan * cos, 0.8 * tan * cos, cos]
+}
+
+/// The modulus of a cosine, at most 1.
+pub fn incidence<T: Number>(cos: T) -> T {
+    let (cos, one) = (if cos < T::of(0.0) { -cos } else { cos }, T::of(1.0));
+    if cos > one { one } else { cos }
 }
 
 /// A number and the components of a vector, as inputs of a family.

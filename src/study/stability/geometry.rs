@@ -22,7 +22,7 @@ pub const HALF_VECTOR: Family = Family {
         },
     }],
     edges: &[&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0], &[0.6, 0.0, 0.8, -0.6, 0.0, 0.8]],
-    reference: half_vector,
+    reference: |x| above_surface(x).then(|| half_vector(x)).flatten(),
     variants: &[Variant::single(STABLE, |x| facet(x).map(|facet| facet.wm)), variant!(TEXTBOOK, half_vector)],
     range: Range::Unit,
     bounds: &[Bound::roundings(8.0, "3 of the sum, 4 of its length, 1 of the quotient")],
@@ -32,7 +32,7 @@ pub const HALF_VECTOR: Family = Family {
 pub const HALF_COSINE: Family = Family {
     name: "half-cosine",
     about: "cosine of nearly opposite directions with the facet between them",
-    reference: |x| scalar(dot(sum(x), sum(x)).sqrt() / Number::of(2.0)),
+    reference: |x| above_surface(x).then(|| scalar(dot(sum(x), sum(x)).sqrt() / Number::of(2.0))).flatten(),
     variants: &[
         Variant::single(STABLE, |x| facet(x).and_then(|facet| scalar(facet.cos))),
         variant!(TEXTBOOK, |x| scalar(dot(vector(x, 0), normalized(sum(x))))),
@@ -41,6 +41,11 @@ pub const HALF_COSINE: Family = Family {
     bounds: &[Bound::roundings(8.0, "3 of the sum, 4 of its length, 1 of the half")],
     ..HALF_VECTOR
 };
+
+/// Whether both directions are above the surface: else no facet is between them.
+fn above_surface<T: Number>(x: &[T]) -> bool {
+    x[2] > T::of(0.0) && x[5] > T::of(0.0)
+}
 
 fn sum<T: Number>(x: &[T]) -> [T; 3] {
     let [wo, wi] = [vector(x, 0), vector(x, 3)];

@@ -25,6 +25,7 @@ mod replay;
 mod rough_dielectric;
 mod row;
 mod search;
+mod special;
 mod sums;
 mod sweep;
 mod tables;

@@ -4,13 +4,16 @@ use super::family::*;
 use super::precise::Precise;
 use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
+use crate::sampling::warp;
+use glam::DVec3;
 
 pub const BECKMANN: Family = Family {
     name: "beckmann-normal",
     about: "visible normals sampled from a Beckmann surface",
     figure: "stability-sampling",
     inputs: &["alpha", "wo_x", "wo_y", "wo_z", "u0", "u1"],
-    domains: &[POSITIVE],
+    // Normals are sampled for directions above the surface.
+    domains: &[POSITIVE, COSINES, COSINES, (0.0, COSINES.1), SHARES, SHARES],
     sections: &[
         Section::new("down to the horizon", ALPHA, COSINE, |alpha, cos| {
             [&[alpha][..], &of_cosine(cos), &[0.3, 0.7]].concat()
@@ -29,16 +32,22 @@ pub const BECKMANN: Family = Family {
     bounds: &[Bound {
         name: "relative error over condition number",
         limit: 1e-7,
-        reason: "what the inversion of the slopes states, in f64 as in f32",
-        error: |case| case.rendered().map(|d| d.relative / case.amplification()),
+        reason: "what the inversion of the slopes states, in f64 as in f32; a random number of 0 has an infinite slope",
+        error: |case| {
+            let judged = case.inputs[4] > 0.0 && case.inputs[5] > 0.0;
+            case.rendered().filter(|_| judged).map(|d| d.relative / case.amplification())
+        },
     }],
     coarser: 2,
 };
 
+/// Domain of random numbers: from 0 to below 1.
+const SHARES: (f64, f64) = (0.0, 1.0 - f32::EPSILON as f64 / 2.0);
+
 pub const GGX: Family = Family {
     name: "ggx-normal",
     about: "visible normals sampled from a GGX surface",
-    reference: ggx_textbook,
+    reference: ggx_reference,
     variants: &[
         variant!(STABLE, |x| Some(Ggx::new(x[0]).sample_vndf(vector(x, 1), [x[4], x[5]]))),
         variant!(TEXTBOOK, ggx_textbook),
@@ -47,6 +56,50 @@ pub const GGX: Family = Family {
     coarser: 1,
     ..BECKMANN
 };
+
+pub const COSINE_HEMISPHERE: Family = Family {
+    name: "cosine-hemisphere",
+    about: "directions sampled by the cosine",
+    figure: "stability-sampling",
+    inputs: &["u0", "u1"],
+    domains: &[SHARES, SHARES],
+    sections: &[Section::new("small numbers", SMALL, Scale { label: "/{u}_{1}", ..SMALL }, |u, v| vec![u, v])],
+    edges: &[&[0.0, 0.0], &[0.5, 0.25], &[SHARES.1, 0.5]],
+    reference: |x| hemisphere(x[1], x[0].sqrt(), (one() - x[0]).sqrt()),
+    variants: &[Variant::new(STABLE, |x| warped(warp::cosine_hemisphere, x), |x| wide(warp::cosine_hemisphere, x))],
+    range: Range::Unit,
+    bounds: &[Bound::roundings(4.0, "1 of each root, 1 of the sine and the cosine, 1 of the product")],
+    coarser: 1,
+};
+
+pub const UNIFORM_HEMISPHERE: Family = Family {
+    name: "uniform-hemisphere",
+    about: "directions sampled uniformly over the hemisphere",
+    reference: |x| hemisphere(x[1], (x[0] * (one() + one() - x[0])).sqrt(), one() - x[0]),
+    variants: &[Variant::new(STABLE, |x| warped(warp::uniform_hemisphere, x), |x| wide(warp::uniform_hemisphere, x))],
+    ..COSINE_HEMISPHERE
+};
+
+const SMALL: Scale = Scale::new("/{u}_{0}", 1e-10, 0.99);
+
+fn one() -> Precise {
+    Precise::of(1.0)
+}
+
+/// The direction at an azimuth in turns, from the sine and the cosine of its angle with the normal.
+fn hemisphere(turns: Precise, sin: Precise, cos: Precise) -> Value<Precise> {
+    let [sin_phi, cos_phi] = turns.sin_cos_turns();
+    Some([sin * cos_phi, sin * sin_phi, cos])
+}
+
+/// A warp as BSDFs use it, rounded at its end.
+fn warped(warp: fn([f64; 2]) -> DVec3, x: &[f32]) -> Value<f32> {
+    Some(warp([x[0], x[1]].map(f64::from)).as_vec3().to_array())
+}
+
+fn wide(warp: fn([f64; 2]) -> DVec3, x: &[f64]) -> Value<f64> {
+    Some(warp([x[0], x[1]]).to_array())
+}
 
 fn split<T: Number>(x: &[T]) -> (T, [T; 3], [T; 2]) {
     (x[0], vector(x, 1), [x[4], x[5]])
@@ -66,7 +119,17 @@ fn ggx_textbook<T: Number>(x: &[T]) -> Value<T> {
     Some(normalized([alpha * (sin * cos_phi + v[0]), alpha * (sin * sin_phi + v[1]), z + v[2]]))
 }
 
-/// By inversion of the distributions of slopes along and across `wo`, to 256 bits.
+/// The same with sin² = (1 − z)(1 + z): at the pole rounding would make a root of a negative number of 1 − z².
+fn ggx_reference(x: &[Precise]) -> Value<Precise> {
+    let (alpha, wo, u) = split(x);
+    let v = normalized([alpha * wo[0], alpha * wo[1], wo[2]]);
+    let below = u[0] * (one() + v[2]);
+    let sin = (below * (one() + one() - below)).sqrt();
+    let [sin_phi, cos_phi] = u[1].sin_cos_turns();
+    Some(normalized([alpha * (sin * cos_phi + v[0]), alpha * (sin * sin_phi + v[1]), one() - below + v[2]]))
+}
+
+/// By inversion of the distributions of slopes along and across `wo`, to 256 bits. A random number of 0 counts as 10⁻³⁰.
 fn beckmann_reference(x: &[Precise]) -> Value<Precise> {
     from_slopes(x, |cos, slope, u| newton(cos, slope, u, bisect(cos.to_f64(), slope.to_f64(), u.to_f64())))
 }
@@ -84,6 +147,8 @@ fn from_slopes<T: Number>(x: &[T], visible: impl Fn(T, T, T) -> T) -> Value<T> {
     let (zero, one) = (T::of(0.0), T::of(1.0));
     // Azimuth of the view; any at normal incidence.
     let azimuth = if sin > zero { [wo[0] / sin, wo[1] / sin] } else { [one, zero] };
+    let least = T::of(1e-30);
+    let u = u.map(|u| if u < least { least } else { u });
     let along = alpha * visible(wo[2], alpha * sin, u[0]);
     // Across the view, slopes are distributed as from above.
     let across = alpha * visible(one, zero, u[1]);

@@ -3,7 +3,7 @@
 use super::experiment::Experiment;
 use super::family::Family;
 use super::{
-    conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, sums, tables,
+    conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, special, sums, tables,
 };
 
 /// An entry of [`REGISTRY`].
@@ -16,18 +16,23 @@ pub enum Entry {
 }
 
 /// All families of formulas and all experiments: each is a constant and a line here.
-pub static REGISTRY: [Entry; 24] = [
+pub static REGISTRY: [Entry; 30] = [
     Entry::Formula(&dielectric::FRESNEL),
+    Entry::Formula(&dielectric::SCHLICK),
     Entry::Formula(&conductor::FAMILY),
     Entry::Formula(&dielectric::REFRACTION),
     Entry::Formula(&microfacet::BECKMANN_D),
     Entry::Formula(&microfacet::GGX_D),
     Entry::Formula(&microfacet::BECKMANN_G1),
     Entry::Formula(&microfacet::GGX_G1),
+    Entry::Formula(&microfacet::BECKMANN_G2),
+    Entry::Formula(&microfacet::GGX_G2),
     Entry::Formula(&microfacet::BECKMANN_PDF),
     Entry::Formula(&microfacet::GGX_PDF),
     Entry::Formula(&normals::BECKMANN),
     Entry::Formula(&normals::GGX),
+    Entry::Formula(&normals::COSINE_HEMISPHERE),
+    Entry::Formula(&normals::UNIFORM_HEMISPHERE),
     Entry::Formula(&geometry::HALF_VECTOR),
     Entry::Formula(&geometry::HALF_COSINE),
     Entry::Formula(&rough_dielectric::HALF_VECTOR),
@@ -35,6 +40,7 @@ pub static REGISTRY: [Entry; 24] = [
     Entry::Formula(&rough_dielectric::PDF),
     Entry::Formula(&geometry::SPHERE),
     Entry::Formula(&geometry::TRIANGLE),
+    Entry::Experiment(&special::EXPERIMENT),
     Entry::Experiment(&offsets::EXPERIMENT),
     Entry::Experiment(&tables::EXPERIMENT),
     Entry::Experiment(&sums::AREAS),

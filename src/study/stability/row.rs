@@ -5,12 +5,13 @@ use super::case::Case;
 use super::precision::Precision;
 use super::variant::STABLE;
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 
 /// A variant over all its cases. Field names are the CSV columns, except where noted.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ErrorRow {
     /// Name of the family, or of a part of an experiment.
-    pub family: &'static str,
+    pub family: Cow<'static, str>,
     /// Which way of computing it.
     pub variant: &'static str,
     /// Precision of the computation.
@@ -46,8 +47,8 @@ fn finite_or_word<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Err
 
 impl ErrorRow {
     /// Without any case yet.
-    pub fn new(family: &'static str, variant: &'static str, precision: Precision) -> Self {
-        Self { family, variant, precision, ..Self::default() }
+    pub fn new(family: impl Into<Cow<'static, str>>, variant: &'static str, precision: Precision) -> Self {
+        Self { family: family.into(), variant, precision, ..Self::default() }
     }
 
     /// Takes an error of a further case into the largest ones. `what` is called if it is the largest relative one.
@@ -70,6 +71,19 @@ impl ErrorRow {
         self.add(relative, error / self.precision.unit(exact), condition, what);
     }
 
+    /// Counts results of which only is known that they are finite and not negative.
+    pub fn judge(&mut self, values: impl Iterator<Item = f64>, what: impl FnOnce() -> String) {
+        self.cases += 1;
+        let (finite, flawed): (Vec<f64>, Vec<f64>) = values.partition(|value| value.is_finite());
+        let negative = finite.iter().any(|value| *value < 0.0);
+        self.non_finite += u64::from(!flawed.is_empty());
+        self.negative += u64::from(negative);
+        self.out_of_range += u64::from(negative);
+        if negative || !flawed.is_empty() {
+            self.worst = what();
+        }
+    }
+
     /// Adds the errors that another thread found of the same variant.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
@@ -84,6 +98,19 @@ impl ErrorRow {
         self.negative += other.negative;
         self.out_of_range += other.out_of_range;
         self
+    }
+
+    /// What names of functions at special directions begin with.
+    pub const SPECIAL: &str = "special/";
+
+    /// Whether it is of a function at special directions.
+    pub fn is_special(&self) -> bool {
+        self.family.starts_with(Self::SPECIAL)
+    }
+
+    /// Whether its results were compared with exact ones.
+    pub fn is_compared(&self) -> bool {
+        !self.family.starts_with("special/bsdf/")
     }
 
     /// Whether the row is of the code that renders.
