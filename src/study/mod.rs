@@ -22,6 +22,7 @@ pub mod rough_glass;
 pub mod roughness;
 pub mod sampling_strategies;
 pub mod scaling;
+pub mod special_angles;
 pub mod sphere;
 pub mod stability;
 pub mod sweep;

@@ -21,6 +21,7 @@ pub mod planted;
 pub mod proposal;
 pub mod renders;
 pub mod scaling;
+pub mod special_angles;
 pub mod sphere;
 pub mod stability;
 pub mod stability_summary;

@@ -121,6 +121,21 @@ fn fresnel_of_a_dielectric_both_ways() {
 }
 
 #[test]
+fn fresnel_angles_over_the_index() {
+    let dir = folder();
+    let value = json(dir.path(), &["fresnel", "--angles", "diamond", "1.45", "--points", "91", "-o", "a"]);
+    assert_keys(&value, "eta_i, wavelength_nm, media, files");
+    assert_files(dir.path(), &value);
+    let glass = &value["media"][0];
+    assert_keys(glass, "medium, eta_t, brewster_deg, brewster_reverse_deg, critical_deg");
+    assert!((number(glass, "brewster_deg") - 55.407_711_312_490_06).abs() < 1e-11);
+    assert!((number(glass, "critical_deg") - 43.602_818_972_703_62).abs() < 1e-11);
+    // Without a medium all dielectrics are marked, and no metal.
+    let all = json(dir.path(), &["fresnel", "--angles", "--points", "91", "-o", "b"]);
+    assert!(all["media"].as_array().unwrap().len() > 10);
+}
+
+#[test]
 fn fresnel_of_a_conductor() {
     let dir = folder();
     for (args, channels) in [
