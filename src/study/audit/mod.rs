@@ -18,8 +18,8 @@ use std::cmp::Ordering;
 /// Tests all errors in one run. The most severe come first: by their nature, and by the error of an image.
 pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     let mut suspects = metal::suspects()?;
+    suspects.extend(glass::suspects());
     suspects.extend([
-        glass::suspect(),
         map::pole_rows(),
         map::corners(),
         map::gaussian_numbers()?,
