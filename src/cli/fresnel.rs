@@ -187,10 +187,8 @@ impl Fresnel {
                 let [brewster, reverse, critical] = angles;
                 format!("{:<15} {:>9.4} {brewster:>12} {reverse:>12} {critical:>12}\n", row.medium, row.eta_t)
             };
-            let header = format!(
-                "{:<15} {:>9} {:>12} {:>12} {:>12}\n",
-                "medium", "eta", "Brewster", "from inside", "critical"
-            );
+            let header =
+                format!("{:<15} {:>9} {:>12} {:>12} {:>12}\n", "medium", "eta", "Brewster", "from inside", "critical");
             std::iter::once(header).chain(angles.media.iter().map(line)).collect()
         });
         Ok(Verdict::Good)

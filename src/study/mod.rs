@@ -18,6 +18,7 @@ pub mod multiple_scattering;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;
+pub mod proposal_cost;
 pub mod rough_glass;
 pub mod roughness;
 pub mod sampling_strategies;

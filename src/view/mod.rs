@@ -19,6 +19,7 @@ pub mod metals;
 pub mod multiple_scattering;
 pub mod planted;
 pub mod proposal;
+pub mod proposal_cost;
 pub mod renders;
 pub mod scaling;
 pub mod special_angles;

@@ -15,7 +15,7 @@ pub fn shot(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
     let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
     let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
     let title = format!("{} camera samples per pixel, {} light samples for each", row.spp, row.light_samples);
-    let error = format!("relative error (grey: not compared); RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
+    let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
     let cells = [("rendered, shown one stop brighter".into(), rendered), (error, errors.image())];
     Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5, 2.0)
 }

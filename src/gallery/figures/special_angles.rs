@@ -41,9 +41,8 @@ fn content() -> Result<Content> {
         let outside = fresnel(cos(degrees(row.brewster_deg)), row.eta_t).parallel;
         outside.max(fresnel(cos(degrees(row.brewster_reverse_deg)), 1.0 / row.eta_t).parallel)
     };
-    let leaving = |row: &AnglesRow, beside: f64| {
-        fresnel(cos(degrees(row.critical_deg) + beside), 1.0 / row.eta_t).unpolarized()
-    };
+    let leaving =
+        |row: &AnglesRow, beside: f64| fresnel(cos(degrees(row.critical_deg) + beside), 1.0 / row.eta_t).unpolarized();
     let sum = |row: &AnglesRow| (degrees(row.brewster_deg) + degrees(row.brewster_reverse_deg) - 90.0).abs();
     let above = |row: &AnglesRow| degrees(row.critical_deg) - degrees(row.brewster_reverse_deg);
     let smallest = |values: &mut dyn Iterator<Item = f64>| -worst(values.map(|value| -value));

@@ -88,7 +88,8 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
     ];
     if spp > SPP[0] {
-        let name = format!("RMSE over that of {} samples per pixel (1.1 times the root of the ratio of samples)", SPP[0]);
+        let name =
+            format!("RMSE over that of {} samples per pixel (1.1 times the root of the ratio of samples)", SPP[0]);
         let limit = 1.1 * (f64::from(SPP[0]) / f64::from(spp)).sqrt();
         checks.push(Check::at_most(name, shot.row.rel_rmse / noisiest.row.rel_rmse, limit));
     }

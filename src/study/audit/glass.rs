@@ -82,8 +82,8 @@ fn radiance() -> Suspect {
     let erratum = Erratum {
         title: "radiance over n²",
         report: "second report",
-        printed: "T(1 − r²)/(n_r² (eᵢ·n)), n_r = n of eᵣ over n of eᵢ",
-        right: "T(1 − r²) n_r²/(eᵢ·n)",
+        printed: "T(1 − r²)/(nᵣ² (eᵢ·n)), nᵣ = index of eᵣ over that of eᵢ",
+        right: "T(1 − r²) nᵣ²/(eᵢ·n)",
         test: "reflected and refracted flux against the incident one, at every angle from both sides",
         error_in_picture: printed(1.0, 1.0 / ETA) / right(1.0, 1.0 / ETA) - 1.0,
         error_of: "light inside glass, seen from outside",
