@@ -22,6 +22,7 @@ const BELOW_WHITE: f64 = 0.98;
 /// The differences of consecutive depths, each at an exposure of its own, with the path classes that make it.
 pub fn differences(result: &Depths) -> Drawing {
     let shown = |(image, pair): (&Image, &[u32])| {
+        let image = &without_specks(image);
         let exposure = exposure(image);
         let caption = caption(result, pair[0], pair[1])
             + &format!(
@@ -33,8 +34,23 @@ pub fn differences(result: &Depths) -> Drawing {
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let title = "What each maximum depth /{m} adds. L: light, D: diffuse reflection, S: mirror or glass, E: eye";
+    let title = "What each maximum depth /{m} adds (specks dimmed). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
     contact_sheet(title, 3, &images)
+}
+
+/// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
+/// or two pixels.
+fn without_specks(image: &Image) -> Image {
+    let (width, height) = (image.width(), image.height());
+    let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
+    Image::from_fn(width, height, |x, y| {
+        let block = around(y, height).flat_map(|y| around(x, width).map(move |x| y * width + x));
+        let mut block: Vec<f32> = block.map(|i| image.pixels()[i].max_element()).collect();
+        block.sort_unstable_by(|a, b| b.total_cmp(a));
+        let (pixel, limit) = (image.pixels()[y * width + x], block.get(2).copied().unwrap_or(f32::INFINITY));
+        let largest = pixel.max_element();
+        if largest > limit { pixel * (limit / largest) } else { pixel }
+    })
 }
 
 /// The factor that brings all but the brightest pixels below 1; 1 for a black image.

@@ -91,7 +91,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces: "Figure 1, what appears at each depth (CBspheres.dae, -t 8 -s 64 -l 4 -r 480 360)",
         shows: "Each depth minus the one before, with the path classes that make up the difference, in Heckbert's notation: L is \
                 the light, D a diffuse reflection, S a mirror or glass, E the eye. Each is the sum of its path classes in one render, so that \
-                the same paths make all differences; each has an exposure of its own, at which 98 % of its pixels are below white.",
+                the same paths make all differences; each has an exposure of its own, at which 98 % of its pixels are below white. No pixel is shown brighter than the third brightest \
+                of its 3×3 block, because caustics seen in the spheres are found by chance and leave specks of one or two pixels.",
         matters: "Path classes say which phenomenon needs which depth: a caustic needs three scatterings, a caustic seen in a mirror one more.",
         papers: &[papers::HECKBERT],
         ..Figure::by(differences)
