@@ -1,69 +1,132 @@
-//! Specialised kernels against the general one (`--general`): each scene rendered by both, alternating, each in a process of
-//! its own; time to prepare and render, and peak memory, as a table.
+//! What each scene goes without, and what that would cost: every scene rendered as it needs and with everything (`--general`),
+//! alternating, each in a process of its own, as a table for BENCHMARKS.md.
+//!
+//! `cargo bench --bench left_out -- [--scenes FOLDER] [--envmap MAP] [NAME ...]` renders the built-in scenes, and with `--scenes` the scene
+//! files of a folder, a map of which is replaced by MAP; names choose some of them.
 
+use etalon::raster::{Image, ReadOptions, compare, read};
+use std::path::Path;
 use std::process::Command;
 
-/// Scenes, with options of the renders.
-const SCENES: [(&str, &[&str]); 6] = [
-    ("sphere-env", &["-s", "16", "-l", "1"]),
-    ("sphere-env, BSDF sampling", &["-s", "16", "-l", "1", "--sampling", "bsdf"]),
-    ("cornell-lambert", &["-s", "32", "-l", "1"]),
-    ("cornell-spheres", &["-s", "32", "-l", "1"]),
-    ("cornell-statue-au", &["-s", "8", "-l", "1"]),
-    ("furnace", &["-s", "64"]),
-];
-
-/// Renders of each kind, of which the fastest counts.
-const ROUNDS: usize = 5;
+/// Renders of each kind, with a seed for each round.
+const ROUNDS: u32 = 5;
+/// Samples per pixel, light samples for each.
+const SAMPLES: [&str; 4] = ["-s", "16", "-l", "1"];
 
 fn main() {
-    println!("| scene | left out | time, s | general, s | saved | memory, MB | general, MB |");
-    println!("|---|---|---|---|---|---|---|");
-    for (name, options) in SCENES {
-        let mut best = [Measured::default(), Measured::default()];
-        for _ in 0..ROUNDS {
-            for (general, best) in best.iter_mut().enumerate() {
-                let found = measure(name, options, general == 1);
-                if best.left_out.is_none() || found.seconds < best.seconds {
-                    *best = found;
-                }
-            }
+    let mut folder = None;
+    let mut map = None;
+    let mut chosen = Vec::new();
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        match arg.as_str() {
+            "--scenes" => folder = args.next(),
+            "--envmap" => map = args.next(),
+            // Cargo says so to every bench.
+            "--bench" => {}
+            _ => chosen.push(arg),
         }
-        let [lean, general] = best;
-        println!(
-            "| `{name}` | {} | {:.3} | {:.3} | {:.0} % | {:.1} | {:.1} |",
-            lean.left_out.as_deref().unwrap_or_default(),
-            lean.seconds,
-            general.seconds,
-            100.0 * (1.0 - lean.seconds / general.seconds),
-            lean.megabytes,
-            general.megabytes
-        );
     }
+    let mut scenes = built_in();
+    scenes.extend(folder.iter().flat_map(|folder| files(Path::new(folder), map.as_deref())));
+    scenes.retain(|scene| chosen.is_empty() || chosen.contains(&scene.name));
+    println!(
+        "| scene | left out | time, s | time of everything over it | MSE of everything over it | memory, MB | of everything, MB |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    scenes.iter().for_each(Scene::row);
 }
 
-#[derive(Default)]
+struct Scene {
+    name: String,
+    /// What `render` is called with.
+    args: Vec<String>,
+}
+
+fn built_in() -> Vec<Scene> {
+    let json = run(&["scenes".into(), "--json".into()]);
+    let names = json["scenes"].as_array().into_iter().flatten().filter_map(|scene| scene["name"].as_str());
+    names.map(|name| Scene { name: name.to_owned(), args: vec![name.to_owned()] }).collect()
+}
+
+/// The scene files of a folder; pbrt's take the map, which the folder may lack.
+fn files(folder: &Path, map: Option<&str>) -> Vec<Scene> {
+    let entries = std::fs::read_dir(folder).expect("a folder of scenes");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    paths.sort();
+    let scene = |path: &Path| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        let mut args = vec![path.to_str().expect("a name in UTF-8").to_owned()];
+        match (extension, map) {
+            (Some("pbrt"), Some(map)) => args.extend(["--envmap".to_owned(), map.to_owned()]),
+            (Some("pbrt" | "dae"), _) => {}
+            _ => return None,
+        }
+        let name = path.file_name().and_then(|name| name.to_str())?;
+        Some(Scene { name: name.to_owned(), args })
+    };
+    paths.iter().filter_map(|path| scene(path)).collect()
+}
+
+/// One render.
 struct Measured {
     seconds: f64,
     megabytes: f64,
-    left_out: Option<String>,
+    left_out: String,
+    image: Image,
 }
 
-fn measure(name: &str, options: &[&str], general: bool) -> Measured {
-    let folder = tempfile::tempdir().expect("a folder for the image");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
-    let scene = name.split(',').next().unwrap_or(name);
-    command.args(["render", scene, "--json", "-o"]).arg(folder.path().join("image.pfm")).args(options);
-    if general {
-        command.arg("--general");
+impl Scene {
+    /// Renders all rounds and prints the row.
+    fn row(&self) {
+        let both = |seed| [false, true].map(|general| self.render(seed, general));
+        let rounds: Vec<[Measured; 2]> = (1..=ROUNDS).map(both).collect();
+        let all = |general: usize, of: fn(&Measured) -> f64| rounds.iter().map(move |pair| of(&pair[general]));
+        let mut ratios: Vec<f64> = rounds.iter().map(|[lean, general]| general.seconds / lean.seconds).collect();
+        ratios.sort_by(f64::total_cmp);
+        // Renders of different seeds have independent errors: half of their squared difference is the MSE of one.
+        let mse = |general: usize| -> f64 {
+            let pairs = rounds.windows(2).map(|pair| [&pair[0][general].image, &pair[1][general].image]);
+            pairs.map(|[a, b]| 0.5 * compare(a, b).expect("images of one size").mse).sum::<f64>()
+        };
+        println!(
+            "| `{}` | {} | {:.3} | {:.2} ({:.2} to {:.2}) | {:.2} | {:.0} | {:.0} |",
+            self.name,
+            rounds[0][0].left_out,
+            all(0, |m| m.seconds).fold(f64::INFINITY, f64::min),
+            ratios[ratios.len() / 2],
+            ratios[0],
+            ratios[ratios.len() - 1],
+            mse(1) / mse(0),
+            all(0, |m| m.megabytes).fold(0.0, f64::max),
+            all(1, |m| m.megabytes).fold(0.0, f64::max),
+        );
     }
-    let output = command.output().expect("the program runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the program writes JSON");
-    let words = json["left_out"].as_array().into_iter().flatten().filter_map(|word| word.as_str());
-    Measured {
-        seconds: json["seconds"].as_f64().expect("a time"),
-        megabytes: json["peak_memory_bytes"].as_f64().unwrap_or(f64::NAN) / 1e6,
-        left_out: Some(words.collect::<Vec<_>>().join(", ")),
+
+    fn render(&self, seed: u32, general: bool) -> Measured {
+        let folder = tempfile::tempdir().expect("a folder for the image");
+        let path = folder.path().join("image.pfm");
+        let mut args = vec!["render".to_owned()];
+        args.extend(self.args.iter().cloned());
+        args.extend(SAMPLES.map(str::to_owned));
+        args.extend(["--seed".into(), seed.to_string(), "--json".into(), "-o".into(), path.display().to_string()]);
+        if general {
+            args.push("--general".into());
+        }
+        let json = run(&args);
+        let words = json["left_out"].as_array().into_iter().flatten().filter_map(|word| word.as_str());
+        Measured {
+            seconds: json["seconds"].as_f64().expect("a time"),
+            megabytes: json["peak_memory_bytes"].as_f64().unwrap_or(f64::NAN) / 1e6,
+            left_out: words.collect::<Vec<_>>().join(", "),
+            image: read(&path, ReadOptions::default()).expect("the image"),
+        }
     }
+}
+
+/// Runs the program and returns what it prints.
+fn run(args: &[String]) -> serde_json::Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_etalon")).args(args).output().expect("the program runs");
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("the program writes JSON")
 }

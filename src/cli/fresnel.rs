@@ -1,4 +1,4 @@
-//! `etalon fresnel`: reflectance curves of one interface, or of several media side by side.
+//! `etalon fresnel`: reflectance curves of one interface, or of several media side by side, and their special angles.
 
 use super::console::Console;
 use super::global::{Global, Verdict, out};
@@ -10,9 +10,9 @@ use crate::optics::media::{self, Medium};
 use crate::optics::metals;
 use crate::output;
 use crate::study::media::{Interface, MediumCurves};
-use crate::study::{fresnel, media as study, metal};
+use crate::study::{fresnel, media as study, metal, special_angles};
 use crate::view::media::{CURVES, Curve};
-use crate::view::{fresnel as view, media as media_view};
+use crate::view::{fresnel as view, media as media_view, special_angles as angles_view};
 use clap::{ArgAction, Args};
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use serde::Serialize;
 #[command(
     after_long_help = "Examples:\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel --metal Au\n  etalon \
                         fresnel water diamond --metal Au\n  etalon fresnel water diamond --show unpolarized,schlick,error\n  \
-                        etalon fresnel --eta-t 0.2 --k 3.9"
+                        etalon fresnel --eta-t 0.2 --k 3.9\n  etalon fresnel --angles"
 )]
 #[command(next_help_heading = "Media", args = [out()])]
 pub struct Fresnel {
@@ -44,15 +44,20 @@ pub struct Fresnel {
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     k: Option<f64>,
     /// List the media known by name, with their sources
-    #[arg(long, conflicts_with_all = ["media", "metal", "k", "eta_i", "eta_t", "show", "points", "model", "out"])]
+    #[arg(long, conflicts_with_all = ["media", "metal", "k", "eta_i", "eta_t", "show", "points", "model", "angles", "out"])]
     list: bool,
+    /// Plot Brewster's angle and the critical angle over the index of refraction
+    ///
+    /// The angles of each MEDIUM are marked; by default those of all dielectrics of --list.
+    #[arg(help_heading = "Curves", long, conflicts_with_all = ["metal", "k", "eta_t", "show", "model"])]
+    angles: bool,
     /// The curves to draw, of each medium in one panel
     ///
     /// By default a single medium is drawn with all its curves, and several with `unpolarized`.
     #[arg(help_heading = "Curves", long, value_name = "CURVE,...", value_delimiter = ',', action = ArgAction::Set)]
     #[arg(value_parser = choice(CURVES))]
     show: Option<Vec<Curve>>,
-    /// Number of angles from 0 to 90 degrees
+    /// Number of angles from 0 to 90 degrees; with --angles of indices
     #[arg(help_heading = "Curves", long, value_name = "N", default_value_t = 901)]
     points: usize,
     /// The correct formulas, or what the first report plots
@@ -86,6 +91,9 @@ impl Fresnel {
             return Ok(Verdict::Good);
         }
         let mut interfaces = self.media.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
+        if self.angles {
+            return self.angles(&interfaces, global, console);
+        }
         for name in &self.metal {
             interfaces.push(Interface::of(Medium::Metal(metal::find(name)?)));
         }
@@ -159,6 +167,29 @@ impl Fresnel {
                 "medium", "eta", "k", "R at 0°", "Brewster", "critical", "largest error of Schlick"
             );
             std::iter::once(header).chain(curves.media.iter().map(line)).collect()
+        });
+        Ok(Verdict::Good)
+    }
+
+    fn angles(&self, media: &[Interface], global: &Global, console: &Console) -> Result<Verdict> {
+        let all = || media::DIELECTRICS.iter().map(|dielectric| Interface::of(Medium::Dielectric(dielectric)));
+        let marked = if media.is_empty() { all().collect() } else { media.to_vec() };
+        let angles = special_angles::curves(self.eta_i, &marked, self.points)?;
+        let rows: Vec<_> = angles.curves.iter().chain(&angles.media).cloned().collect();
+        let target = global.target(&["media", "angles"]);
+        let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
+        let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
+        let written = target.written(output::write(&stem, &angles_view::drawing(&angles), &output::table(&rows)?)?);
+        console.saved(&angles, &written, || {
+            let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
+            let line = |row: &special_angles::AnglesRow| {
+                let angles = [row.brewster_deg, row.brewster_reverse_deg, row.critical_deg].map(angle);
+                let [brewster, reverse, critical] = angles;
+                format!("{:<15} {:>9.4} {brewster:>12} {reverse:>12} {critical:>12}\n", row.medium, row.eta_t)
+            };
+            let header =
+                format!("{:<15} {:>9} {:>12} {:>12} {:>12}\n", "medium", "eta", "Brewster", "from inside", "critical");
+            std::iter::once(header).chain(angles.media.iter().map(line)).collect()
         });
         Ok(Verdict::Good)
     }

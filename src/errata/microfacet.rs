@@ -23,6 +23,15 @@ pub fn direction_pdf_without_cosine<T: Real>(d: T, cos: T) -> T {
     T::from_f64(0.25) * d / cos
 }
 
+/// The pdf of the reflected direction by the printed D det(∂eᵢ/∂h), of D and the cosine wo·m; the determinant is 4 wo·m.
+///
+/// Right is D over the determinant, which is what the report writes on the other side of that equation. The error is a factor
+/// 16 (wo·m)².
+#[must_use]
+pub fn reflected_pdf_by_determinant(d: f64, cos: f64) -> f64 {
+    d * 4.0 * cos
+}
+
 /// The pdf of the normal as the second report's course computes it, p_θ p_φ / sin θ with p_θ = 2 sin θ/(α² cos³θ) exp(−tan²θ/α²) and
 /// p_φ = 1/2π: D cos θ, but 0/0 for u = 0, where θ = 0.
 #[must_use]

@@ -8,6 +8,7 @@ pub mod fresnel;
 pub mod light;
 pub mod maps;
 pub mod microfacet;
+pub mod reflection;
 pub mod refraction;
 pub mod tone;
 

@@ -29,9 +29,27 @@ pub fn refracted_sine_of_itself() -> f64 {
     0.0
 }
 
+/// The radiance of refracted light over that of the incident light, by the printed BSDF: T(1 − r²)/n_r² with n_r = `eta`, the
+/// index on the side of the refracted light over that of the incident light.
+///
+/// Right is T(1 − r²) n_r²: a beam's flux is kept and its étendue changes. The error is a factor n_r⁴, 4.42 out of glass of 1.45 and
+/// 0.23 into it. Light that enters glass and leaves it again meets both, so that most images do not show it.
+#[must_use]
+pub fn refracted_radiance_over_square(transmitted: f64, eta: f64) -> f64 {
+    transmitted / (eta * eta)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn radiance_is_wrong_by_the_fourth_power_one_way_and_right_through_a_slab() {
+        let right = |transmitted: f64, eta: f64| transmitted * eta * eta;
+        assert!((refracted_radiance_over_square(1.0, 1.0 / 1.45) / right(1.0, 1.0 / 1.45) - 4.4205).abs() < 1e-4);
+        let through = refracted_radiance_over_square(refracted_radiance_over_square(1.0, 1.45), 1.0 / 1.45);
+        assert!((through - 1.0).abs() < 1e-15);
+    }
 
     #[test]
     fn light_is_refracted_where_it_cannot_be_and_too_far_from_inside() {

@@ -96,7 +96,7 @@ impl Sketch<'_> {
     /// Writes the label of a reference line or a note where there is room.
     fn label(&mut self, mark: &Mark) {
         let (label, at, colour) = match mark {
-            Mark::Vertical { at, label } => (label, [self.axes.x.position(*at), 0.5], theme::INK),
+            Mark::Vertical { at, label, .. } => (label, [self.axes.x.position(*at), 0.5], theme::INK),
             Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)], theme::INK),
             Mark::Note { at, text, colour } => (text, self.position(*at), *colour),
             _ => return,

@@ -64,6 +64,10 @@ mod tests {
             theme::PURPLE,
             theme::ORANGE,
             theme::SKY_BLUE,
+            theme::RED,
+            theme::CYAN,
+            theme::YELLOW,
+            theme::VIOLET,
         ];
         let shown =
             marks.map(|mark| EXCHANGED.iter().find(|(light, _)| *light == mark).map_or(mark, |(_, dark)| *dark));

@@ -36,7 +36,7 @@ impl Legend {
                 Mark::Dots { colour, marker, .. } => Sample::Dot(*colour, *marker),
                 Mark::Band { colour, .. } => Sample::Area { colour: *colour, outlined: false },
                 Mark::Bars { colour, .. } => Sample::Area { colour: *colour, outlined: true },
-                Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. } => continue,
+                Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Shade { .. } | Mark::Note { .. } => continue,
             };
             match entries.iter_mut().find(|(label, _)| label == mark.label()) {
                 Some((_, samples)) if samples.contains(&sample) => {}

@@ -22,23 +22,26 @@ enum Layer {
     Rules,
     Curves,
     Dots,
+    Above,
 }
 
 impl Sketch<'_> {
-    /// Draws areas, then reference lines, then curves and the outlines of bars, then dots.
+    /// Draws areas, then reference lines, then curves and the outlines of bars, then dots, then lines above all.
     pub fn marks(&mut self, marks: &[Mark]) {
-        for layer in [Layer::Areas, Layer::Rules, Layer::Curves, Layer::Dots] {
+        for layer in [Layer::Areas, Layer::Rules, Layer::Curves, Layer::Dots, Layer::Above] {
             for mark in marks {
                 match (layer, mark) {
                     (Layer::Areas, Mark::Band { colour, points, .. }) => self.band(*colour, points),
+                    (Layer::Areas, Mark::Shade { from, to, colour }) => {
+                        let [left, right] = [*from, *to].map(|x| self.axes.x.position(x));
+                        self.fill(vec![[left, 0.0], [right, 0.0], [right, 1.0], [left, 1.0]], colour.faded(0.12));
+                    }
                     (Layer::Areas, Mark::Bars { colour, edges, heights, .. }) => {
                         let outlines = self.outlines(edges, heights);
                         outlines.into_iter().for_each(|outline| self.fill(outline, colour.faded(0.3)));
                     }
-                    (Layer::Rules, Mark::Vertical { at, .. }) => {
-                        let x = self.axes.x.position(*at);
-                        self.curve(&[[x, 0.0], [x, 1.0]], theme::RULE);
-                    }
+                    (Layer::Rules, Mark::Vertical { at, above: None, .. }) => self.vertical(*at, theme::RULE),
+                    (Layer::Above, Mark::Vertical { at, above: Some(stroke), .. }) => self.vertical(*at, *stroke),
                     (Layer::Rules, Mark::Horizontal { at, .. }) => {
                         let y = self.axes.y.position(*at);
                         self.curve(&[[0.0, y], [1.0, y]], theme::RULE);
@@ -56,6 +59,11 @@ impl Sketch<'_> {
                 }
             }
         }
+    }
+
+    fn vertical(&mut self, at: f64, stroke: Stroke) {
+        let x = self.axes.x.position(at);
+        self.curve(&[[x, 0.0], [x, 1.0]], stroke);
     }
 
     /// A plotters drawing area over the frame, which counts from 0 to 1 along both axes.

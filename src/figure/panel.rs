@@ -12,8 +12,9 @@ pub(super) enum Mark {
     Dots { label: String, colour: Colour, marker: Marker, points: Vec<Point> },
     Band { label: String, colour: Colour, points: Vec<[f64; 3]> },
     Bars { label: String, colour: Colour, edges: Vec<f64>, heights: Vec<f64> },
-    Vertical { at: f64, label: String },
+    Vertical { at: f64, label: String, above: Option<Stroke> },
     Horizontal { at: f64, label: String },
+    Shade { from: f64, to: f64, colour: Colour },
     Note { at: Point, text: String, colour: Colour },
 }
 
@@ -91,7 +92,17 @@ impl Panel {
 
     /// A vertical reference line with its label beside it, where nothing else is drawn.
     pub fn vertical(self, at: f64, label: impl Into<String>) -> Self {
-        self.with(Mark::Vertical { at, label: label.into() })
+        self.with(Mark::Vertical { at, label: label.into(), above: None })
+    }
+
+    /// A vertical line of its own stroke, above all other marks, with its label beside it.
+    pub fn vertical_above(self, at: f64, label: impl Into<String>, stroke: Stroke) -> Self {
+        self.with(Mark::Vertical { at, label: label.into(), above: Some(stroke) })
+    }
+
+    /// A pale background from one x to another; labels may stand on it.
+    pub fn shade(self, from: f64, to: f64, colour: Colour) -> Self {
+        self.with(Mark::Shade { from, to, colour })
     }
 
     /// A horizontal reference line with its label above or below it, where nothing else is drawn.
@@ -131,7 +142,7 @@ impl Mark {
             | Mark::Dots { label, .. }
             | Mark::Band { label, .. }
             | Mark::Bars { label, .. } => label,
-            Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. } => "",
+            Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Shade { .. } | Mark::Note { .. } => "",
         }
     }
 
@@ -144,7 +155,7 @@ impl Mark {
             (Mark::Bars { edges, .. }, 0) => edges.clone(),
             (Mark::Bars { heights, .. }, _) => heights.iter().copied().chain([0.0]).collect(),
             (Mark::Vertical { at, .. }, 0) | (Mark::Horizontal { at, .. }, 1) => vec![*at],
-            (Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Note { .. }, _) => Vec::new(),
+            (Mark::Vertical { .. } | Mark::Horizontal { .. } | Mark::Shade { .. } | Mark::Note { .. }, _) => Vec::new(),
         }
     }
 }

@@ -12,19 +12,27 @@ pub(super) const VERMILION: Colour = Colour::rgb(213, 94, 0);
 pub(super) const PURPLE: Colour = Colour::rgb(204, 121, 167);
 pub(super) const BLACK: Colour = Colour::BLACK;
 
+// Colours of Tol (2021), distinct with every common kind of colour vision: those that the first report gives its curves.
+pub(super) const RED: Colour = Colour::rgb(204, 51, 17);
+pub(super) const CYAN: Colour = Colour::rgb(51, 187, 238);
+pub(super) const YELLOW: Colour = Colour::rgb(204, 187, 68);
+pub(super) const VIOLET: Colour = Colour::rgb(170, 68, 153);
+
 /// The palette in the order in which series take it; the palette's yellow is too pale for lines on white.
 const SERIES: [Colour; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY_BLUE, BLACK];
 
 // Roles in plots of reflectance.
 
 pub const R_PARALLEL: Colour = BLUE;
-pub const R_PERPENDICULAR: Colour = VERMILION;
-pub const UNPOLARIZED: Colour = BLACK;
-pub const TRANSMITTANCE: Colour = GREEN;
-/// Schlick's approximation, and its absolute error.
-pub const SCHLICK: Colour = ORANGE;
-/// An error relative to the exact value, beside the absolute one.
-pub const RELATIVE_ERROR: Colour = PURPLE;
+pub const R_PERPENDICULAR: Colour = GREEN;
+pub const UNPOLARIZED: Colour = RED;
+pub const TRANSMITTANCE: Colour = BLACK;
+/// Schlick's approximation, and its errors.
+pub const SCHLICK: Colour = CYAN;
+pub const BREWSTER: Colour = YELLOW;
+pub const CRITICAL: Colour = VIOLET;
+/// Where all light is reflected.
+pub const TOTAL_REFLECTION: Colour = VIOLET;
 pub const CHANNELS: [Colour; 3] = [VERMILION, GREEN, BLUE];
 
 // Roles in plots of tests.
@@ -113,6 +121,8 @@ pub fn marker(stroke: Stroke) -> Marker {
 }
 
 pub const LINE: f64 = 1.6;
+/// A line that must be seen across others.
+pub const BOLD: f64 = 2.4;
 pub const THIN: f64 = 0.9;
 pub const DOT: f64 = 2.4;
 

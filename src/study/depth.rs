@@ -94,6 +94,12 @@ impl Depths {
         self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
     }
 
+    /// The mean light of the deepest image and, at most, its standard error.
+    pub fn mean_with_error(&self) -> [f64; 2] {
+        let squares = self.standard_error.pixels().iter().map(|error| mean_rgb(*error).powi(2));
+        [self.mean(DEPTHS[DEPTHS.len() - 1]), squares.sum::<f64>().sqrt() / self.standard_error.pixels().len() as f64]
+    }
+
     /// Mean light of an image.
     pub fn mean(&self, depth: u32) -> f64 {
         let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
@@ -107,7 +113,7 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let by_class = Settings { paths: Some(CLASS_DEPTH), sampling: Sampling::Mis, ..*settings };
+    let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
     let Layers { layers, standard_error, dropped } = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
@@ -185,15 +191,20 @@ struct Layers {
 }
 
 /// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
-/// rendered some rows at a time.
+/// rendered some rows at a time, unless light paths contribute to any row.
 fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
     let Request { width, height, spp, .. } = *request;
     let job = Job::new(scene, request, settings)?;
     let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
     let mut errors = Vec::with_capacity(width * height);
-    for top in (0..height).step_by(ROWS) {
-        let film = Film::strip(width, top..height.min(top + ROWS), settings.paths.map(PathClasses::up_to))?;
-        let mut part = Part::new(film, spp, job.fingerprint(), Metadata::default());
+    let rows = if settings.sampling == Sampling::MisLt { height } else { ROWS.min(height) };
+    for top in (0..height).step_by(rows) {
+        let mut part = if rows == height {
+            job.part(Metadata::default())?
+        } else {
+            let film = Film::strip(width, top..height.min(top + rows), settings.paths.map(PathClasses::up_to))?;
+            Part::new(film, spp, job.fingerprint(), Metadata::default())
+        };
         job.run(&mut part, 0..spp, &Silent);
         interrupt::check()?;
         dropped = dropped.merge(part.film.dropped());

@@ -58,12 +58,18 @@ pub struct DielectricCurves {
 /// Largest number of angles that can be asked for.
 pub const MAX_POINTS: usize = 1_000_000;
 
+/// Checks a number of points of a curve.
+pub(super) fn check_points(points: usize) -> Result<()> {
+    if (2..=MAX_POINTS).contains(&points) {
+        return Ok(());
+    }
+    Err(Error::parameter("points", format!("{points} is out of range"))
+        .with_hint(format!("a curve needs 2 to {MAX_POINTS} points")))
+}
+
 /// Checks a number of angles and spaces them uniformly over 0–90°, both ends included.
 pub(super) fn angles(points: usize) -> Result<impl Iterator<Item = f64>> {
-    if !(2..=MAX_POINTS).contains(&points) {
-        return Err(Error::parameter("points", format!("{points} is out of range"))
-            .with_hint(format!("a curve needs 2 to {MAX_POINTS} points")));
-    }
+    check_points(points)?;
     Ok((0..points).map(move |i| 90.0 * i as f64 / (points - 1) as f64))
 }
 

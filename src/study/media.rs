@@ -126,13 +126,19 @@ pub fn curves(eta_i: f64, interfaces: &[Interface], points: usize, conventions: 
         return Err(Error::parameter("media", format!("{} media cannot be drawn in one figure", interfaces.len()))
             .with_hint(format!("give 1 to {MAX_MEDIA}")));
     }
+    check_distinct(interfaces)?;
+    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, conventions)).collect::<Result<_>>()?;
+    Ok(MediaCurves { eta_i, wavelength_nm: D_LINE_NM, media })
+}
+
+/// Refuses a medium that is given twice.
+pub(super) fn check_distinct(interfaces: &[Interface]) -> Result<()> {
     for (i, interface) in interfaces.iter().enumerate() {
         if interfaces[..i].iter().any(|other| other.name == interface.name) {
             return Err(Error::parameter("media", format!("{} is given twice", interface.name)));
         }
     }
-    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, conventions)).collect::<Result<_>>()?;
-    Ok(MediaCurves { eta_i, wavelength_nm: D_LINE_NM, media })
+    Ok(())
 }
 
 fn one(eta_i: f64, interface: &Interface, points: usize, conventions: Conventions) -> Result<MediumCurves> {

@@ -1,6 +1,7 @@
 //! The reports' claims as tables, and pictures of the places that claims are about.
 
 use super::depth::by_conventions;
+use super::text::superscript;
 use crate::figure::{Anchor, Colour, Drawing, Level, Rgb8, Stroke, Text, contact_sheet, theme, wrapped};
 use crate::math::{Rgb, mean_rgb};
 use crate::raster::Image;
@@ -80,12 +81,6 @@ pub fn sentence(finding: &Finding) -> String {
     format!("{what}: {}{error} ({bound})", number(*value, *unit, 3))
 }
 
-/// The same without the markup of figures.
-pub fn plain_sentence(finding: &Finding) -> String {
-    let text = sentence(finding);
-    text.replace("^{", "^").replace('}', "")
-}
-
 /// One place. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct PlaceRow {
@@ -124,7 +119,7 @@ fn number(value: f64, unit: Unit, digits: i32) -> String {
     let power = value.abs().log10().floor() as i32;
     let text = if power < -4 {
         let factor = format!("{:.0}·", value / 10f64.powi(power));
-        format!("{}10^{{{power}}}", if factor == "1·" { "" } else { &factor })
+        format!("{}10{}", if factor == "1·" { "" } else { &factor }, superscript(power))
     } else {
         let text = format!("{value:.*}", (digits - 1 - power).max(0) as usize);
         // A round number is as short as it can be.

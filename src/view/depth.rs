@@ -1,8 +1,9 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class.
 
+use super::text::rounded;
 use crate::errata::Conventions;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
-use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
@@ -15,23 +16,49 @@ pub fn image(image: &Image) -> Drawing {
     Drawing::over(by_conventions(image))
 }
 
-/// Wider differences are averaged over blocks of pixels, for less noise and smaller files.
-const WIDEST: usize = 320;
+/// The share of the pixels of a difference that its exposure leaves below white.
+const BELOW_WHITE: f64 = 0.98;
 
-/// The differences of consecutive depths, each brightened by a power of two, with the path classes that make it.
+/// The differences of consecutive depths, each at an exposure of its own, with the path classes that make it.
 pub fn differences(result: &Depths) -> Drawing {
     let shown = |(image, pair): (&Image, &[u32])| {
-        // Darker than usual, so that caustics keep their shapes
-        let factor = (auto_exposure(image).floor() - 1.0).max(0.0).exp2();
-        let mut caption = caption(result, pair[0], pair[1]);
-        if factor > 1.0 {
-            caption += &format!(" Shown {factor}\u{a0}times brighter.");
-        }
-        (caption, by_conventions(&image.reduced(image.width().div_ceil(WIDEST)).map(|p| p * factor)))
+        let image = &without_specks(image);
+        let exposure = exposure(image);
+        let caption = caption(result, pair[0], pair[1])
+            + &format!(
+                " Exposure ×\u{a0}{}: {:.0}\u{a0}% of the pixels are below white.",
+                rounded(exposure, 2),
+                100.0 * BELOW_WHITE
+            );
+        let tone = ToneMap::Srgb { stops: exposure.log2() as f32 };
+        (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let title = "What each maximum depth /{m} adds. L: light, D: diffuse reflection, S: mirror or glass, E: eye";
+    let title = "What each maximum depth /{m} adds (specks dimmed). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
     contact_sheet(title, 3, &images)
+}
+
+/// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
+/// or two pixels.
+fn without_specks(image: &Image) -> Image {
+    let (width, height) = (image.width(), image.height());
+    let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
+    Image::from_fn(width, height, |x, y| {
+        let block = around(y, height).flat_map(|y| around(x, width).map(move |x| y * width + x));
+        let mut block: Vec<f32> = block.map(|i| image.pixels()[i].max_element()).collect();
+        block.sort_unstable_by(|a, b| b.total_cmp(a));
+        let (pixel, limit) = (image.pixels()[y * width + x], block.get(2).copied().unwrap_or(f32::INFINITY));
+        let largest = pixel.max_element();
+        if largest > limit { pixel * (limit / largest) } else { pixel }
+    })
+}
+
+/// The factor that brings all but the brightest pixels below 1; 1 for a black image.
+fn exposure(image: &Image) -> f64 {
+    let mut largest: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).collect();
+    largest.sort_unstable_by(f32::total_cmp);
+    let at = (largest.len() as f64 * BELOW_WHITE) as usize;
+    largest.get(at).copied().filter(|white| *white > 0.0).map_or(1.0, |white| 1.0 / f64::from(white))
 }
 
 /// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.

@@ -20,32 +20,54 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let title = format!("From /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
     // Beyond the critical angle the curves lie on each other
     let schlick = if curves.critical_deg.is_some() { "Schlick (from /{θ}_{c} on equal to /{R})" } else { "Schlick" };
-    let mut main = Panel::new(angle_axis(), Axis::linear("share of the power").range(0.0, 1.0))
+    // Room above 1 and below 0, where curves run along both
+    let share = Axis::linear("share of the power").range(-0.04, 1.04).every(0.2);
+    let mut main = Panel::new(angle_axis(), share)
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
         .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
         .line("/{T} = 1 − /{R}", stroke(theme::TRANSMITTANCE, theme::DASH_DOT), of(|r| r.transmittance))
         .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick));
+    let special = |colour| Stroke { colour, width: theme::BOLD, dash: theme::DASHED };
     if let Some(brewster) = curves.brewster_deg {
-        main = main.vertical(brewster, format!("Brewster's angle /{{θ}}_{{B}} = {brewster:.2}°"));
+        let label = format!("Brewster's angle /{{θ}}_{{B}} = {brewster:.2}°");
+        main = main.vertical_above(brewster, label, special(theme::BREWSTER));
     }
     if let Some(critical) = curves.critical_deg {
-        main = main.vertical(critical, format!("critical angle /{{θ}}_{{c}} = {critical:.2}°"));
+        let label = format!("critical angle /{{θ}}_{{c}} = {critical:.2}°");
+        main = main.vertical_above(critical, label, special(theme::CRITICAL));
+        if curves.rows.last().is_some_and(|last| last.theta_deg > critical) {
+            main = total_reflection(main, critical);
+        }
     }
     let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
     let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
-    let panel = |title: &str, label: &str, colour, points: Vec<Point>| {
+    let panel = |title: &str, label: &str, points: Vec<Point>| {
         let panel = Panel::new(angle_axis(), Axis::linear(label)).title(title).horizontal(0.0, "");
-        panel.line("", stroke(colour, theme::SOLID), points)
+        panel.line("", stroke(theme::SCHLICK, theme::SOLID), points)
     };
     let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let absolute = panel("Schlick's error", "Schlick − exact", theme::SCHLICK, points(&error));
-    let relative =
-        panel("Schlick's relative error", "(Schlick − exact) / exact (%)", theme::RELATIVE_ERROR, points(&relative));
-    Plot::new([main, absolute, relative]).frame_size(330.0, 265.0).draw()
+    let absolute = panel("Schlick's error", "Schlick − exact", points(&error));
+    let relative = panel("Schlick's relative error", "(Schlick − exact) / exact (%)", points(&relative));
+    Plot::new([main, absolute, relative]).frame_size(350.0, 290.0).draw()
+}
+
+/// What happens beyond the critical angle.
+fn total_reflection(panel: Panel, critical: f64) -> Panel {
+    let lines = [
+        (0.74, "total internal reflection"),
+        (0.65, "/{R} = 1,  /{T} = 0"),
+        (0.50, "outside: an evanescent"),
+        (0.41, "wave, which decays"),
+        (0.32, "exponentially and carries"),
+        (0.23, "no power away"),
+    ];
+    let middle = 0.5 * (critical + 90.0);
+    let panel = panel.shade(critical, 90.0, theme::TOTAL_REFLECTION);
+    lines.into_iter().fold(panel, |panel, (y, text)| panel.note([middle, y], text, theme::INK))
 }
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.

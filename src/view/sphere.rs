@@ -6,12 +6,12 @@ use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, S
 use crate::raster::{ToneMap, to_rgb8};
 use crate::study::sphere::{Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 
-/// The render and its relative error, side by side.
-pub fn shot(shot: &SphereRender) -> Drawing {
+/// The render and its relative error, side by side; the scale is that of the `noisiest` of a series.
+pub fn shot(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
     let image = &shot.rendered.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let row = &shot.row;
-    let limit = 100.0 * round(largest_of_most(&shot.relative_error));
+    let limit = 100.0 * round(largest_of_most(&noisiest.relative_error));
     let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
     let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
     let title = format!("{} camera samples per pixel, {} light samples for each", row.spp, row.light_samples);

@@ -15,6 +15,15 @@ pub fn power_of_ten(p: f64) -> String {
     if p >= 1e-300 { format!("≈ 10^{{−{:.0}}}", -p.log10()) } else { "< 10^{−300}".into() }
 }
 
+/// An exponent in raised digits, for texts without markup: "⁻¹¹".
+pub fn superscript(exponent: i32) -> String {
+    let raised = |c: char| match c.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
+    };
+    exponent.to_string().chars().map(raised).collect()
+}
+
 /// A p-value, with markup: "/{p} = 0.123", or the power of ten of a small one.
 pub fn p_value(p: f64) -> String {
     if p >= 1e-3 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) }
@@ -77,6 +86,7 @@ mod tests {
 
     #[test]
     fn p_values_are_as_long_as_they_are_worth() {
+        assert_eq!([-11, 20].map(superscript), ["⁻¹¹", "²⁰"]);
         assert_eq!([0.9, 1e-17, 0.0].map(p_value), ["/{p} = 0.900", "/{p} ≈ 10^{−17}", "/{p} < 10^{−300}"]);
     }
 

@@ -121,6 +121,21 @@ fn fresnel_of_a_dielectric_both_ways() {
 }
 
 #[test]
+fn fresnel_angles_over_the_index() {
+    let dir = folder();
+    let value = json(dir.path(), &["fresnel", "--angles", "diamond", "1.45", "--points", "91", "-o", "a"]);
+    assert_keys(&value, "eta_i, wavelength_nm, media, files");
+    assert_files(dir.path(), &value);
+    let glass = &value["media"][0];
+    assert_keys(glass, "medium, eta_t, brewster_deg, brewster_reverse_deg, critical_deg");
+    assert!((number(glass, "brewster_deg") - 55.407_711_312_490_06).abs() < 1e-11);
+    assert!((number(glass, "critical_deg") - 43.602_818_972_703_62).abs() < 1e-11);
+    // Without a medium all dielectrics are marked, and no metal.
+    let all = json(dir.path(), &["fresnel", "--angles", "--points", "91", "-o", "b"]);
+    assert!(all["media"].as_array().unwrap().len() > 10);
+}
+
+#[test]
 fn fresnel_of_a_conductor() {
     let dir = folder();
     for (args, channels) in [
@@ -361,7 +376,7 @@ fn reproduce_lists_and_makes() {
                median-cut-radiance-64 sphere-8 sphere-16 sphere-32 sphere-64 sphere-error depth-0 depth-1 depth-2 \
                depth-3 depth-4 depth-5 depth-100 depth-differences roughness-0.005 roughness-0.05 roughness-0.25 \
                roughness-0.5 sampling-importance sampling-hemisphere sampling-error iron metals-table error-time-sphere \
-               error-time-cornell error-time-roughness error-depth median-cut-error"
+               error-time-cornell error-time-roughness error-depth median-cut-error fresnel-angles proposal-cost"
         .split_whitespace()
     {
         assert!(ids.contains(&id), "{id} is not in {ids:?}");

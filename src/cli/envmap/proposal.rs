@@ -1,4 +1,4 @@
-//! `etalon envmap proposal`: inversion with uniform and with Gaussian random numbers.
+//! `etalon envmap proposal`: inversion with uniform and with Gaussian random numbers, and what proposal distributions cost.
 
 use super::options::MapArgs;
 use crate::cli::console::Console;
@@ -6,12 +6,17 @@ use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::study::proposal;
-use crate::view::proposal as view;
-use crate::view::text::p_is;
+use crate::study::proposal_cost::{self, Along, Cost};
+use crate::view::text::{p_is, rounded};
+use crate::view::{proposal as view, proposal_cost as cost_view};
 use clap::Args;
 use etalon_stats::chi_square::ChiSquare;
+use serde::Serialize;
 
-/// Compare uniform with Gaussian random numbers for inversion
+/// Compare distributions that choose rows and columns of a map
+///
+/// Inversion with uniform and with Gaussian random numbers, as the first report tried them; and, where each sample is weighted by one over
+/// its probability, what seven distributions cost in variance.
 #[derive(Args)]
 #[command(after_long_help = "Example:\n  etalon envmap proposal nave -n 100000")]
 #[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
@@ -23,6 +28,14 @@ pub struct Proposal {
     map: MapArgs,
 }
 
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Results<'a> {
+    #[serde(flatten)]
+    inversion: &'a proposal::Proposal,
+    costs: &'a [Cost],
+}
+
 impl Proposal {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = self.map.load(console)?;
@@ -31,13 +44,39 @@ impl Proposal {
         };
         let target = global.target(&["map"]);
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
-        let files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
-        console.saved(&result, &target.written(files), || {
+        let mut files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
+        // A map that is dark above the horizon has no irradiance to estimate
+        let costs = proposal_cost::costs(&source.map, CHECKED, global.seed)?;
+        if let Some(costs) = &costs {
+            let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
+            files.extend(output::write(&stem, &cost_view::drawing(costs), &output::table(&costs.costs)?)?);
+        }
+        let costs = costs.map_or(Vec::new(), |costs| costs.costs);
+        console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {
                 format!("{name:<24} chi-square {:.1} with {} degrees of freedom, {}\n", t.statistic, t.dof, p_is(t.p))
             };
-            line("uniform random numbers:", &result.uniform) + &line("Gaussian random numbers:", &result.gaussian)
+            line("uniform random numbers:", &result.uniform)
+                + &line("Gaussian random numbers:", &result.gaussian)
+                + &samples(&costs)
         });
         Ok(Verdict::Good)
     }
+}
+
+/// Samples of each proposal that check the sums.
+const CHECKED: u32 = 1 << 12;
+
+/// The table of the samples that each proposal needs.
+fn samples(costs: &[Cost]) -> String {
+    let mut text = format!(
+        "\nsamples until the irradiance of a floor has a relative standard error of 1 %, with weights:\n{:<24} {:>12} {:>12} {:>12}\n",
+        "proposal", "rows alone", "columns alone", "both"
+    );
+    for of_proposal in costs.chunks(Along::ALL.len()) {
+        let needed =
+            of_proposal.iter().map(|cost| format!(" {:>12}", rounded(cost_view::samples(cost.irradiance_variance), 3)));
+        text += &format!("{:<24}{}\n", of_proposal[0].proposal, needed.collect::<String>());
+    }
+    if costs.is_empty() { String::new() } else { text }
 }

@@ -119,7 +119,7 @@ fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Conte
         measured: claim
             .findings
             .iter()
-            .map(view::plain_sentence)
+            .map(view::sentence)
             .chain([claim.remark.to_owned()])
             .filter(|text| !text.is_empty())
             .collect(),

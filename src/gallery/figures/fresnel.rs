@@ -9,9 +9,9 @@ use crate::view::fresnel as view;
 const GLASS: f64 = 1.45;
 const POINTS: usize = 901;
 /// tan θ = 1.45, as the report prints it.
-const BREWSTER_DEG: f64 = 55.407_711_312_490_06;
+pub(super) const BREWSTER_DEG: f64 = 55.407_711_312_490_06;
 /// sin θ = 1/1.45, as the report prints it.
-const CRITICAL_DEG: f64 = 43.602_818_972_703_62;
+pub(super) const CRITICAL_DEG: f64 = 43.602_818_972_703_62;
 /// (0.45/2.45)².
 const NORMAL_REFLECTANCE: f64 = 0.033_735_943_356_934;
 

@@ -22,6 +22,7 @@ mod rough_glass;
 mod roughness;
 mod sampling;
 mod scaling;
+mod special_angles;
 mod sphere;
 mod stability;
 mod validation;
@@ -31,7 +32,7 @@ use super::figure::Figure;
 /// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
 pub fn registry() -> Vec<Figure> {
     let sections = [
-        ("Reflectance of an interface", vec![fresnel::figures(), fresnel_media::figures()]),
+        ("Reflectance of an interface", vec![fresnel::figures(), special_angles::figures(), fresnel_media::figures()]),
         ("Samples of an environment map", vec![envmap_samples::figures(), proposal::figures()]),
         ("Sphere under the map", vec![sphere::figures(), error_time::sphere()]),
         ("Lights in place of the map", vec![median_cut::figures(), median_cut_error::figures()]),

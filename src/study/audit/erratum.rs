@@ -1,7 +1,7 @@
 //! An error of a report before and after its test.
 
 use crate::study::validation::Case;
-use etalon_stats::{Outcome, Verdict};
+use etalon_stats::{Outcome, Protocol, Verdict};
 use serde::Serialize;
 
 /// What kind of error it is, the most severe first.
@@ -87,6 +87,24 @@ pub type Suspect = (Erratum, [Case; 2]);
 /// The outcome of a deterministic check of `samples` samples, and what it found wrong.
 pub fn exact(violation: Option<String>, samples: u64) -> Outcome {
     Outcome { violation, ..Outcome::open(samples) }
+}
+
+/// Index of refraction of the reports' glass.
+pub const ETA: f64 = 1.45;
+/// Relative difference of equal numbers by rounding.
+pub const ROUNDING: f64 = 1e-9;
+
+/// A test of a formula at all angles on both sides of glass; `wrong` is its error at a cosine and an η.
+pub fn at_all_angles(name: &str, what: &'static str, wrong: impl Fn(f64, f64) -> f64 + Send + Sync + 'static) -> Case {
+    const ANGLES: u32 = 9000;
+    let cosines = || (0..ANGLES).map(|i| ((f64::from(i) + 0.5) * 90.0 / f64::from(ANGLES)).to_radians().cos());
+    Case::new(format!("audit/{name}"), move |_: &Protocol, _| {
+        let both = [ETA, 1.0 / ETA];
+        let largest = both.iter().flat_map(|&eta| cosines().map(move |cos| (cos, eta)));
+        let largest = largest.map(|(cos, eta)| wrong(cos, eta)).fold(0.0, f64::max);
+        let violation = (largest > ROUNDING).then(|| format!("{what} {largest:.2}"));
+        Ok(exact(violation, 2 * u64::from(ANGLES)))
+    })
 }
 
 /// A function at equal steps from `from` to `to`, ends included.

@@ -70,7 +70,7 @@ pub fn measure(
         // A render for each way of sampling normals; replicates are ranges of its samples.
         let jobs = NORMALS.into_iter().map(job).collect::<Result<Vec<_>>>()?;
         let mut parts = jobs.iter().map(|job| job.part(Metadata::default())).collect::<Result<Vec<_>>>()?;
-        let mut measured: Vec<[Vec<f64>; 2]> = vec![Default::default(); NORMALS.len()];
+        let mut measured: Vec<Vec<[f64; 2]>> = vec![Vec::new(); NORMALS.len()];
         for replicate in 0..replicates {
             for ((job, whole), measured) in jobs.iter().zip(&mut parts).zip(&mut measured) {
                 let mut part = job.part(Metadata::default())?;
@@ -79,24 +79,23 @@ pub fn measure(
                 let estimates = inside(part.film.estimates(), &mask);
                 let squares: Vec<f64> = estimates.map(|e| e.error.as_dvec3().length_squared() / 3.0).collect();
                 // Mean variance of the pixels of metal.
-                measured[0].push(squares.iter().sum::<f64>() / squares.len() as f64);
-                measured[1].push(times.cpu);
+                measured.push([squares.iter().sum::<f64>() / squares.len() as f64, times.cpu]);
                 whole.film.merge(&part.film)?;
             }
         }
         if deadline.is_over() {
             break;
         }
-        for (((normals, _), part), [mse, cpu]) in NORMALS.iter().zip(&parts).zip(&measured) {
-            let efficiency = Estimate::mean(&mse.iter().zip(cpu).map(|(mse, s)| 1.0 / (mse * s)).collect::<Vec<_>>());
+        for (((normals, _), part), measured) in NORMALS.iter().zip(&parts).zip(&measured) {
+            let all = |which: usize| measured.iter().map(|of_replicate| of_replicate[which]).collect::<Vec<_>>();
             levels.push(RoughnessLevel {
                 alpha,
                 normals,
                 spp: each,
                 replicates,
-                mse: Estimate::mean(mse),
-                cpu_seconds: Estimate::mean(cpu),
-                efficiency,
+                mse: Estimate::mean(&all(0)),
+                cpu_seconds: Estimate::mean(&all(1)),
+                efficiency: efficiency(measured),
                 light: Mean::of(&part.film, &mask),
             });
         }
@@ -104,10 +103,27 @@ pub fn measure(
     Ok(levels)
 }
 
+/// 1/(MSE · time) of the means of both over the replicates, `[MSE, seconds]`.
+fn efficiency(replicates: &[[f64; 2]]) -> Estimate {
+    Estimate::jackknife(replicates, |some| {
+        let mean = |which: usize| some.iter().map(|of| of[which]).sum::<f64>() / some.len() as f64;
+        1.0 / (mean(0) * mean(1))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::builtin;
+
+    #[test]
+    fn efficiency_is_that_of_the_means() {
+        // One replicate in four met a firefly: the mean of 1/(MSE · time) would be 0.75025.
+        let replicates = [[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [997.0, 1.0]];
+        let found = efficiency(&replicates);
+        assert!((found.value - 1.0 / 250.0).abs() < 1e-15, "{found:?}");
+        assert!(found.half_width > 0.0 && efficiency(&replicates[..1]).half_width.is_infinite());
+    }
 
     #[test]
     fn all_ways_agree_and_one_is_best() {
