@@ -1,7 +1,7 @@
 //! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
 use super::originals::Originals;
-use crate::envmap::NamedMap;
+use crate::envmap::{Grace, NamedMap};
 use crate::error::{Error, Result};
 use crate::optics::metals;
 use crate::render::Settings;
@@ -38,6 +38,12 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// Why what holds for the first report's map need not hold in this run, if the map is another one.
+    pub fn other_map(&self) -> Option<String> {
+        let is_graces = Grace::of(self.map.map.image()) == Some(Grace::Upright);
+        (!is_graces).then(|| format!("the map is {}, not the first report's", self.map.file_name()))
+    }
+
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
     }

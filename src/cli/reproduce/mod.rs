@@ -7,8 +7,6 @@ use super::console::Console;
 use super::global::{DEFAULT_SEED, Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use super::reports::Reports;
-use crate::envmap::info::Info;
-use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
 use crate::gallery::{self, Effort, Inputs, Originals, Reproduced, Step};
 use crate::output::{self, Written};
@@ -20,7 +18,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Make every figure and check it against the reports' numbers
@@ -142,6 +139,7 @@ impl Reproduce {
             (global.seed != DEFAULT_SEED, format!("--seed {}", global.seed)),
             (self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy()))),
             (self.options.flip, "--flip".into()),
+            (self.options.no_flip, "--no-flip".into()),
             (self.options.ldr, "--ldr".into()),
             (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
             (self.scale != 1, format!("--scale {}", self.scale)),
@@ -150,9 +148,9 @@ impl Reproduce {
         given.join(" ")
     }
 
-    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.
+    /// Loads the map and the scenes.
     fn inputs(&self, global: &Global, console: &Console) -> Result<Inputs> {
-        let mut source = map_file::load(&self.envmap, self.options, console)?;
+        let map = map_file::load(&self.envmap, self.options, console)?;
         let originals = match &self.scenes {
             Some(folder) => {
                 let (originals, warnings) = Originals::read(folder)?;
@@ -161,16 +159,8 @@ impl Reproduce {
             }
             None => None,
         };
-        let info = Info::of(&source.map);
-        if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
-            console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", source.name));
-            let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
-            source = NamedMap { map, ..source };
-        } else {
-            map_file::warn_upside_down(&source, console);
-        }
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
-        Ok(Inputs { map: source, originals, seed: global.seed, effort, scale: self.scale })
+        Ok(Inputs { map, originals, seed: global.seed, effort, scale: self.scale })
     }
 }
 

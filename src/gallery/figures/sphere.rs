@@ -81,7 +81,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
     ];
     // PBRT's errors were measured on the Grace map: no other map's can be compared with them.
-    let grace = studies.map_info(inputs)?.is_grace();
+    let grace = inputs.other_map().is_none();
     let pbrt = PBRT_RMSE.iter().find(|(n, _)| *n == spp).filter(|_| grace);
     if let Some((_, rmse)) = pbrt {
         checks.push(Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0));
@@ -103,7 +103,7 @@ pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Vec<Series>>>
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let series = series(inputs, studies)?;
-    let grace = studies.map_info(inputs)?.is_grace();
+    let grace = inputs.other_map().is_none();
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
     if grace {
         checks.extend(study::against_pbrt(&inputs.map.map).iter().flat_map(radiance));
