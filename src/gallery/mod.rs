@@ -14,7 +14,7 @@ mod prelude;
 mod reproduce;
 mod studies;
 
-pub use check::Check;
+pub use check::{Check, skipped};
 pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;

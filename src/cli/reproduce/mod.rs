@@ -65,6 +65,7 @@ struct Output<'a> {
     figures: &'a [Reproduced],
     passed: usize,
     failed: usize,
+    skipped: usize,
     interrupted: bool,
     seconds: f64,
 }
@@ -109,12 +110,12 @@ impl Reproduce {
         if interrupted && figures.is_empty() {
             return Err(Error::Interrupted);
         }
-        let passed = figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass).count();
-        let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
+        let count = |pass| figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass == pass).count();
+        let [passed, failed, skipped] = [Some(true), Some(false), None].map(count);
         let seconds = start.elapsed().as_secs_f64();
         let reports =
             Written { files: self.reports.write(&checks(&figures, interrupted, seconds))?, ..Written::default() };
-        let output = Output { figures: &figures, passed, failed, interrupted, seconds };
+        let output = Output { figures: &figures, passed, failed, skipped, interrupted, seconds };
         console.result(&output, || {
             reports.text() + &lines::summary(&figures, interrupted, &folder.join(gallery::page::FILE), seconds)
         });
@@ -180,7 +181,9 @@ fn checks(figures: &[Reproduced], interrupted: bool, seconds: f64) -> Checks {
         let check = |check: &gallery::Check| Check {
             group: figure.id.into(),
             name: check.name.clone(),
-            verdict: if check.pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject },
+            verdict: check
+                .pass
+                .map(|pass| if pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject }),
             message: lines::found(check),
             details: String::new(),
             seconds: None,

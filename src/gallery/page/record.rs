@@ -160,7 +160,7 @@ mod tests {
         let read = read_records(dir.path(), &registry()).unwrap();
         assert_eq!(read.keys().collect::<Vec<_>>(), ["iron"]);
         let checks = &read["iron"].checks;
-        assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && !checks[1].pass);
+        assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && checks[1].failed());
         write(FILE);
         assert!(matches!(read_records(dir.path(), &registry()), Err(Error::Input { .. })));
     }
