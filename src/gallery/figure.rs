@@ -57,6 +57,21 @@ impl Report {
     }
 }
 
+/// The input of a run that a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// None: formulas, or scenes of its own.
+    Nothing,
+    /// The environment map.
+    Map,
+    /// The box with a mirror and a glass sphere.
+    Spheres,
+    /// The box with a statue of gold or iron.
+    Statue,
+    /// The box with a statue of copper.
+    Copper,
+}
+
 /// Makes a figure's content from the inputs and from studies that other figures may share.
 pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
 
@@ -71,6 +86,8 @@ pub struct Figure {
     pub reproduces: &'static str,
     /// The part of the gallery that it belongs to; the registry says.
     pub section: &'static str,
+    /// The input that it shows, which its caption names; the registry says.
+    pub input: Shown,
     /// The caption: what is seen.
     pub shows: &'static str,
     /// Why that matters, in a sentence.
@@ -93,6 +110,7 @@ impl Figure {
             report: Report::Neither,
             reproduces: "",
             section: "",
+            input: Shown::Nothing,
             shows: "",
             matters: "",
             papers: &[],

@@ -1,5 +1,6 @@
 //! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
+use super::figure::Shown;
 use super::originals::Originals;
 use crate::envmap::{Grace, NamedMap};
 use crate::error::{Error, Result};
@@ -42,6 +43,27 @@ impl Inputs {
     pub fn other_map(&self) -> Option<String> {
         let is_graces = Grace::of(self.map.map.image()) == Some(Grace::Upright);
         (!is_graces).then(|| format!("the map is {}, not the first report's", self.map.file_name()))
+    }
+
+    /// The files of the reports that the run has, recognised by their content, by name.
+    pub fn recognised(&self) -> Vec<String> {
+        let map = self.other_map().is_none().then(|| format!("{} (Grace Cathedral)", self.map.file_name()));
+        let scenes = self.originals.iter().flat_map(|originals| &originals.recognised);
+        map.into_iter().chain(scenes.map(|name| (*name).to_owned())).collect()
+    }
+
+    /// The input that a figure shows, by its name; empty for [`Shown::Nothing`].
+    ///
+    /// # Errors
+    /// Those of the built-in scenes.
+    pub fn name_of(&self, shown: Shown) -> Result<String> {
+        Ok(match shown {
+            Shown::Nothing => String::new(),
+            Shown::Map => format!("the map {}", self.map.file_name()),
+            Shown::Spheres => format!("the scene {}", self.spheres().0.name),
+            Shown::Statue => format!("the scene {}", self.statue("Au", 0.25)?.0.name),
+            Shown::Copper => format!("the scene {}", self.copper()?.0.name),
+        })
     }
 
     pub fn settings(&self) -> Settings {

@@ -21,4 +21,6 @@ pub use originals::Originals;
 pub use reproduce::{Reproduced, Step, reproduce, selected};
 
 #[cfg(test)]
+mod readme;
+#[cfg(test)]
 mod tests;

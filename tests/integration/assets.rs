@@ -234,3 +234,25 @@ fn real_scenes_agree_with_the_pictures_of_another_renderer() {
         assert!((ratio / expected - 1.0).abs() < 0.02, "veach-mis, {what}: {ratio}");
     }
 }
+
+/// A cheap part of the run of `.ci/run`: nothing is skipped, and both reports' claims are judged.
+#[test]
+fn the_reports_own_files_allow_every_check() {
+    let (Some(maps), Some(scenes)) = (assets("envmaps"), assets("scenes")) else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let only = "envmap-samples-64,median-cut-64,sphere-error,claims-first,sampling-error,depth-3";
+    let (map, scenes) = (maps.join("grace_latlong.exr"), scenes.to_str().unwrap().to_owned());
+    let args = ["reproduce", "--quick", "--only", only, "--envmap", map.to_str().unwrap(), "--scenes", &scenes];
+    let found = json(dir.path(), &args);
+    assert_eq!((&found["failed"], &found["skipped"]), (&0.into(), &0.into()), "{found}");
+    let figures = found["figures"].as_array().unwrap();
+    let claims = figures.iter().flat_map(|figure| figure["claims"].as_array().unwrap());
+    assert!(
+        claims.clone().count() > 10 && claims.clone().all(|c| !c["verdict"].as_str().unwrap().contains("measured"))
+    );
+    // Columns: 28 % of Grace's samples are in the middle half
+    let columns = claims.clone().find(|c| c["claim"].as_str().unwrap().ends_with("columns.")).unwrap();
+    assert_eq!(columns["verdict"], "does not hold");
+    let page = std::fs::read_to_string(dir.path().join("figures/index.html")).unwrap();
+    assert!(page.contains("grace_latlong.exr (Grace Cathedral), CBspheres.dae"), "the page names the originals");
+}

@@ -40,18 +40,6 @@ fn a_smaller_run_keeps_what_a_larger_one_left() {
     assert!(ran.code == 2 && ran.stderr.contains("reproduce.json") && ran.stderr.contains("hint: "), "{}", ran.stderr);
 }
 
-#[test]
-fn every_figure_has_a_check_on_record() {
-    let dir = tempfile::tempdir().unwrap();
-    let list = json(dir.path(), &["reproduce", "--list"]);
-    let record = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures/checks.csv");
-    let checks = std::fs::read_to_string(record).unwrap();
-    for figure in list["figures"].as_array().unwrap() {
-        let start = format!("{},", figure["id"].as_str().unwrap());
-        assert!(checks.lines().any(|line| line.starts_with(&start)), "no check of {start} in figures/checks.csv");
-    }
-}
-
 /// The page with a script that uses everything and tells what is wrong; among that what axe-core finds, if `ETALON_AXE` is the path
 /// of its `axe.min.js`.
 fn probed(page: &str) -> String {

@@ -15,51 +15,57 @@ const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
 /// Directions sampled to check the shares of the map.
 const DIRECTIONS: usize = 1 << 14;
 
-/// A table of claims for each report, and pictures of the places that the second one speaks of.
-pub fn figures() -> Vec<Figure> {
-    vec![
-        Figure {
-            id: "claims-first",
-            title: "What the first report claims, and what is measured",
-            report: Report::First,
-            reproduces: "all claims of its text and figures",
-            shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
+/// A table of the first report's claims.
+pub fn first() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-first",
+        title: "What the first report claims, and what is measured",
+        report: Report::First,
+        reproduces: "all claims of its text and figures",
+        shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
                     it. The verdict follows from these numbers; numbers that were measured on another map than the report's have none.",
-            matters: "A sentence about an image becomes a statement that can fail once it names a number and a bound.",
-            ..Figure::by(first)
-        },
-        Figure {
-            id: "claims-second",
-            title: "What the second report claims, and what is measured",
-            report: Report::Second,
-            reproduces: "all claims of its text and figures",
-            shows: "Each claim of the second report with its number and the measured one. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
+        matters: "A sentence about an image becomes a statement that can fail once it names a number and a bound.",
+        ..Figure::by(first_content)
+    }]
+}
+
+/// A table of the second report's claims, each group on a scene of its own, which the table names.
+pub fn second() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-second",
+        title: "What the second report claims, and what is measured",
+        report: Report::Second,
+        reproduces: "all claims of its text and figures",
+        shows: "Each claim of the second report with its number and the measured one. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
                     glass from outside and inside, T refraction, E eye. A share of 2 % is what an observer just sees. Numbers from other scenes than the report's have no verdict.",
-            matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
-            papers: &[papers::HECKBERT],
-            beside: Some("claims-places"),
-            ..Figure::by(second)
-        },
-        Figure {
-            id: "claims-places",
-            title: "The places that the second report speaks of, and the light that makes them",
-            report: Report::Second,
-            reproduces: "Figure 1, what appears at each depth",
-            shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone. The frame \
+        matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
+        papers: &[papers::HECKBERT],
+        beside: Some("claims-places"),
+        ..Figure::by(second_content)
+    }]
+}
+
+/// Pictures of the places that the second report speaks of.
+pub fn places() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-places",
+        title: "The places that the second report speaks of, and the light that makes them",
+        report: Report::Second,
+        reproduces: "Figure 1, what appears at each depth",
+        shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone. The frame \
                     was found with one half of the samples, its share of the light measured with the other.",
-            matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
-            papers: &[papers::HECKBERT],
-            beside: Some("claims-second"),
-            ..Figure::by(places)
-        },
-    ]
+        matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
+        papers: &[papers::HECKBERT],
+        beside: Some("claims-second"),
+        ..Figure::by(places_content)
+    }]
 }
 
 fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
     studies.get("claims", || metal::table(2))
 }
 
-fn first(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+fn first_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let exact = sphere::small(inputs, studies)?;
     let series = sphere::series(inputs, studies)?;
     let tested = proposal::tested(inputs, studies)?;
@@ -82,7 +88,7 @@ fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> 
     studies.get("claims", || claims::depth_claims(&scene, &depths, effort, inputs.seed))
 }
 
-fn second(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_depths = of_depths(inputs, studies)?;
     let statues: Vec<_> =
         ALPHAS.iter().map(|&alpha| roughness::statue(inputs, studies, "Au", alpha)).collect::<Result<_>>()?;
@@ -114,7 +120,7 @@ fn second(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     content(Report::Second, &claims, checks)
 }
 
-fn places(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+fn places_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let (of_depths, depths) = (of_depths(inputs, studies)?, depth::series(inputs, studies)?);
     let image = |depth: u32| DEPTHS.iter().position(|d| *d == depth).map(|i| depths.images[i].clone());
     let drawing = view::places(&of_depths.pictures, image);

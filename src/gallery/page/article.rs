@@ -46,8 +46,10 @@ impl Article<'_> {
         let EmbeddedImage { source, width, height, .. } = &self.image;
         let Figure { title, shows, matters, .. } = self.figure;
         let (id, number, failed, kind) = (escape(self.figure.id), self.number, self.failed(), self.image.kind());
+        let input = &self.record.input;
+        let shows = &if input.is_empty() { (*shows).to_owned() } else { format!("{shows} Made with {input}.") };
         let [title, shows, matters, alternative] =
-            [*title, *shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
+            [*title, shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
         let (beside, render) = (self.figure.beside.unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
         let there = FILES.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();

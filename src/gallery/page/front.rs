@@ -96,13 +96,18 @@ pub fn footer(articles: &[Article<'_>]) -> String {
         *setups.entry(&article.record.setup).or_default() += 1;
     }
     let setup = |(setup, count): (&Setup, usize)| {
-        let Setup { version, commit, date, seed, map, options, cpu, cores, threads, system } = setup;
+        let Setup { version, commit, date, seed, map, options, originals, cpu, cores, threads, system } = setup;
         let (figures, command) = (counted(count, "figure"), escape(&join("etalon reproduce", options)));
         let built = if commit.is_empty() { String::new() } else { format!(" (commit {commit})") };
         let day = if date.is_empty() { String::new() } else { format!(", {date}") };
         let run = escape(&format!("etalon {version}{built}{day}, seed {seed}, map {map}"));
         let machine = format!("{cpu}, {}, {}, {system}", counted(*cores, "core"), counted(*threads, "thread"));
-        format!("<p>{figures} by <code>{command}</code>: {run}; {}</p>\n", escape(&machine))
+        let known = if originals.is_empty() {
+            "none of the reports' own files".to_owned()
+        } else {
+            format!("the reports' own files, recognised by checksums: {}", originals.join(", "))
+        };
+        format!("<p>{figures} by <code>{command}</code>: {run}; {}; {}</p>\n", escape(&known), escape(&machine))
     };
     let setups: String = setups.into_iter().map(setup).collect();
     let repository = env!("CARGO_PKG_REPOSITORY");
